@@ -1,0 +1,23 @@
+"""The named plants: `MODELS` by id, `model(id)` with a clear error for an unknown one."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from ..engine.errors import EngineError
+from . import platform
+from .model import Model, Signal, Window
+
+__all__ = ["MODELS", "Model", "Signal", "Window", "model"]
+
+MODELS: MappingProxyType[str, Model] = MappingProxyType({m.id: m for m in (
+    platform.DECK, platform.PLATFORM,
+)})
+
+
+def model(id: str) -> Model:
+    """The model of that id. Raises EngineError, naming the ids there are."""
+    try:
+        return MODELS[id]
+    except (KeyError, TypeError):
+        raise EngineError(f"There is no plant {id!r}; choose one of {', '.join(MODELS)}.") from None
