@@ -1,0 +1,126 @@
+"""Sets of poles: checking a request, matching two sets, moving one pole by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from .errors import PoleError
+
+__all__ = ["check_poles", "match_poles", "move_pole", "pole_text"]
+
+PAIR_TOLERANCE = 1e-9  # how far a pole may be from the conjugate of its partner, relative to its size
+LARGEST = 1e12  # rad/s; beyond this a request is a slip of the hand
+
+
+def pole_text(pole: complex) -> str:
+    """A pole as a short human-readable number: 2, -1.5, -1 + 2j."""
+    pole = complex(pole)
+    if abs(pole.imag) <= 1e-12 * max(1.0, abs(pole)):
+        return f"{pole.real + 0.0:.6g}"
+    return f"{pole.real + 0.0:.6g} {'+' if pole.imag > 0 else '-'} {abs(pole.imag):.6g}j"
+
+
+def check_poles(poles: Iterable[complex], count: int) -> np.ndarray:
+    """The request as `count` complex numbers, conjugate pairs made exact, in the order given.
+
+    Raises PoleError for a wrong number, NaN, infinity, absurd size, or a complex pole without its conjugate.
+    """
+    try:
+        asked = np.atleast_1d(np.asarray(poles if isinstance(poles, np.ndarray) else list(poles), dtype=complex)).ravel()
+    except (TypeError, ValueError) as problem:
+        raise PoleError("The poles must be numbers, real or complex.") from problem
+    if asked.size != count:
+        raise PoleError(f"{count} poles are needed, one for each state, but {asked.size} were asked for.")
+    if not np.all(np.isfinite(asked)):
+        raise PoleError("A requested pole is NaN or infinite; every pole must be a finite number.")
+    if asked.size and np.abs(asked).max() > LARGEST:
+        raise PoleError(f"A requested pole is larger than {LARGEST:g}; ask for slower poles.")
+    return _pair_up(asked.copy())
+
+
+def _pair_up(asked: np.ndarray) -> np.ndarray:
+    """Make near-real poles real and near-conjugate pairs exact; PoleError where a partner is missing."""
+    size = np.maximum(np.abs(asked), np.finfo(float).tiny)
+    asked[np.abs(asked.imag) <= PAIR_TOLERANCE * size] = asked[np.abs(asked.imag) <= PAIR_TOLERANCE * size].real
+    lower = [i for i in range(asked.size) if asked[i].imag < 0]
+    for i in (i for i in range(asked.size) if asked[i].imag > 0):
+        partner = min(lower, key=lambda j: abs(asked[j] - asked[i].conjugate()), default=None)
+        if partner is None or abs(asked[partner] - asked[i].conjugate()) > PAIR_TOLERANCE * size[i]:
+            raise _unpaired(asked[i])
+        asked[partner] = asked[i].conjugate()
+        lower.remove(partner)
+    if lower:
+        raise _unpaired(asked[lower[0]])
+    return asked
+
+
+def _unpaired(pole: complex) -> PoleError:
+    return PoleError(
+        f"The complex pole {pole_text(pole)} lacks its conjugate {pole_text(pole.conjugate())}: "
+        "a real gain moves complex poles in pairs, so ask for both."
+    )
+
+
+def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.ndarray) -> tuple[np.ndarray, float]:
+    """Match two sets of equally many poles by least total distance.
+
+    Returns the order of `b` (so that b[order[i]] belongs to a[i]) and the largest matched distance |a[i] − b[order[i]]|.
+    Sorting would tear conjugate pairs and multiple poles apart; the assignment problem does not.
+    Raises PoleError where the sets differ in size.
+    """
+    first, second = np.asarray(a, dtype=complex).ravel(), np.asarray(b, dtype=complex).ravel()
+    if first.size != second.size:
+        raise PoleError(f"A set of {first.size} poles cannot be matched with a set of {second.size}.")
+    if first.size == 0:
+        return np.empty(0, dtype=int), 0.0
+    distance = np.abs(first[:, None] - second[None, :])
+    rows, columns = linear_sum_assignment(distance)
+    return columns, float(distance[rows, columns].max())
+
+
+def move_pole(
+    poles: Sequence[complex], index: int, to: complex, axis_snap: float = 0.0, fixed: Sequence[int] = ()
+) -> tuple[complex, ...]:
+    """The set after pole `index` was dragged to `to`; the set stays closed under conjugation.
+
+    A pair moves together. A pole of a pair dragged within `axis_snap` of the real axis makes both real. A real pole
+    dragged off the axis takes the nearest other real pole along as its conjugate, or stays on the axis if there is
+    none. Indices in `fixed` never move. Raises PoleError for an index or a target that makes no sense.
+    """
+    moved = [complex(pole) for pole in poles]
+    to = complex(to)
+    if not 0 <= index < len(moved):
+        raise PoleError(f"There is no pole number {index}; the set has {len(moved)}.")
+    if not np.isfinite(to):
+        raise PoleError("A pole can only be moved to a finite place.")
+    partner = _partner(moved, index)
+    if index in fixed or partner in fixed:
+        return tuple(moved)
+    on_axis = to.imag == 0 or abs(to.imag) < axis_snap
+    if partner is None and not on_axis:
+        partner = _nearest_real(moved, index, to, fixed)
+        on_axis = partner is None
+    moved[index] = complex(to.real, 0.0) if on_axis else to
+    if partner is not None:
+        moved[partner] = moved[index].conjugate() if not on_axis else complex(to.real, 0.0)
+    return tuple(moved)
+
+
+def _partner(poles: list[complex], index: int) -> int | None:
+    """Index of the conjugate of a complex pole; equal pairs are told apart by their order in the set."""
+    here = poles[index]
+    if here.imag == 0:
+        return None
+    same = [i for i, pole in enumerate(poles) if abs(pole - here) <= PAIR_TOLERANCE * abs(here)]
+    conjugate = [i for i, pole in enumerate(poles) if abs(pole - here.conjugate()) <= PAIR_TOLERANCE * abs(here)]
+    if len(conjugate) != len(same):
+        raise _unpaired(here)
+    return conjugate[same.index(index)]
+
+
+def _nearest_real(poles: list[complex], index: int, to: complex, fixed: Sequence[int]) -> int | None:
+    free = [i for i, pole in enumerate(poles) if i != index and i not in fixed and pole.imag == 0]
+    return min(free, key=lambda i: abs(poles[i] - to), default=None)
