@@ -1,0 +1,276 @@
+"""Plants from and to JSON, MATLAB .mat files and python-control: names, units and period travel along.
+
+A file comes from a stranger: its size, depth, shapes and kinds are checked before anything is built from it.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import zlib
+from collections import Counter
+from pathlib import Path
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.io import loadmat, savemat, whosmat
+
+from .errors import EngineError
+from .plant import Plant
+
+if TYPE_CHECKING:
+    import control  # imported where it is used: it takes a second to load
+
+__all__ = ["from_control", "from_json", "from_mat", "load_plant", "to_control", "to_json", "to_mat"]
+
+MAX_STATES, MAX_SIGNALS, MAX_BYTES, MAX_NAME = 30, 16, 1_000_000, 100
+_FORMAT = "observer-lab plant"
+_MATRICES = ("A", "B", "C", "D")
+_NAMES = ("states", "inputs", "outputs")
+_MAT_NUMBERS = {"double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"}
+
+
+def _bounded(plant: Plant) -> Plant:
+    if not 1 <= plant.n <= MAX_STATES:
+        raise EngineError(f"A plant needs 1 to {MAX_STATES} states; this one has {plant.n}.")
+    if not (1 <= plant.m <= MAX_SIGNALS and 1 <= plant.p <= MAX_SIGNALS):
+        raise EngineError(f"A plant needs 1 to {MAX_SIGNALS} inputs and outputs; this one has {plant.m} and {plant.p}.")
+    return plant
+
+
+def _check_size(count: int) -> None:
+    if count > MAX_BYTES:
+        raise EngineError("The file is larger than 1 MB; a plant with 30 states needs far less.")
+
+
+def _word(value: object, what: str) -> str:
+    if not isinstance(value, str) or len(value) > MAX_NAME or not value.isprintable():
+        raise EngineError(f"{what} must be plain text of at most {MAX_NAME} characters.")
+    return value
+
+
+def _words(value: object, what: str) -> tuple[str, ...]:
+    if not isinstance(value, list) or len(value) > MAX_STATES:
+        raise EngineError(f"{what} must be a list of at most {MAX_STATES} names.")
+    return tuple(_word(item, f"Each name in {what}") for item in value)
+
+
+def _units(value: object) -> tuple[tuple[str, str], ...]:
+    if not isinstance(value, dict) or len(value) > MAX_STATES + 2 * MAX_SIGNALS:
+        raise EngineError("units must be an object that maps a signal name to its unit.")
+    return tuple((_word(k, "A unit's signal"), _word(v, "A unit")) for k, v in value.items())
+
+
+def _number(value: object, what: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise EngineError(f"{what} must hold real numbers only.")
+    try:
+        return float(value)
+    except OverflowError as problem:
+        raise EngineError(f"{what} holds a number too large to store.") from problem
+
+
+def _rows(value: object, what: str) -> list[list[float]]:
+    rows = value if isinstance(value, list) else None
+    if not rows or len(rows) > MAX_STATES or not all(isinstance(row, list) for row in rows):
+        raise EngineError(f"{what} must be a list of 1 to {MAX_STATES} rows, each a list of numbers.")
+    if len({len(row) for row in rows}) != 1 or not 1 <= len(rows[0]) <= MAX_STATES:
+        raise EngineError(f"The rows of {what} must be equally long, with 1 to {MAX_STATES} numbers each.")
+    return [[_number(entry, what) for entry in row] for row in rows]
+
+
+def _labels(plant: Plant) -> dict[str, Any]:
+    return {"name": plant.name, "states": list(plant.state_names), "inputs": list(plant.input_names),
+            "outputs": list(plant.output_names), "units": dict(plant.units)}
+
+
+def _build(matrices: dict[str, Any], dt: float, labels: dict[str, Any]) -> Plant:
+    missing = [key for key in "ABC" if matrices.get(key) is None]
+    if missing:
+        raise EngineError(f"The file has no matrix {missing[0]}; a plant needs A, B and C (D may be left out).")
+    states, inputs, outputs = (_words(labels.get(key, []), key) for key in _NAMES)
+    name, units = _word(labels.get("name", ""), "name"), _units(labels.get("units", {}))
+    matrix = [matrices.get(key) for key in _MATRICES]
+    return _bounded(Plant(*matrix, dt, states, inputs, outputs, units, name))  # type: ignore[arg-type]
+
+
+def to_json(plant: Plant) -> str:
+    """The plant as JSON text; floats are written so that they read back exactly.
+
+    Keys: format, version, name, dt (s), A, B, C, D (lists of rows), states, inputs, outputs, units.
+    Raises EngineError beyond 30 states or 16 inputs or outputs, or without states.
+    """
+    _bounded(plant)
+    matrices = {key: getattr(plant, key).tolist() for key in _MATRICES}
+    return json.dumps({"format": _FORMAT, "version": 1, "dt": plant.dt, **matrices, **_labels(plant)},
+                      ensure_ascii=False)
+
+
+def _constant(word: str) -> float:
+    raise EngineError(f"The file holds {word}; every number must be finite.")
+
+
+def _parse(text: str) -> dict[str, Any]:
+    _check_size(len(text))
+    try:
+        data = json.loads(text, parse_constant=_constant)
+    except EngineError:
+        raise
+    except (ValueError, RecursionError) as problem:
+        raise EngineError("This is not readable JSON; save the plant again from the lab.") from problem
+    if not isinstance(data, dict):
+        raise EngineError("The JSON must be one object with the matrices A, B, C and optionally D.")
+    return data
+
+
+def from_json(text: str) -> Plant:
+    """A plant from `to_json`'s text, or from any object with A, B, C and optionally the other keys.
+
+    Raises EngineError for text above 1 MB, not JSON, of another format or version, or with anything but finite
+    numbers in the matrices; ShapeError where the shapes disagree.
+    """
+    data = _parse(text)
+    if data.get("format", _FORMAT) != _FORMAT or data.get("version", 1) != 1:
+        raise EngineError("This JSON is not a plant of version 1; export it again with this version of the lab.")
+    matrices = {key: _rows(data[key], key) for key in _MATRICES if data.get(key) is not None}
+    return _build(matrices, _number(data.get("dt", 0.0), "dt"), data)
+
+
+def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
+    """Write a MATLAB 5 file with A, B, C, D, Ts (s, 0 for continuous time) and `labels`.
+
+    In MATLAB: sys = ss(A, B, C, D, Ts), and jsondecode(labels) gives names and units.
+    Raises EngineError beyond 30 states or 16 inputs or outputs, or without states.
+    """
+    _bounded(plant)
+    labels = json.dumps(_labels(plant))
+    target = path if hasattr(path, "write") else os.fspath(path)  # type: ignore[arg-type]
+    savemat(target, {**{key: getattr(plant, key) for key in _MATRICES}, "Ts": plant.dt, "labels": labels},
+            appendmat=False, do_compression=True)
+
+
+def _refuse_bombs(data: bytes) -> None:
+    """A compressed variable may claim little and unpack to gigabytes: unpack it here with a limit."""
+    place, total = 128, 0
+    order = "little" if data[126:128] == b"IM" else "big"
+    while place + 8 <= len(data):
+        kind = int.from_bytes(data[place:place + 4], order)
+        size = int.from_bytes(data[place + 4:place + 8], order)
+        if kind == 15:
+            unpacked = zlib.decompressobj().decompress(data[place + 8:place + 8 + size], MAX_BYTES + 1)
+            total += len(unpacked)
+            _check_size(total)
+        place += 8 + size
+
+
+def _wanted(data: bytes) -> list[str]:
+    """Names of the variables worth reading, after a look at nothing but their headers."""
+    names = []
+    for name, shape, kind in whosmat(io.BytesIO(data)):
+        if name in (*_MATRICES, "Ts", "dt"):
+            if kind not in _MAT_NUMBERS or len(shape) != 2 or max(shape) > MAX_STATES:
+                raise EngineError(f"{name} must be a full real matrix of at most {MAX_STATES}×{MAX_STATES} numbers.")
+            names.append(name)
+        elif name == "labels" and kind == "char" and np.prod(shape, dtype=float) <= MAX_BYTES:
+            names.append(name)
+    return names
+
+
+def _read_mat(data: bytes) -> dict[str, Any]:
+    try:
+        if data[:4] and 0 not in data[:4]:  # MATLAB 4 begins with a zero byte, 5 with text
+            _refuse_bombs(data)
+        return loadmat(io.BytesIO(data), variable_names=_wanted(data), chars_as_strings=True)
+    except EngineError:
+        raise
+    except NotImplementedError as problem:
+        raise EngineError("This .mat file is of version 7.3; save it in MATLAB with the option -v7.") from problem
+    except (Exception, MemoryError) as problem:  # whatever a broken file makes the reader raise
+        raise EngineError("This is not a readable .mat file; save A, B, C, D with MATLAB's save -v7.") from problem
+
+
+def _bytes_of(source: str | os.PathLike[str] | bytes) -> bytes:
+    if isinstance(source, bytes):
+        _check_size(len(source))
+        return source
+    try:
+        with open(source, "rb") as file:
+            data = file.read(MAX_BYTES + 1)
+    except (OSError, ValueError) as problem:
+        raise EngineError(f"The file {Path(source).name} cannot be read; check its name and place.") from problem
+    _check_size(len(data))
+    return data
+
+
+def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
+    """A plant from a .mat file (a path or its bytes) with the variables A, B, C, optionally D, Ts or dt, labels.
+
+    Raises EngineError for files above 1 MB packed or unpacked, unreadable, of version 7.3, or with anything but
+    full real matrices; ShapeError where the shapes disagree.
+    """
+    found = _read_mat(_bytes_of(source))
+    matrices = {key: found[key] for key in _MATRICES if key in found}
+    if any(np.iscomplexobj(matrix) for matrix in matrices.values()):
+        raise EngineError("The matrices must be real; this file holds complex numbers.")
+    period = np.ravel(found.get("Ts", found.get("dt", 0.0)))
+    if period.size != 1 or np.iscomplexobj(period):
+        raise EngineError("Ts must be one number: the sampling period in seconds, or 0.")
+    text = np.ravel(found.get("labels", []))
+    return _build(matrices, float(period[0]), _parse(str(text[0])) if text.size else {})
+
+
+def load_plant(path: str | os.PathLike[str]) -> Plant:
+    """A plant from a file, by its suffix: .json or .mat. Raises EngineError for any other, and as they do."""
+    suffix = Path(path).suffix.lower()
+    if suffix == ".mat":
+        return from_mat(path)
+    if suffix != ".json":
+        raise EngineError("A plant file must end in .json or .mat.")
+    try:
+        text = _bytes_of(path).decode("utf-8-sig")
+    except UnicodeDecodeError as problem:
+        raise EngineError("The JSON file must be UTF-8 text; save it again from the lab.") from problem
+    return from_json(text)
+
+
+def to_control(plant: Plant) -> control.StateSpace:
+    """The plant as control.StateSpace, with names and dt; units ride along in the attribute `units`.
+
+    A dot is not allowed in python-control's system names and becomes an underscore.
+    Raises EngineError when two signals of one kind share a name, which python-control would merge.
+    """
+    from control import StateSpace
+
+    for names in (plant.state_names, plant.input_names, plant.output_names):
+        twice = [name for name, count in Counter(names).items() if count > 1]
+        if twice:
+            raise EngineError(f"Two signals are called {twice[0]}; give each its own name.")
+    system = StateSpace(plant.A, plant.B, plant.C, plant.D, plant.dt, states=list(plant.state_names),
+                        inputs=list(plant.input_names), outputs=list(plant.output_names),
+                        name=plant.name.replace(".", "_") or None)
+    system.units = dict(plant.units)  # type: ignore[attr-defined]
+    return system
+
+
+def from_control(system: control.StateSpace) -> Plant:
+    """The plant of a control.StateSpace; its default names (x[0], sys[3]) become the lab's own.
+
+    Raises EngineError for anything but a StateSpace, for dt=True (period unknown), and beyond the bounds.
+    """
+    from control import StateSpace
+
+    if not isinstance(system, StateSpace):
+        raise EngineError("Only a control.StateSpace can be taken over; convert the system with control.ss first.")
+    if system.dt is True:
+        raise EngineError("The sampling period is unspecified (dt=True); give it in seconds.")
+
+    def given(labels: list[str], letter: str) -> tuple[str, ...]:
+        return () if labels == [f"{letter}[{i}]" for i in range(len(labels))] else tuple(labels)
+
+    name = str(system.name or "")
+    A, B, C, D = (np.asarray(getattr(system, key)) for key in _MATRICES)
+    return _bounded(Plant(
+        A, B, C, D, float(system.dt or 0.0), given(system.state_labels, "x"), given(system.input_labels, "u"),
+        given(system.output_labels, "y"), tuple(dict(getattr(system, "units", {})).items()), "" if re.fullmatch(r"sys\[\d+\]", name) else name))
