@@ -12,7 +12,7 @@ from .plant import Plant, as_matrix
 
 __all__ = ["Run", "Scenario"]
 
-Given = Any  # an array after construction, whatever was given (None only where the docstring says so)
+Given = Any  # an array after construction, whatever was given
 MOST_NUMBERS = 40_000_000  # state numbers in one run; 320 MB
 
 
@@ -73,6 +73,17 @@ class Scenario:
     [u_min, u_max] and delays it by `delay` seconds (whole dt; before that the plant gets zero input).
     The observer is fed the clipped input (`fed="applied"`) or the asked one (`"commanded"`), never the delay.
 
+    K: m×n (None: open loop), L: n×p (None: an open-loop copy of the plant). `model` is what observer and
+    controller believe (None: the truth); its order may differ from the plant's, K, L and xhat0 go with the model.
+    `reference`: (n_t, m) or (m,), held between grid points. `impulses`: (time s, jump of the plant state (n,)).
+    W (q×q), V (p×p): intensities of w and v; a number is that number times I. w enters through G (n×q), by
+    default B where W is m×m and I where W is n×n. With `sampled` (or a plant with dt > 0) observer and
+    controller run once every dt with a held input. A plant with dt > 0 takes W, V as covariances of a sample.
+    Everything but reference, W, V and G is an array (or a Plant) after construction.
+    Raises ShapeError or EngineError, one sentence each.
+    """
+
+    plant: Plant
     K: Given = None
     L: Given = None
     model: Given = None
