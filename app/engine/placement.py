@@ -11,7 +11,7 @@ from scipy.linalg import matrix_balance
 from .eigenstructure import controllable_split, input_factors, place_by_deflation, place_robustly
 from .errors import PoleError, ShapeError
 from .plant import as_matrix
-from .pole_sets import check_poles, match_poles, move_pole, pole_text
+from .pole_sets import Poles, check_poles, match_poles, move_pole, pole_text
 
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
 
@@ -29,14 +29,14 @@ class Placement:
     """
 
     gain: np.ndarray
-    asked: np.ndarray
-    reached: np.ndarray
+    asked: Poles
+    reached: Poles
     error: float
     condition: float
-    fixed: np.ndarray
+    fixed: Poles
 
     @property
-    def poles(self) -> np.ndarray:
+    def poles(self) -> Poles:
         """The poles reached, sorted by (real, imag)."""
         return np.sort_complex(self.reached)
 
@@ -44,9 +44,10 @@ class Placement:
 def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
     """State-feedback gain K (m×n) with eig(A − BK) = poles, u = −Kx.
 
-    A is n×n, B n×m; n poles closed under conjugation, of any multiplicity. With several inputs the freedom left is used
-    to make the eigenvectors as independent as possible (Kautsky, Nichols and Van Dooren 1985). Uncontrollable modes must
-    be among the poles. Raises PoleError with the reason where no gain exists, ShapeError where shapes disagree.
+    A is n×n, B n×m; n poles closed under conjugation, of any multiplicity. With several inputs the freedom left is
+    used to make the eigenvectors as independent as possible (Kautsky, Nichols and Van Dooren 1985). Uncontrollable
+    modes must be among the poles. Raises PoleError with the reason where no gain exists, ShapeError where shapes
+    disagree.
     """
     matrices = _checked_pair(A, B, "A", "B")
     return _place(*matrices, poles, _Wording("uncontrollable", "K"))
@@ -85,7 +86,7 @@ def _place(A: np.ndarray, B: np.ndarray, poles: Iterable[complex], words: _Wordi
     A_balanced, B_balanced = A * (scales / scales[:, None]), B / scales[:, None]
     Q, reachable = controllable_split(A_balanced, B_balanced)
     if reachable == n:
-        K, condition = _gain(A, B, asked)
+        K, condition = _gain(A, B, asked, scales)
         return _judge(A, B, K, asked, condition, np.empty(0, dtype=complex))
     hidden = Q[:, reachable:]
     fixed = np.sort_complex(np.linalg.eigvals(hidden.T @ A_balanced @ hidden).astype(complex))
@@ -93,11 +94,11 @@ def _place(A: np.ndarray, B: np.ndarray, poles: Iterable[complex], words: _Wordi
     seen = Q[:, :reachable]
     K = np.zeros((B.shape[1], n))
     if reachable:
-        K = _gain(seen.T @ A_balanced @ seen, seen.T @ B_balanced, free)[0] @ seen.T / scales
+        K = _gain(seen.T @ A_balanced @ seen, seen.T @ B_balanced, free, np.ones(reachable))[0] @ seen.T / scales
     return _judge(A, B, K, asked, None, fixed)
 
 
-def _without_fixed(asked: np.ndarray, fixed: np.ndarray, words: _Wording) -> np.ndarray:
+def _without_fixed(asked: Poles, fixed: Poles, words: _Wording) -> Poles:
     """The request without the poles nobody can move; PoleError where one of them was not asked for."""
     left = list(asked)
     for mode in fixed:
@@ -112,29 +113,36 @@ def _without_fixed(asked: np.ndarray, fixed: np.ndarray, words: _Wording) -> np.
     return check_poles(left, len(left))
 
 
-def _gain(A: np.ndarray, B: np.ndarray, asked: np.ndarray) -> tuple[np.ndarray, float | None]:
-    """Gain of a controllable pair and the condition of its eigenvectors (None: to be measured)."""
+def _gain(A: np.ndarray, B: np.ndarray, asked: Poles, scales: np.ndarray) -> tuple[np.ndarray, float | None]:
+    """Gain of a controllable pair and the condition of its eigenvectors (None: to be measured).
+
+    Deflation works in the balanced coordinates x / scales; the condition of robust eigenvectors is one of x itself.
+    """
+
+    def deflated() -> np.ndarray:
+        return place_by_deflation(A * (scales / scales[:, None]), B / scales[:, None], asked) / scales
+
     rank = input_factors(B)[0].shape[1]
     multiplicity = max(int(np.count_nonzero(asked == pole)) for pole in asked)
     if multiplicity > rank:
-        return place_by_deflation(A, B, asked), np.inf
+        return deflated(), np.inf
     if rank == 1:
-        return place_by_deflation(A, B, asked), None
+        return deflated(), None
     K, condition = place_robustly(A, B, asked)
     if condition < POOR_EIGENVECTORS:
         return K, condition
-    other = place_by_deflation(A, B, asked)
+    other = deflated()
     if np.isfinite(condition) and _miss(A, B, K, asked) <= _miss(A, B, other, asked):
         return K, condition
     return other, np.inf if multiplicity > 1 else None
 
 
-def _miss(A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: np.ndarray) -> float:
+def _miss(A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: Poles) -> float:
     return match_poles(asked, np.linalg.eigvals(A - B @ K))[1]
 
 
 def _judge(
-    A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: np.ndarray, condition: float | None, fixed: np.ndarray
+    A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: Poles, condition: float | None, fixed: Poles
 ) -> Placement:
     if not np.all(np.isfinite(K)):
         raise PoleError("No finite gain reaches these poles: the plant is too nearly uncontrollable for them.")

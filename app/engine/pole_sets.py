@@ -5,13 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from .errors import PoleError
 
-__all__ = ["check_poles", "match_poles", "move_pole", "pole_text"]
+__all__ = ["Poles", "check_poles", "match_poles", "move_pole", "pole_text"]
+
+Poles = npt.NDArray[np.complex128]
 
 PAIR_TOLERANCE = 1e-9  # how far a pole may be from the conjugate of its partner, relative to its size
+SMALLEST = 1e-100  # the size below which no pole is told apart from 0
 LARGEST = 1e12  # rad/s; beyond this a request is a slip of the hand
 
 
@@ -23,13 +27,14 @@ def pole_text(pole: complex) -> str:
     return f"{pole.real + 0.0:.6g} {'+' if pole.imag > 0 else '-'} {abs(pole.imag):.6g}j"
 
 
-def check_poles(poles: Iterable[complex], count: int) -> np.ndarray:
+def check_poles(poles: Iterable[complex], count: int) -> Poles:
     """The request as `count` complex numbers, conjugate pairs made exact, in the order given.
 
     Raises PoleError for a wrong number, NaN, infinity, absurd size, or a complex pole without its conjugate.
     """
     try:
-        asked = np.atleast_1d(np.asarray(poles if isinstance(poles, np.ndarray) else list(poles), dtype=complex)).ravel()
+        given = poles if isinstance(poles, np.ndarray) else list(poles)
+        asked = np.asarray(given, dtype=np.complex128).ravel()
     except (TypeError, ValueError) as problem:
         raise PoleError("The poles must be numbers, real or complex.") from problem
     if asked.size != count:
@@ -41,10 +46,11 @@ def check_poles(poles: Iterable[complex], count: int) -> np.ndarray:
     return _pair_up(asked.copy())
 
 
-def _pair_up(asked: np.ndarray) -> np.ndarray:
+def _pair_up(asked: Poles) -> Poles:
     """Make near-real poles real and near-conjugate pairs exact; PoleError where a partner is missing."""
-    size = np.maximum(np.abs(asked), np.finfo(float).tiny)
-    asked[np.abs(asked.imag) <= PAIR_TOLERANCE * size] = asked[np.abs(asked.imag) <= PAIR_TOLERANCE * size].real
+    size = np.maximum(np.abs(asked), SMALLEST)
+    near_real = np.abs(asked.imag) <= PAIR_TOLERANCE * size
+    asked[near_real] = asked[near_real].real
     lower = [i for i in range(asked.size) if asked[i].imag < 0]
     for i in (i for i in range(asked.size) if asked[i].imag > 0):
         partner = min(lower, key=lambda j: abs(asked[j] - asked[i].conjugate()), default=None)
@@ -67,7 +73,7 @@ def _unpaired(pole: complex) -> PoleError:
 def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.ndarray) -> tuple[np.ndarray, float]:
     """Match two sets of equally many poles by least total distance.
 
-    Returns the order of `b` (so that b[order[i]] belongs to a[i]) and the largest matched distance |a[i] − b[order[i]]|.
+    Returns the order of `b`, so that b[order[i]] belongs to a[i], and the largest distance |a[i] − b[order[i]]|.
     Sorting would tear conjugate pairs and multiple poles apart; the assignment problem does not.
     Raises PoleError where the sets differ in size.
     """
@@ -99,7 +105,7 @@ def move_pole(
     partner = _partner(moved, index)
     if index in fixed or partner in fixed:
         return tuple(moved)
-    on_axis = to.imag == 0 or abs(to.imag) < axis_snap
+    on_axis = abs(to.imag) < axis_snap or abs(to.imag) <= PAIR_TOLERANCE * max(abs(to), SMALLEST)
     if partner is None and not on_axis:
         partner = _nearest_real(moved, index, to, fixed)
         on_axis = partner is None
@@ -114,11 +120,12 @@ def _partner(poles: list[complex], index: int) -> int | None:
     here = poles[index]
     if here.imag == 0:
         return None
-    same = [i for i, pole in enumerate(poles) if abs(pole - here) <= PAIR_TOLERANCE * abs(here)]
-    conjugate = [i for i, pole in enumerate(poles) if abs(pole - here.conjugate()) <= PAIR_TOLERANCE * abs(here)]
-    if len(conjugate) != len(same):
-        raise _unpaired(here)
-    return conjugate[same.index(index)]
+    for tolerance in (0.0, PAIR_TOLERANCE * abs(here)):
+        same = [i for i, pole in enumerate(poles) if abs(pole - here) <= tolerance]
+        conjugate = [i for i, pole in enumerate(poles) if abs(pole - here.conjugate()) <= tolerance]
+        if len(conjugate) == len(same):
+            return conjugate[same.index(index)]
+    raise _unpaired(here)
 
 
 def _nearest_real(poles: list[complex], index: int, to: complex, fixed: Sequence[int]) -> int | None:
