@@ -115,15 +115,14 @@ class Switcher:
     def _stretch(self, mode: Mode, z: np.ndarray, force: np.ndarray, r: np.ndarray,
                  left: float) -> tuple[np.ndarray, float]:
         """Stay in one mode for the longest dyadic part of the step that holds no switching, or up to the switching."""
-        F, level, part = self.loop.F, 0, self.h
+        F, part = self.loop.F, self.h
         u0, d0 = F @ z + r, mode.FM @ z + F @ force
-        while level < len(mode.flow) - 1:
+        for Phi, Phi1 in mode.flow:
             if part <= left * (1 + 1e-12):
-                Phi, Phi1 = mode.flow[level]
                 after = Phi @ z + Phi1 @ force
                 if self._stays(mode, u0, F @ after + r, d0, mode.FM @ after + F @ force, part):
                     return after, part
-            level, part = level + 1, part / 2
+            part /= 2
         part = min(mode.short, left)
         change = (mode.taylor @ (mode.M @ z + force)).reshape(TERMS, -1)
         coefficients = np.vstack([u0, change @ F.T])
