@@ -5,19 +5,18 @@ A file comes from a stranger: its size, depth, shapes and kinds are checked befo
 
 from __future__ import annotations
 
-import io
 import json
 import os
 import re
-import zlib
 from collections import Counter
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.io import loadmat, savemat, whosmat
+from scipy.io import savemat
 
 from .errors import EngineError
+from .matfile import read_mat
 from .plant import Plant
 
 if TYPE_CHECKING:
@@ -29,7 +28,6 @@ MAX_STATES, MAX_SIGNALS, MAX_BYTES, MAX_NAME = 30, 16, 1_000_000, 100
 _FORMAT = "observer-lab plant"
 _MATRICES = ("A", "B", "C", "D")
 _NAMES = ("states", "inputs", "outputs")
-_MAT_NUMBERS = {"double", "single", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"}
 
 
 def _bounded(plant: Plant) -> Plant:
@@ -151,44 +149,11 @@ def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
             appendmat=False, do_compression=True)
 
 
-def _refuse_bombs(data: bytes) -> None:
-    """A compressed variable may claim little and unpack to gigabytes: unpack it here with a limit."""
-    place, total = 128, 0
-    order = "little" if data[126:128] == b"IM" else "big"
-    while place + 8 <= len(data):
-        kind = int.from_bytes(data[place:place + 4], order)
-        size = int.from_bytes(data[place + 4:place + 8], order)
-        if kind == 15:
-            unpacked = zlib.decompressobj().decompress(data[place + 8:place + 8 + size], MAX_BYTES + 1)
-            total += len(unpacked)
-            _check_size(total)
-        place += 8 + size
-
-
-def _wanted(data: bytes) -> list[str]:
-    """Names of the variables worth reading, after a look at nothing but their headers."""
-    names = []
-    for name, shape, kind in whosmat(io.BytesIO(data)):
-        if name in (*_MATRICES, "Ts", "dt"):
-            if kind not in _MAT_NUMBERS or len(shape) != 2 or max(shape) > MAX_STATES:
-                raise EngineError(f"{name} must be a full real matrix of at most {MAX_STATES}×{MAX_STATES} numbers.")
-            names.append(name)
-        elif name == "labels" and kind == "char" and np.prod(shape, dtype=float) <= MAX_BYTES:
-            names.append(name)
-    return names
-
-
-def _read_mat(data: bytes) -> dict[str, Any]:
-    try:
-        if data[:4] and 0 not in data[:4]:  # MATLAB 4 begins with a zero byte, 5 with text
-            _refuse_bombs(data)
-        return loadmat(io.BytesIO(data), variable_names=_wanted(data), chars_as_strings=True)
-    except EngineError:
-        raise
-    except NotImplementedError as problem:
-        raise EngineError("This .mat file is of version 7.3; save it in MATLAB with the option -v7.") from problem
-    except (Exception, MemoryError) as problem:  # whatever a broken file makes the reader raise
-        raise EngineError("This is not a readable .mat file; save A, B, C, D with MATLAB's save -v7.") from problem
+def _full(found: dict[str, Any], key: str) -> np.ndarray:
+    value = found[key]
+    if not isinstance(value, np.ndarray) or max(value.shape) > MAX_STATES:
+        raise EngineError(f"{key} must be a full real matrix of at most {MAX_STATES}×{MAX_STATES} numbers.")
+    return value
 
 
 def _bytes_of(source: str | os.PathLike[str] | bytes) -> bytes:
@@ -210,15 +175,13 @@ def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
     Raises EngineError for files above 1 MB packed or unpacked, unreadable, of version 7.3, or with anything but
     full real matrices; ShapeError where the shapes disagree.
     """
-    found = _read_mat(_bytes_of(source))
-    matrices = {key: found[key] for key in _MATRICES if key in found}
-    if any(np.iscomplexobj(matrix) for matrix in matrices.values()):
-        raise EngineError("The matrices must be real; this file holds complex numbers.")
-    period = np.ravel(found.get("Ts", found.get("dt", 0.0)))
-    if period.size != 1 or np.iscomplexobj(period):
+    found = read_mat(_bytes_of(source), MAX_BYTES)
+    period = [_full(found, key) for key in ("Ts", "dt") if key in found][:1] or [np.zeros((1, 1))]
+    if period[0].size != 1:
         raise EngineError("Ts must be one number: the sampling period in seconds, or 0.")
-    text = np.ravel(found.get("labels", []))
-    return _build(matrices, float(period[0]), _parse(str(text[0])) if text.size else {})
+    labels = found.get("labels")
+    matrices = {key: _full(found, key) for key in _MATRICES if key in found}
+    return _build(matrices, float(period[0].item()), _parse(labels) if isinstance(labels, str) else {})
 
 
 def load_plant(path: str | os.PathLike[str]) -> Plant:
@@ -273,4 +236,5 @@ def from_control(system: control.StateSpace) -> Plant:
     A, B, C, D = (np.asarray(getattr(system, key)) for key in _MATRICES)
     return _bounded(Plant(
         A, B, C, D, float(system.dt or 0.0), given(system.state_labels, "x"), given(system.input_labels, "u"),
-        given(system.output_labels, "y"), tuple(dict(getattr(system, "units", {})).items()), "" if re.fullmatch(r"sys\[\d+\]", name) else name))
+        given(system.output_labels, "y"), tuple(dict(getattr(system, "units", {})).items()),
+        "" if re.fullmatch(r"sys\[\d+\]", name) else name))

@@ -43,12 +43,24 @@ def _significant(block: np.ndarray, bound: float) -> tuple[np.ndarray, int]:
     return U, int(np.count_nonzero(s > bound))
 
 
-def _staircase(A: np.ndarray, B: np.ndarray, rtol: float) -> tuple[np.ndarray, int]:
-    """Orthogonal Q and r: the first r columns of Q span the subspace that B reaches through A."""
+def _unit_columns(B: np.ndarray) -> np.ndarray:
+    """B with its non-zero columns scaled to length one: the unit of an input or output decides nothing."""
+    size = np.linalg.norm(B, axis=0)
+    return B / np.where(size > 0, size, 1.0)
+
+
+def _size(A: np.ndarray) -> float:
+    return float(np.linalg.norm(A, 2)) if A.size else 0.0
+
+
+def _staircase(A: np.ndarray, B: np.ndarray, rtol: float, size: float) -> tuple[np.ndarray, int]:
+    """Orthogonal Q and r: the first r columns of Q span the subspace that B reaches through A.
+
+    Zero means below rtol for B (its columns have length one), below rtol·size for a block of A.
+    """
     n = A.shape[0]
-    size = float(np.linalg.norm(A, 2)) if n else 0.0
     Q, A, done = np.eye(n), A.copy(), 0
-    block, bound = B, rtol * (float(np.linalg.norm(B, 2)) if B.size else 0.0)
+    block, bound = B, rtol
     while done < n and block.size:
         U, step = _significant(block, bound)
         if step == 0:
@@ -70,10 +82,8 @@ def reachable_subspace(A: np.ndarray, B: np.ndarray, rtol: float | None = None) 
     Source: van Dooren, "The generalized eigenstructure problem in linear system theory" (1981), staircase form.
     """
     scale = state_scale(A)
-    scaled = B / scale[:, None]
-    size = np.linalg.norm(scaled, axis=0)
-    scaled = scaled[:, size > 0] / size[size > 0]
-    Q, r = _staircase(A * scale / scale[:, None], scaled, tolerance(rtol))
+    balanced = A * scale / scale[:, None]
+    Q, r = _staircase(balanced, _unit_columns(B / scale[:, None]), tolerance(rtol), _size(balanced))
     if np.all(scale == 1):
         return Q, r
     return np.linalg.qr(np.hstack([scale[:, None] * Q[:, :r], Q[:, r:] / scale[:, None]]))[0], r
@@ -94,7 +104,8 @@ def in_new_states(plant: Plant, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: 
     """A plant with the same inputs, outputs and period, whose states have lost their names and units."""
     signals = (*plant.input_names, *plant.output_names)
     units = tuple((name, unit) for name, unit in plant.units if name in signals)
-    return Plant(A, B, C, D, plant.dt, (), plant.input_names, plant.output_names, units, f"{plant.name} {label}".strip())
+    name = f"{plant.name} {label}".strip()
+    return Plant(A, B, C, D, plant.dt, (), plant.input_names, plant.output_names, units, name)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,23 +130,38 @@ class KalmanDecomposition:
 _ZERO_A = np.array([[0, 1, 0, 1], [0, 0, 0, 0], [1, 1, 0, 1], [1, 1, 0, 0]], dtype=bool)
 
 
-def _basis(plant: Plant, rtol: float) -> tuple[np.ndarray, tuple[int, int, int, int]]:
-    """T and the block sizes. Blocks have orthonormal columns; N ⊖ R is the only oblique one."""
-    n = plant.n
-    Qr, r = reachable_subspace(plant.A, plant.B, rtol)
-    R = Qr[:, :r]
-    Qi, both = unobservable_subspace(R.T @ plant.A @ R, plant.C @ R, rtol)  # R ∩ N, found inside R
-    Qn, hidden = unobservable_subspace(plant.A, plant.C, rtol)
-    N = Qn[:, n - hidden:]
-    neither = min(max(hidden - both, 0), n - r)
+def _subspaces(plant: Plant, rtol: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Bases of R ∩ N, of its complement in R (reachable) and of its complement in N (hidden).
+
+    R ∩ N is found inside R, as the part of R that C does not see: no angle between subspaces is ever judged.
+    """
+    scale = state_scale(plant.A)
+    A = plant.A * scale / scale[:, None]
+    B, C = _unit_columns(plant.B / scale[:, None]), _unit_columns((plant.C * scale).T).T
+    size = _size(A)
+    Q, r = _staircase(A, B, rtol, size)
+    R = Q[:, :r]
+    Q, seen = _staircase((R.T @ A @ R).T, (C @ R).T, rtol, size)
+    both, reached = R @ Q[:, seen:], R @ Q[:, :seen]
+    Q, seen = _staircase(A.T, C.T, rtol, size)
+    N = Q[:, seen:]
+    neither = min(max(N.shape[1] - both.shape[1], 0), plant.n - r)
     _, sines, V = np.linalg.svd(N - R @ (R.T @ N), full_matrices=True)
     if neither and sines[neither - 1] < 1e-9:
         raise EngineError("Reachable and hidden states nearly coincide here; choose a larger rtol to tell them apart.")
-    hidden_only = N @ V[:neither].T
-    spanned = np.hstack([R, hidden_only])
-    U = np.linalg.svd(spanned)[0] if spanned.size else np.eye(n)
-    T = np.hstack([R @ Qi, U[:, spanned.shape[1]:], hidden_only])
-    return T, (r - both, both, n - r - neither, neither)
+    return scale[:, None] * both, scale[:, None] * reached, scale[:, None] * (N @ V[:neither].T)
+
+
+def _basis(plant: Plant, rtol: float) -> tuple[np.ndarray, tuple[int, int, int, int]]:
+    """T and the block sizes; each block orthonormal, R and N orthonormal, the rest orthogonal to both."""
+    both, reached, hidden = _subspaces(plant, rtol)
+    k = both.shape[1]
+    R = np.linalg.qr(np.hstack([both, reached]))[0]
+    N = np.linalg.qr(np.hstack([both, hidden]))[0]
+    spanned = np.hstack([R, N[:, k:]])
+    rest = (np.linalg.svd(spanned)[0] if spanned.size else np.eye(plant.n))[:, spanned.shape[1]:]
+    T = np.hstack([R[:, k:], R[:, :k], rest, N[:, k:]])
+    return T, (R.shape[1] - k, k, rest.shape[1], N.shape[1] - k)
 
 
 def kalman_decomposition(plant: Plant, rtol: float | None = None) -> KalmanDecomposition:
