@@ -57,7 +57,7 @@ def _mode(loop: Loop, sign: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, h:
     return Mode(free, held, low, high, M, loop.F @ M, tuple(flow[::-1]), np.vstack(terms), short)
 
 
-def _bounds(u0: np.ndarray, u1: np.ndarray, d0: np.ndarray, d1: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+def bounds(u0: np.ndarray, u1: np.ndarray, d0: np.ndarray, d1: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     """Least and greatest value of u over a step from its ends and slopes; a turn between is bounded by its tangents."""
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         turn = u0 + d0 * (u1 - u0 - d1 * h) / (d0 - d1)
@@ -132,7 +132,7 @@ class Switcher:
         return after, left if leave * mode.short >= left * (1 - 1e-14) else leave * mode.short
 
     def _stays(self, mode: Mode, u0: np.ndarray, u1: np.ndarray, d0: np.ndarray, d1: np.ndarray, h: float) -> bool:
-        least, greatest = _bounds(u0, u1, d0, d1, h)
+        least, greatest = bounds(u0, u1, d0, d1, h)
         return bool(np.all(least >= mode.low - self.slack) and np.all(greatest <= mode.high + self.slack))
 
     def run(self, z0: np.ndarray, r: np.ndarray, v: np.ndarray, jumps: np.ndarray | None,
@@ -176,7 +176,7 @@ class Switcher:
             before = path[1:] if jumps is None else path[1:] - jumps[k:end]
             u0, u1 = path[:-1] @ F.T + r[k:end], before @ F.T + r[k:end]
             slope = force @ F.T
-            least, greatest = _bounds(u0, u1, path[:-1] @ mode.FM.T + slope, before @ mode.FM.T + slope, self.h)
+            least, greatest = bounds(u0, u1, path[:-1] @ mode.FM.T + slope, before @ mode.FM.T + slope, self.h)
             good = ((least >= mode.low - self.slack) & (greatest <= mode.high + self.slack)).all(axis=1)
             good &= np.abs(path[1:]).max(axis=1) < bound
         right = len(good) if good.all() else int(np.argmin(good))

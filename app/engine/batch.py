@@ -1,0 +1,190 @@
+"""Many starts of one scenario at once: the located switchings of saturation.py, vectorised across runs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from .disturbance import disturbances
+from .loop import Loop, ramped
+from .saturation import TERMS, Mode, Switcher, bounds
+from .scenario import Scenario
+from .simulate import loop_of
+
+__all__ = ["march_starts"]
+
+NEWTON = 60
+
+
+def march_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the states z = (x, x̂) of every start, (n_runs, N), at grid points 0, 1, … n_t − 1.
+
+    The scenario's own x0 and xhat0 are not used; its noise and impulses are the same for all starts. A yielded
+    array belongs to the caller; a row set to zero by the caller runs on from zero.
+    """
+    s = scenario
+    loop = loop_of(s)
+    d = disturbances(s, loop)
+    Z = starts + (d.z0 - np.concatenate([s.x0, s.xhat0]))  # impulses at t = 0
+    r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
+    late: list[np.ndarray] = []
+    stepper = _Sampled(s, loop, late) if s.discrete else _Continuous(s, loop, late)
+    for k in range(s.n_t - 1):
+        yield Z
+        Z = stepper.step(Z, r[k], d.v[k], d.kicks.get(k, []))
+        if d.jumps is not None:
+            Z = Z + d.jumps[k]
+    yield Z
+
+
+class _Sampled:
+    def __init__(self, s: Scenario, loop: Loop, late: list[np.ndarray]) -> None:
+        self.s, self.loop, self.late = s, loop, late
+
+    def step(self, Z: np.ndarray, r: np.ndarray, v: np.ndarray, kicks: list) -> np.ndarray:
+        loop, s = self.loop, self.s
+        u = Z @ loop.F.T + r
+        clipped = np.minimum(np.maximum(u, s.u_min), s.u_max)
+        after = Z @ loop.A.T + clipped @ loop.Bs.T + u @ loop.Bc.T + loop.E @ v
+        if s.lag:
+            self.late.append(clipped)
+            if len(self.late) > s.lag:
+                after += self.late.pop(0) @ loop.Bp.T
+        return after
+
+
+class _Continuous:
+    """One grid step for all runs; with a delay the clipped input of `lag` steps ago rides along as a ramp."""
+
+    def __init__(self, s: Scenario, loop: Loop, late: list[np.ndarray]) -> None:
+        self.s, self.loop, self.late = s, loop, late
+        modal = s.limited and (not s.lag or s.fed == "applied")
+        free = np.full(s.plant.m, np.inf)
+        self.switcher = Switcher(ramped(loop) if s.lag else loop, s.u_min if modal else -free,
+                                 s.u_max if modal else free, s.dt)
+
+    def step(self, Z: np.ndarray, r: np.ndarray, v: np.ndarray, kicks: list[tuple[float, np.ndarray]]) -> np.ndarray:
+        s, m, wide = self.s, self.s.plant.m, Z
+        if s.lag:
+            ramp = np.zeros((len(Z), 2 * m))
+            if len(self.late) >= 2 * s.lag:
+                begin, end = self.late.pop(0), self.late.pop(0)
+                ramp = np.hstack([begin, (end - begin) / s.dt])
+            wide = np.hstack([Z, ramp])
+        after = self._through(wide, r, v, kicks)[:, :Z.shape[1]]
+        if s.lag:
+            self.late += [np.clip(state @ self.loop.F.T + r, s.u_min, s.u_max) for state in (Z, after)]
+        return after
+
+    def _through(self, Z: np.ndarray, r: np.ndarray, v: np.ndarray,
+                 kicks: list[tuple[float, np.ndarray]]) -> np.ndarray:
+        if not kicks:
+            return grid_step(self.switcher, Z, r, v)
+        now = 0.0
+        for moment, jump in kicks:
+            Z = part_step(self.switcher, Z, r, v, np.full(len(Z), moment - now))
+            Z[:, :len(jump)] += jump
+            now = moment
+        return part_step(self.switcher, Z, r, v, np.full(len(Z), self.s.dt - now))
+
+
+def _groups(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> list[tuple[Mode, np.ndarray, np.ndarray]]:
+    """The runs by the mode they are in: (mode, their rows, its forcing); on a limit the slope of u decides."""
+    u = Z @ w.loop.F.T + r
+    sign = (u > w.u_max).astype(np.int8) - (u < w.u_min).astype(np.int8)
+    upper, lower = np.abs(u - w.u_max) <= w.slack, np.abs(u - w.u_min) <= w.slack
+    near = np.flatnonzero((upper | lower).any(axis=1))
+    for mode, rows, force in _by_sign(w, sign[near], r, v):
+        rows = near[rows]
+        slope = Z[rows] @ mode.FM.T + w.loop.F @ force
+        sign[rows] = np.where(upper[rows], slope > 0, np.where(lower[rows], -(slope < 0).astype(np.int8), sign[rows]))
+    return _by_sign(w, sign, r, v)
+
+
+def _by_sign(w: Switcher, sign: np.ndarray, r: np.ndarray, v: np.ndarray) -> list[tuple[Mode, np.ndarray, np.ndarray]]:
+    codes = sign @ (3 ** np.arange(sign.shape[1]))
+    found = []
+    for code in np.unique(codes):
+        rows = np.flatnonzero(codes == code)
+        mode = w.mode_of(sign[rows[0]])
+        found.append((mode, rows, w.loop.forcing(mode.free, mode.held, r, v)))
+    return found
+
+
+def grid_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """All runs over one whole grid step: those that keep their mode in one product, the others through switchings."""
+    after, F = np.empty_like(Z), w.loop.F
+    for mode, rows, force in _groups(w, Z, r, v):
+        Phi, Phi1 = mode.flow[0]
+        now = Z if len(rows) == len(Z) else Z[rows]
+        then = now @ Phi.T + Phi1 @ force
+        slope = F @ force
+        least, most = bounds(now @ F.T + r, then @ F.T + r, now @ mode.FM.T + slope, then @ mode.FM.T + slope, w.h)
+        leaves = ~((least >= mode.low - w.slack) & (most <= mode.high + w.slack)).all(axis=1)
+        after[rows] = then
+        if leaves.any():
+            gone = rows[leaves]
+            after[gone] = part_step(w, Z[gone], r, v, np.full(len(gone), w.h))
+    return after
+
+
+def part_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """All runs over their own durations `left` ≤ h, piece by Taylor piece from switching to switching."""
+    Z, left = Z.copy(), left.copy()
+    for _ in range(100_000):
+        active = np.flatnonzero(left > 1e-14 * w.h)
+        if not len(active):
+            break
+        for mode, rows, force in _groups(w, Z[active], r, v):
+            rows = active[rows]
+            change = ((Z[rows] @ mode.M.T + force) @ mode.taylor.T).reshape(len(rows), TERMS, -1)
+            line = np.concatenate([(Z[rows] @ w.loop.F.T + r)[:, None], change @ w.loop.F.T], axis=1)
+            piece = np.minimum(1.0, left[rows] / mode.short)
+            leave = _first_exits(line, mode.low - w.slack, mode.high + w.slack, piece)
+            powers = leave[:, None] ** np.arange(1, TERMS + 1)
+            Z[rows] += (powers[:, None] @ change)[:, 0]
+            left[rows] = np.where(leave >= left[rows] / mode.short * (1 - 1e-14), 0.0, left[rows] - leave * mode.short)
+    return Z
+
+
+def _first_exits(line: np.ndarray, low: np.ndarray, high: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """The first s in (0, end] (n_runs,) where a polynomial (n_runs, terms, m) leaves [low, high], or end."""
+    first = end.copy()
+    samples = np.linspace(0.0, 1.0, 9)[:, None] * end  # (9, n_runs)
+    values = _horner(line, samples)  # (9, n_runs, m)
+    for i in range(line.shape[2]):
+        for limit, side in ((high[i], 1.0), (low[i], -1.0)):
+            over = side * (values[1:, :, i] - limit) > 0
+            rows = np.flatnonzero(over.any(axis=0)) if np.isfinite(limit) else np.array([], dtype=int)
+            if len(rows):
+                j = np.argmax(over[:, rows], axis=0)
+                root = _roots(line[rows, :, i], limit, side, samples[j, rows], samples[j + 1, rows])
+                first[rows] = np.minimum(first[rows], root)
+    return first
+
+
+def _horner(line: np.ndarray, s: np.ndarray) -> np.ndarray:
+    value = np.zeros((*s.shape, line.shape[2]))
+    for term in range(line.shape[1] - 1, -1, -1):
+        value = value * s[..., None] + line[:, term]
+    return value
+
+
+def _roots(line: np.ndarray, limit: float, side: float, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Newton on side·(polynomial − limit) for all rows, each kept in its bracket (a, b] by bisection."""
+    s = (a + b) / 2
+    for _ in range(NEWTON):
+        value, slope = np.zeros_like(s), np.zeros_like(s)
+        for term in range(line.shape[1] - 1, -1, -1):
+            slope = slope * s + value
+            value = value * s + line[:, term]
+        value = value - limit
+        a, b = np.where(side * value > 0, a, s), np.where(side * value > 0, s, b)
+        trial = s - value / np.where(slope == 0, np.inf, slope)
+        new = np.where((trial >= a) & (trial <= b), trial, (a + b) / 2)
+        done = np.all(np.abs(new - s) <= 4e-16 * np.abs(b) + 1e-300)
+        s = new
+        if done:
+            break
+    return s

@@ -1,0 +1,96 @@
+"""Spectra: the density of a series, and the response of a linear system."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import signal
+
+from .errors import EngineError, ShapeError
+from .plant import as_matrix
+
+__all__ = ["Spectrum", "amplitude_response", "frequency_response", "psd"]
+
+WORST_EIGENVECTORS = 1e6  # condition beyond which modal residues lose too many digits
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """A one-sided power spectral density: frequency (n_f,) in Hz, density (n_f, …) in units²/Hz."""
+
+    frequency: np.ndarray
+    density: np.ndarray
+
+    @property
+    def decibel(self) -> np.ndarray:
+        """10 log₁₀ of the density."""
+        return 10 * np.log10(np.maximum(self.density, np.finfo(float).tiny))
+
+    def variance(self) -> np.ndarray:
+        """The area under the density: Σ S Δf, the variance of the series it came from."""
+        return self.density.sum(axis=0) * (self.frequency[1] - self.frequency[0])
+
+
+def psd(series: object, fs: float, segment: int | None = None, window: str = "hann") -> Spectrum:
+    """Welch's one-sided density of a series (n_t,) or (n_t, channels) sampled at fs Hz.
+
+    Calibrated so that the area is the variance; white noise of variance σ² lies at 2σ²/fs. Segments of `segment`
+    samples (default: an eighth of the record, at least 256 where there are as many) overlap by half, each without
+    its mean. Raises EngineError for series shorter than 8 samples or not finite.
+    """
+    data = np.asarray(series, dtype=float)
+    if data.ndim not in (1, 2) or len(data) < 8:
+        raise EngineError("A spectrum needs a series of at least 8 samples, time first.")
+    if not np.isfinite(data).all():
+        raise EngineError("The series holds NaN or infinity; a spectrum needs finite samples.")
+    if not (np.isfinite(fs) and fs > 0):
+        raise EngineError("fs must be a positive sampling frequency in Hz.")
+    length = min(len(data), max(256, len(data) // 8)) if segment is None else int(segment)
+    if not 8 <= length <= len(data):
+        raise EngineError(f"A segment must hold between 8 and {len(data)} samples; it holds {length}.")
+    frequency, density = signal.welch(data, fs, window=window, nperseg=length, detrend="constant",
+                                      scaling="density", axis=0)
+    return Spectrum(frequency, density)
+
+
+def frequency_response(A: object, B: object, C: object, D: object, omega: object, dt: float = 0.0) -> np.ndarray:
+    """H = C (λ I − A)⁻¹ B + D at λ = jω, or at e^{jω dt} where dt > 0: complex (n_ω, p, m), ω in rad/s.
+
+    By modal residues, H = Σ (C vᵢ)(wᵢ B)/(λ − λᵢ) + D; by solving at each frequency where the eigenvectors are ill
+    conditioned. Exactly on a pole the response is not finite. Raises ShapeError where the matrices disagree.
+    """
+    a, b, c, d = (as_matrix(value, name) for value, name in ((A, "A"), (B, "B"), (C, "C"), (D, "D")))
+    n = len(a)
+    if a.shape != (n, n) or len(b) != n or c.shape[1] != n or d.shape != (len(c), b.shape[1]):
+        raise ShapeError(f"A, B, C, D do not fit together: {a.shape}, {b.shape}, {c.shape}, {d.shape}.")
+    w = np.atleast_1d(np.asarray(omega, dtype=float))
+    points = np.exp(1j * w * dt) if dt else 1j * w
+    poles, vectors = np.linalg.eig(a)
+    if np.linalg.cond(vectors) > WORST_EIGENVECTORS:
+        return _solved(a, b, c, d, points)
+    residues = (c @ vectors).T[:, :, None] * np.linalg.solve(vectors, b)[:, None, :]  # (n, p, m)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weights = 1 / (points[:, None] - poles)
+        return (weights @ residues.reshape(n, -1)).reshape(-1, *d.shape) + d
+
+
+def _solved(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, points: np.ndarray) -> np.ndarray:
+    pencil = points[:, None, None] * np.eye(len(a)) - a
+    try:
+        return c @ np.linalg.solve(pencil, b.astype(complex)) + d
+    except np.linalg.LinAlgError:
+        rows = [_solved_once(p, b, c, d) for p in pencil]
+        return np.array(rows)
+
+
+def _solved_once(pencil: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
+    try:
+        return c @ np.linalg.solve(pencil, b.astype(complex)) + d
+    except np.linalg.LinAlgError:
+        return np.full(d.shape, np.inf + 0j)
+
+
+def amplitude_response(A: object, B: object, C: object, D: object, omega: object, dt: float = 0.0) -> np.ndarray:
+    """|H(jω)| entry by entry, (n_ω, p, m): see `frequency_response`."""
+    return np.abs(frequency_response(A, B, C, D, omega, dt))
