@@ -5,12 +5,13 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from ..engine.errors import EngineError
-from . import platform
+from . import cart_pendulum, chip, platform, spring_damper, two_mass
 from .model import Model, Signal, Window
 
 __all__ = ["MODELS", "Model", "Signal", "Window", "model"]
 
 MODELS: MappingProxyType[str, Model] = MappingProxyType({m.id: m for m in (
+    chip.MODEL, chip.RUNAWAY, spring_damper.MODEL, cart_pendulum.MODEL, two_mass.MODEL,
     platform.DECK, platform.PLATFORM,
 )})
 

@@ -116,6 +116,9 @@ def about_y(angle: float) -> Quaternion:
     return (math.cos(angle / 2), 0.0, math.sin(angle / 2), 0.0)
 
 
+LYING = about_y(math.pi / 2)  # turns an upright cylinder along x
+
+
 def between(start: Vector, end: Vector, thickness: float = 1.0) -> Pose:
     """The pose of a unit-long spring or rod that reaches from `start` to `end`."""
     d = (end[0] - start[0], end[1] - start[1], end[2] - start[2])

@@ -9,6 +9,7 @@ from ..words import Text
 from .body import (
     COPPER,
     DARK,
+    LYING,
     METAL,
     PLANT,
     STEEL,
@@ -37,7 +38,6 @@ SENSOR_TOP = 0.10  # height of a sensor's base plate
 MASS_REST = 0.24  # height of a test mass above its base plate
 FULL = 2.0  # N at which an arrow is about 0.6 long
 UP, RIGHT = (0.0, 0.0, 1.0), (1.0, 0.0, 0.0)
-LYING = about_y(1.5707963267948966)
 
 Poser = Callable[[Sequence[float], float], Mapping[str, Pose]]
 Placed = tuple[float, float, float, float, float]  # dx, dz of the deck plane's middle, angle, its cosine and sine

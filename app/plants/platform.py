@@ -19,6 +19,7 @@ import numpy as np
 
 from ..engine.plant import Plant
 from ..words import Text
+from .body import Body
 from .deck_body import deck_body, platform_body
 from .model import Model, Signal, Window
 
@@ -127,6 +128,16 @@ def rigid(parameters: Parameters = Parameters()) -> Mechanics:
     return mechanics(parameters).reduced(T)
 
 
+def body(parameters: Parameters = Parameters()) -> Body:
+    """The platform on the stage, with test masses that move: state (x, z, θ, p_L, p_R, …)."""
+    return platform_body(parameters.a, parameters.b, parameters.s, parameters.h)
+
+
+def rigid_body(parameters: Parameters = Parameters()) -> Body:
+    """The rigid deck on the stage: state (x, z, θ, …)."""
+    return deck_body(parameters.a, parameters.b, parameters.s, parameters.h)
+
+
 def _pairs(*upper: complex) -> tuple[complex, ...]:
     return tuple(pole for p in upper for pole in (p.conjugate(), p))
 
@@ -150,7 +161,7 @@ DECK = Model(
     id="deck",
     label=Text("Platform, rigid deck", "隔振平台(刚体模型)"),
     plant=deck(),
-    body=deck_body(Parameters.a, Parameters.b, Parameters.s, Parameters.h),
+    body=rigid_body(),
     x0=(*START, 0.0, 0.0, 0.0),
     guess=(0.0,) * 6,
     horizon=3.0,
@@ -176,7 +187,7 @@ PLATFORM = Model(
     id="platform",
     label=Text("Platform with its sensors' test masses", "隔振平台(含传感器测试质量)"),
     plant=plant(),
-    body=platform_body(Parameters.a, Parameters.b, Parameters.s, Parameters.h),
+    body=body(),
     x0=(*START, START[1] - Parameters.s * START[2], START[1] + Parameters.s * START[2], *(0.0,) * 5),
     guess=(0.0,) * 10,
     horizon=3.0,

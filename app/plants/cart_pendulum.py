@@ -1,0 +1,189 @@
+"""The cart-pendulum: a pole balanced on a cart, in a fog that hides the pole.
+
+State (p, θ, v, ω): position of the cart in m, angle from upright in rad with leaning to the right positive, and
+their velocities. Which sensor sees what: the position alone shows everything, the angle alone never shows where the
+cart stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import cos, sin
+from typing import Literal
+
+import numpy as np
+
+from ..engine.errors import EngineError
+from ..engine.plant import Plant
+from ..words import Text
+from .body import (
+    COPPER,
+    DARK,
+    METAL,
+    PLANT,
+    STEEL,
+    Arrow,
+    Ball,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    Pose,
+    Quaternion,
+    Rod,
+    Vector,
+    about_y,
+    between,
+    bounded,
+    force_arrow,
+)
+from .model import Model, Signal, Window
+
+Sensor = Literal["position", "angle", "both"]
+SENSORS: dict[str, tuple[tuple[int, str, str], ...]] = {
+    "position": ((0, "position", "m"),),
+    "angle": ((1, "angle", "rad"),),
+    "both": ((0, "position", "m"), (1, "angle", "rad")),
+}
+STAGE = 1.4  # stage units per metre
+RAIL, WHEEL = 0.36, 0.13  # top of the rail, radius of a wheel
+CART = (0.8, 0.56, 0.28)
+PIVOT = RAIL + 2 * WHEEL + CART[2] - 0.02
+REACH = 1.35  # farthest drawn position of the cart
+FLAT = 1.5  # rad, farthest drawn angle of the pole
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """cart, ball kg; length m of the weightless pole; friction N s/m of the cart; pivot N m s; g m/s²."""
+
+    cart: float = 1.0
+    ball: float = 0.2
+    length: float = 1.0
+    friction: float = 0.1
+    pivot: float = 0.0
+    g: float = 9.81
+
+
+def nonlinear(x: np.ndarray, u: np.ndarray | float, parameters: Parameters = Parameters()) -> np.ndarray:
+    """ẋ of the full equations, for states x (…, 4) and forces u (…) in N; complex states pass through.
+
+    (M + m) p̈ + m l cosθ θ̈ = u − c ṗ + m l sinθ θ̇²,  m l cosθ p̈ + m l² θ̈ = m g l sinθ − d θ̇.
+    """
+    k = parameters
+    x = np.asarray(x)
+    angle, v, omega = x[..., 1], x[..., 2], x[..., 3]
+    sine, cosine = np.sin(angle), np.cos(angle)
+    ml = k.ball * k.length
+    push = u - k.friction * v + ml * sine * omega**2
+    fall = ml * k.g * sine - k.pivot * omega
+    determinant = ml * k.length * (k.cart + k.ball * sine**2)
+    acceleration = (ml * k.length * push - ml * cosine * fall) / determinant
+    spin = ((k.cart + k.ball) * fall - ml * cosine * push) / determinant
+    return np.stack(np.broadcast_arrays(v, omega, acceleration, spin), axis=-1)
+
+
+def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") -> Plant:
+    """The equations linearised about upright; y is the position, the angle, or both. Raises EngineError otherwise."""
+    if sensor not in SENSORS:
+        raise EngineError(f"There is no sensor {sensor!r} on the cart; choose one of {', '.join(SENSORS)}.")
+    k = parameters
+    M, m, length = k.cart, k.ball, k.length
+    turn = k.pivot / (m * length)  # the pivot's friction as a force on the pole's end
+    A = [[0, 0, 1, 0], [0, 0, 0, 1],
+         [0, -m * k.g / M, -k.friction / M, turn / M],
+         [0, (M + m) * k.g / (M * length), k.friction / (M * length), -(M + m) * turn / (m * M * length)]]
+    B = [[0], [0], [1 / M], [-1 / (M * length)]]
+    chosen = SENSORS[sensor]
+    return Plant(np.array(A), np.array(B), np.eye(4)[[index for index, _, _ in chosen]],
+                 state_names=("p", "theta", "v", "omega"), input_names=("force",),
+                 output_names=tuple(name for _, name, _ in chosen),
+                 units=(("p", "m"), ("theta", "rad"), ("v", "m/s"), ("omega", "rad/s"), ("force", "N"),
+                        *((name, unit) for _, name, unit in chosen)),
+                 name="cart-pendulum")
+
+
+AWAY: Quaternion = (cos(0.7853981633974483), -sin(0.7853981633974483), 0.0, 0.0)  # a wheel's axle points away
+WHEELS = tuple((sx * 0.26, sy * 0.26) for sy in (-1, 1) for sx in (-1, 1))
+PARTS = (
+    Part("base", Box((4.3, 1.1, 0.1), 0.04), DARK),
+    *(Part(f"rail {side}", Box((4.0, 0.1, 0.08), 0.02), METAL) for side in ("front", "back")),
+    *(Part(f"pier {i}", Box((0.14, 0.7, RAIL - 0.18), 0.02), STEEL) for i in range(3)),
+    *(Part(f"stop {side}", Box((0.1, 0.7, 0.3), 0.03), STEEL) for side in ("left", "right")),
+    Part("rest mark", Box((0.05, 0.14, 0.012), 0.0), METAL),
+    Part("cart", Box(CART, 0.06), PLANT, twin=True),
+    *(Part(f"wheel {i}", Cylinder(WHEEL, 0.08), DARK) for i in range(4)),
+    *(Part(f"hub {i}", Box((0.05, 0.16, 0.1), 0.0), COPPER) for i in range(4)),
+    Part("pivot", Cylinder(0.09, 0.5), STEEL),
+    Part("pole", Rod(0.04), PLANT, twin=True),
+    Part("ball", Ball(0.16), COPPER, twin=True),
+)
+FIXED = {
+    "base": Pose((0.0, 0.0, 0.05)),
+    "rail front": Pose((0.0, -0.26, RAIL - 0.04)),
+    "rail back": Pose((0.0, 0.26, RAIL - 0.04)),
+    **{f"pier {i}": Pose((1.8 * (i - 1), 0.0, 0.1 + (RAIL - 0.18) / 2)) for i in range(3)},
+    "stop left": Pose((-1.97, 0.0, RAIL + 0.13)),
+    "stop right": Pose((1.97, 0.0, RAIL + 0.13)),
+    "rest mark": Pose((0.0, -0.44, 0.106)),
+}
+
+
+def body(parameters: Parameters = Parameters()) -> Body:
+    """Rails, cart, wheels that roll, and the pole with its ball; drawn to scale, the pole at most lying flat."""
+    reach = min(parameters.length * STAGE, 1.9)
+    full = 8.0
+
+    def placed(x: Sequence[float], gain: float) -> tuple[float, float, Vector]:
+        at, lean = bounded(float(x[0]) * STAGE * gain, REACH), bounded(float(x[1]) * gain, FLAT)
+        return at, lean, (at + reach * sin(lean), 0.0, PIVOT + reach * cos(lean))
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        at, _, ball = placed(x, gain)
+        poses = dict(FIXED)
+        poses["cart"] = Pose((at, 0.0, RAIL + 2 * WHEEL + CART[2] / 2 - 0.06))
+        poses["pivot"] = Pose((at, 0.0, PIVOT), AWAY)
+        poses["pole"] = between((at, 0.0, PIVOT), ball)
+        poses["ball"] = Pose(ball)
+        rolled = about_y(at / WHEEL)
+        for i, (dx, y) in enumerate(WHEELS):
+            poses[f"wheel {i}"] = Pose((at + dx, y, RAIL + WHEEL), AWAY)
+            poses[f"hub {i}"] = Pose((at + dx, y, RAIL + WHEEL), rolled)
+        return poses
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        tail = (placed(x, gain)[0], -0.4, RAIL + 2 * WHEEL + CART[2] / 2 - 0.06)
+        return (force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full),)
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        at, _, ball = placed(x, gain)
+        return (ball, (at, -CART[1] / 2, PIVOT - 0.04))
+
+    return Body(PARTS, pose, arrows, anchors, 1.0, Text(
+        "A pole balanced on a cart; the green arrow is the force on the cart",
+        "小车上的倒立摆;绿色箭头为作用在小车上的力"))
+
+
+MODEL = Model(
+    id="cart-pendulum",
+    label=Text("Pole on a cart", "小车倒立摆"),
+    plant=plant(),
+    body=body(),
+    x0=(0.0, 0.12, 0.0, 0.0),
+    guess=(0.0, 0.0, 0.0, 0.0),
+    horizon=5.0,
+    dt=0.01,
+    controller_poles=(-2 - 1j, -2 + 1j, -3 - 1.5j, -3 + 1.5j),
+    observer_poles=(-8 - 3j, -8 + 3j, -10 - 4j, -10 + 4j),
+    controller_window=Window(-8.0, 5.0, 5.0),
+    observer_window=Window(-16.0, 6.0, 8.0),
+    kick=(0.0, 0.0, 0.0, 0.25),
+    watched=(
+        Signal(Text("angle of the pole", "摆杆角度"), (0.0, 1.0, 0.0, 0.0), "°", 57.29577951308232),
+        Signal(Text("position of the cart", "小车位置"), (1.0, 0.0, 0.0, 0.0), "m"),
+        Signal(Text("angular velocity of the pole", "摆杆角速度"), (0.0, 0.0, 0.0, 1.0), "°/s", 57.29577951308232),
+    ),
+    u_max=15.0,
+    source="Tutorial on output feedback: the pole balanced in the fog",
+)

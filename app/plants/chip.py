@@ -1,0 +1,186 @@
+"""The chip: a core that nobody can touch inside a case whose temperature is measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ..engine.plant import Plant
+from ..words import Text
+from .body import COPPER, DARK, METAL, PLANT, STEEL, Arrow, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded
+from .body import force_arrow as arrow
+from .model import Model, Signal, Window
+
+LEAKAGE = 1.4  # W/K that makes the default chip run away
+STAGE = 0.02  # stage units per kelvin on the two columns
+CHIP, TOP = -0.62, 0.30  # middle of the chip, top of the board
+CORE, CASE = 0.95, 1.42  # where the two columns stand
+FOOT, ZERO = 0.46, 0.95  # lowest level of a column, its level at ambient temperature
+RISE, FALL = 1.15, 0.42  # highest and lowest drawn level from there
+GLOW = ((-30.0, (74, 112, 160)), (0.0, (138, 147, 160)), (30.0, (226, 150, 60)), (70.0, (205, 50, 30)),
+        (120.0, (255, 225, 170)))  # temperature above ambient in K, colour
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """core, case J/K: heat capacities. inner, outer K/W: heat resistance from core to case and from case to air."""
+
+    core: float = 2.0
+    case: float = 12.0
+    inner: float = 0.5
+    outer: float = 0.8
+
+
+def runaway_leakage(parameters: Parameters = Parameters()) -> float:
+    """The leakage in W/K above which the core heats itself without end: 1/(inner + outer)."""
+    return 1.0 / (parameters.inner + parameters.outer)
+
+
+def plant(parameters: Parameters = Parameters(), leakage: float = 0.0) -> Plant:
+    """Temperatures above ambient of core and case in K, heating power in W, the case measured.
+
+    core Ṫ₁ = u + leakage T₁ − (T₁ − T₂)/inner, case Ṫ₂ = (T₁ − T₂)/inner − T₂/outer, y = T₂. Leakage power in W/K
+    grows with the core temperature, as leakage current does in silicon; above `runaway_leakage` one pole is positive.
+    """
+    k = parameters
+    A = [[(leakage - 1 / k.inner) / k.core, 1 / (k.inner * k.core)],
+         [1 / (k.inner * k.case), -(1 / k.inner + 1 / k.outer) / k.case]]
+    return Plant(np.array(A), np.array([[1 / k.core], [0]]), np.array([[0, 1]]),
+                 state_names=("core", "case"), input_names=("power",), output_names=("sensor",),
+                 units=(("core", "K"), ("case", "K"), ("power", "W"), ("sensor", "K")),
+                 name="chip-runaway" if leakage > runaway_leakage(k) else "chip")
+
+
+def _parts() -> tuple[Part, ...]:
+    feet = tuple(Part(f"foot {i}", Cylinder(0.09, 0.2), METAL) for i in range(4))
+    posts = tuple(Part(f"post {i}", Rod(0.03), METAL) for i in range(4))
+    fins = tuple(Part(f"fin {i}", Box((0.07, 1.0, 0.42), 0.015), STEEL) for i in range(7))
+    columns = tuple(part for name in ("core", "case") for part in (
+        Part(f"{name} socket", Cylinder(0.15, 0.16), STEEL),
+        Part(f"{name} column", Rod(0.085), METAL),
+        Part(f"{name} level", Cylinder(0.17, 0.05), PLANT, twin=True),
+    ))
+    ticks = tuple(Part(f"tick {i}", Box((1.0 if i == 0 else 0.8, 0.02, 0.03 if i == 0 else 0.014), 0.0), METAL)
+                  for i in range(3))
+    return (
+        *feet,
+        Part("board", Box((3.4, 1.7, 0.1), 0.03), DARK),
+        Part("package", Box((1.3, 1.3, 0.1), 0.03), METAL),
+        Part("die", Box((0.72, 0.72, 0.16), 0.03), STEEL),
+        *posts,
+        Part("spreader", Box((1.24, 1.1, 0.1), 0.03), STEEL),
+        *fins,
+        Part("sensor", Cylinder(0.08, 0.1), COPPER),
+        Part("scale", Box((1.16, 0.05, 1.9), 0.02), DARK),
+        *ticks,
+        *columns,
+    )
+
+
+def _fixed() -> dict[str, Pose]:
+    poses = {
+        "board": Pose((0.0, 0.0, TOP - 0.05)),
+        "package": Pose((CHIP, 0.0, TOP + 0.05)),
+        "sensor": Pose((CHIP, -0.46, TOP + 0.87)),
+        "scale": Pose(((CORE + CASE) / 2, 0.3, TOP + 0.95)),
+        "core socket": Pose((CORE, 0.0, TOP + 0.08)),
+        "case socket": Pose((CASE, 0.0, TOP + 0.08)),
+    }
+    for i, (sx, sy) in enumerate(((-1, -1), (1, -1), (-1, 1), (1, 1))):
+        poses[f"foot {i}"] = Pose((1.5 * sx, 0.65 * sy, 0.1))
+        poses[f"post {i}"] = Pose((CHIP + 0.55 * sx, 0.48 * sy, TOP + 0.1), scale=(1.0, 1.0, 0.56))
+    for i in range(3):
+        poses[f"tick {i}"] = Pose(((CORE + CASE) / 2, 0.265, ZERO + 20.0 * i * STAGE))
+    return poses
+
+
+def glow(kelvin: float) -> tuple[int, int, int]:
+    """The colour of a temperature above ambient: steel blue when cold, grey at ambient, orange, red, pale when hot."""
+    value = min(max(kelvin, GLOW[0][0]), GLOW[-1][0])
+    for (low, a), (high, b) in pairwise(GLOW):
+        if value <= high:
+            share = (value - low) / (high - low)
+            return (round(a[0] + share * (b[0] - a[0])), round(a[1] + share * (b[1] - a[1])),
+                    round(a[2] + share * (b[2] - a[2])))
+    return GLOW[-1][1]
+
+
+def body(parameters: Parameters = Parameters()) -> Body:
+    """A chip under a raised heat sink, glowing with its temperatures, and two columns that show them as heights."""
+    fixed = _fixed()
+
+    def level(kelvin: float, gain: float) -> float:
+        return ZERO + bounded(kelvin * STAGE * gain, RISE if kelvin > 0 else FALL)
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        core, case = float(x[0]), float(x[1])
+        hot, warm = glow(core), glow(case)
+        poses = dict(fixed)
+        poses["die"] = Pose((CHIP, 0.0, TOP + 0.18), colour=hot)
+        poses["spreader"] = Pose((CHIP, 0.0, TOP + 0.71), colour=warm)
+        for i in range(7):
+            poses[f"fin {i}"] = Pose((CHIP + 0.18 * (i - 3), 0.06, TOP + 0.96), colour=warm)
+        for name, kelvin, colour, at in (("core", core, hot, CORE), ("case", case, warm, CASE)):
+            top = level(kelvin, gain)
+            poses[f"{name} column"] = Pose((at, 0.0, FOOT), scale=(1.0, 1.0, top - FOOT), colour=colour)
+            poses[f"{name} level"] = Pose((at, 0.0, top))
+        return poses
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        return (arrow((CHIP, -0.72, TOP + 0.04), (0.0, 0.0, 1.0), float(u[0]), 40.0),)
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return ((CORE, -0.18, level(float(x[0]), gain)), (CASE, -0.18, level(float(x[1]), gain)))
+
+    return Body(_parts(), pose, arrows, anchors, 1.0, Text(
+        "Left column: core; right column: case, the only one measured; a tick every 20 K",
+        "左柱为芯片内核温度,右柱为外壳温度(唯一可测);刻度间隔 20 K"))
+
+
+WATCHED = (
+    Signal(Text("core temperature", "内核温度"), (1.0, 0.0), "K"),
+    Signal(Text("case temperature", "外壳温度"), (0.0, 1.0), "K"),
+)
+
+MODEL = Model(
+    id="chip",
+    label=Text("Chip: core and case", "芯片:内核与外壳"),
+    plant=plant(),
+    body=body(),
+    x0=(45.0, 20.0),
+    guess=(0.0, 0.0),
+    horizon=15.0,
+    dt=0.03,
+    controller_poles=(-1.3, -0.25),
+    observer_poles=(-1.6 - 0.5j, -1.6 + 0.5j),
+    controller_window=Window(-4.0, 1.0, 2.0),
+    observer_window=Window(-4.0, 1.0, 2.0),
+    kick=(20.0, 0.0),
+    watched=WATCHED,
+    u_max=60.0,
+    input_unit="W",
+    source="Tutorial on output feedback: a processor whose case is measured, its core not",
+)
+
+RUNAWAY = Model(
+    id="chip-runaway",
+    label=Text("Chip with thermal runaway", "热失控芯片"),
+    plant=plant(leakage=LEAKAGE),
+    body=body(),
+    x0=(12.0, 6.0),
+    guess=(0.0, 0.0),
+    horizon=15.0,
+    dt=0.03,
+    controller_poles=(-1.0, -0.5),
+    observer_poles=(-1.6 - 0.5j, -1.6 + 0.5j),
+    controller_window=Window(-4.0, 1.0, 2.0),
+    observer_window=Window(-4.0, 1.0, 2.0),
+    kick=(8.0, 0.0),
+    watched=WATCHED,
+    u_max=60.0,
+    input_unit="W",
+    source="Tutorial on output feedback; leakage power added",
+)

@@ -1,0 +1,127 @@
+"""The spring-damper: a block on a rail, held to a wall by a spring and a damper, pushed by a force."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..engine.plant import Plant
+from ..words import Text
+from .body import (
+    COPPER,
+    DARK,
+    LYING,
+    METAL,
+    PLANT,
+    STEEL,
+    Arrow,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    Pose,
+    Rod,
+    Spring,
+    Vector,
+    between,
+    bounded,
+    force_arrow,
+)
+from .model import Model, Signal, Window
+
+STAGE = 0.7  # stage units per metre
+WALL, REST, RAIL = -1.7, 0.45, 0.2  # right face of the wall, middle of the block at rest, top of the rail
+SIDE = 0.72  # edge of the block
+REACH = 0.85  # farthest drawn displacement
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """m kg, b N s/m, k N/m."""
+
+    m: float = 1.0
+    b: float = 0.5
+    k: float = 1.0
+
+
+def plant(parameters: Parameters = Parameters()) -> Plant:
+    """m q̈ + b q̇ + k q = u, y = q; state (q, q̇) in m and m/s, input in N."""
+    m, b, k = parameters.m, parameters.b, parameters.k
+    return Plant(np.array([[0, 1], [-k / m, -b / m]]), np.array([[0], [1 / m]]), np.array([[1, 0]]),
+                 state_names=("q", "v"), input_names=("force",), output_names=("position",),
+                 units=(("q", "m"), ("v", "m/s"), ("force", "N"), ("position", "m")), name="spring-damper")
+
+
+PARTS = (
+    Part("base", Box((4.1, 1.3, 0.12), 0.04), DARK),
+    Part("wall", Box((0.22, 1.3, 1.25), 0.04), STEEL),
+    Part("rail front", Box((3.75, 0.1, 0.08), 0.02), METAL),
+    Part("rail back", Box((3.75, 0.1, 0.08), 0.02), METAL),
+    Part("rest mark", Box((0.05, 0.16, 0.012), 0.0), METAL),
+    Part("block", Box((SIDE, 0.9, SIDE), 0.06), PLANT, twin=True),
+    Part("spring", Spring(0.15, 8.0, 0.032), METAL),
+    Part("damper housing", Cylinder(0.12, 0.8), COPPER),
+    Part("damper rod", Rod(0.05), METAL),
+)
+FIXED = {
+    "base": Pose((0.0, 0.0, 0.06)),
+    "wall": Pose((WALL - 0.11, 0.0, 0.12 + 0.625)),
+    "rail front": Pose((0.17, -0.3, 0.16)),
+    "rail back": Pose((0.17, 0.3, 0.16)),
+    "rest mark": Pose((REST, -0.52, 0.126)),
+    "damper housing": Pose((WALL + 0.4, 0.22, RAIL + 0.2), LYING),
+}
+
+
+def body(parameters: Parameters = Parameters()) -> Body:
+    """The block on its rail; the position is drawn to scale, at most 0.85 stage units from rest."""
+    full = max(parameters.k, 1e-6)  # N that hold the spring stretched by one metre
+
+    def middle(x: Sequence[float], gain: float) -> float:
+        return REST + bounded(float(x[0]) * STAGE * gain, REACH)
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        at = middle(x, gain)
+        face = at - SIDE / 2
+        return FIXED | {
+            "block": Pose((at, 0.0, RAIL + SIDE / 2)),
+            "spring": between((WALL, -0.2, RAIL + 0.45), (face, -0.2, RAIL + 0.45)),
+            "damper rod": between((WALL + 0.15, 0.22, RAIL + 0.2), (face, 0.22, RAIL + 0.2)),
+        }
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        tail = (middle(x, gain), -0.52, RAIL + SIDE / 2)
+        return (force_arrow(tail, (1.0, 0.0, 0.0), float(u[0]), full),)
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        at = middle(x, gain)
+        return ((at, -0.45, RAIL + SIDE), (at, 0.45, RAIL + SIDE))
+
+    return Body(PARTS, pose, arrows, anchors, 1.0, Text(
+        "A block on a rail between a spring and a damper; the green arrow is the force",
+        "导轨上的滑块,左侧并联弹簧与阻尼器;绿色箭头为外力"))
+
+
+MODEL = Model(
+    id="spring-damper",
+    label=Text("Spring, mass and damper", "弹簧-质量-阻尼系统"),
+    plant=plant(),
+    body=body(),
+    x0=(1.0, 0.0),
+    guess=(0.0, 0.0),
+    horizon=12.0,
+    dt=0.024,
+    controller_poles=(-0.8 - 0.8j, -0.8 + 0.8j),
+    observer_poles=(-1.5 - 1j, -1.5 + 1j),
+    controller_window=Window(-5.0, 1.5, 3.0),
+    observer_window=Window(-5.0, 1.5, 3.0),
+    kick=(0.0, 1.0),
+    watched=(
+        Signal(Text("position of the block", "滑块位置"), (1.0, 0.0), "m"),
+        Signal(Text("velocity of the block", "滑块速度"), (0.0, 1.0), "m/s"),
+    ),
+    u_max=1.0,
+    source="Observer notes, example of the mass on a spring: m = 1, b = 0.5, k = 1",
+)
