@@ -9,7 +9,7 @@ from scipy.signal import ss2tf
 
 from .errors import ShapeError
 from .plant import Plant, as_matrix
-from .pole_sets import match_poles
+from .pole_sets import Poles, match_poles
 
 __all__ = ["ClosedLoop", "TransferFunction", "closed_loop", "compensator", "to_tf"]
 
@@ -46,13 +46,13 @@ class ClosedLoop:
     A_xxhat: np.ndarray
     A_xe: np.ndarray
     T: np.ndarray
-    poles: np.ndarray
-    controller_poles: np.ndarray
-    observer_poles: np.ndarray
+    poles: Poles
+    controller_poles: Poles
+    observer_poles: Poles
     union_error: float
     polynomial_error: float
     compensator: Plant
-    compensator_poles: np.ndarray
+    compensator_poles: Poles
     compensator_stable: bool
     stable: bool
 
@@ -65,9 +65,8 @@ def compensator(plant: Plant, K: object, L: object) -> Plant:
     K, L = _gains(plant, K, L)
     A = plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
     names = tuple(f"{name}_hat" for name in plant.state_names)
-    return Plant(
-        A, L, -K, None, plant.dt, names, plant.output_names, plant.input_names, name=f"compensator of {plant.name}".strip()
-    )
+    title = f"compensator of {plant.name}".strip()
+    return Plant(A, L, -K, None, plant.dt, names, plant.output_names, plant.input_names, name=title)
 
 
 def closed_loop(plant: Plant, K: object, L: object, model: Plant | None = None) -> ClosedLoop:
@@ -81,7 +80,7 @@ def closed_loop(plant: Plant, K: object, L: object, model: Plant | None = None) 
     n = plant.n
     BK, LC = plant.B @ K, L @ plant.C
     regulated, observed = believed.A - believed.B @ K, believed.A - L @ believed.C
-    observer = regulated - L @ believed.C + L @ (believed.D - plant.D) @ K
+    observer = regulated - L @ believed.C + L @ (_through(believed) - _through(plant)) @ K
     A_xxhat = np.block([[plant.A, -BK], [LC, observer]])
     A_xe = np.block([[plant.A - BK, BK], _error_rows(plant, believed, K, L)])
     identity, zero = np.eye(n), np.zeros((n, n))
@@ -126,7 +125,7 @@ def _leading_zeros(plant: Plant) -> np.ndarray:
     """Mask (p, m, n+1) of the leading numerator coefficients that vanish with their Markov parameters."""
     vanishing = np.ones((plant.p, plant.m), dtype=bool)
     mask = np.zeros((plant.p, plant.m, plant.n + 1), dtype=bool)
-    markov, bound, column = plant.D, np.abs(plant.D), plant.B
+    markov, bound, column = _through(plant), np.abs(_through(plant)), plant.B
     size = np.abs(plant.B)
     for k in range(plant.n):
         vanishing &= np.abs(markov) <= 1e-14 * bound
@@ -134,6 +133,11 @@ def _leading_zeros(plant: Plant) -> np.ndarray:
         markov, bound = plant.C @ column, np.abs(plant.C) @ size
         column, size = plant.A @ column, np.abs(plant.A) @ size
     return mask
+
+
+def _through(plant: Plant) -> np.ndarray:
+    """D, which is an array in every finished plant."""
+    return np.asarray(plant.D)
 
 
 def _gains(plant: Plant, K: object, L: object) -> tuple[np.ndarray, np.ndarray]:
@@ -153,16 +157,16 @@ def _same_shape(plant: Plant, model: Plant) -> Plant:
 
 def _error_rows(plant: Plant, model: Plant, K: np.ndarray, L: np.ndarray) -> list[np.ndarray]:
     """ė = (ΔA − ΔB K − L ΔC + L ΔD K) x + (Aₘ − LCₘ + ΔB K − L ΔD K) e, with Δ = plant − model: zero if they agree."""
-    through_input = (plant.B - model.B - L @ (plant.D - model.D)) @ K
+    through_input = (plant.B - model.B - L @ (_through(plant) - _through(model))) @ K
     from_state = plant.A - model.A - L @ (plant.C - model.C) - through_input
     return [from_state, model.A - L @ model.C + through_input]
 
 
-def _spectrum(A: np.ndarray) -> np.ndarray:
+def _spectrum(A: np.ndarray) -> Poles:
     return _frozen(np.sort_complex(np.linalg.eigvals(A).astype(complex)))
 
 
-def _stable(poles: np.ndarray, dt: float) -> bool:
+def _stable(poles: Poles, dt: float) -> bool:
     return bool(np.all(np.abs(poles) < 1) if dt > 0 else np.all(poles.real < 0))
 
 

@@ -1,13 +1,14 @@
-"""The two ways to place the poles of a controllable pair: robust eigenvectors, and deflation one pole at a time."""
+"""What every placement needs: the reachable coordinates, admissible eigenvectors; and deflation, pole by pole."""
 
 from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["controllable_split", "place_by_deflation", "place_robustly"]
+from .pole_sets import Poles
+
+__all__ = ["controllable_split", "eigenvector_spaces", "input_factors", "place_by_deflation"]
 
 RANK_TOLERANCE = 1e-12
-SWEEPS = 12
 
 
 def controllable_split(A: np.ndarray, B: np.ndarray, rtol: float = RANK_TOLERANCE) -> tuple[np.ndarray, int]:
@@ -42,106 +43,14 @@ def input_factors(B: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def eigenvector_spaces(A: np.ndarray, U1: np.ndarray, poles: np.ndarray) -> np.ndarray:
-    """For each λ an orthonormal basis (n×r) of the x with (A − λI)x in the range of B: the null space of U1ᵀ(A − λI)."""
-    n, k = U1.shape
+    """For each λ an orthonormal basis (n×r) of the null space of U1ᵀ(A − λI): the x with (A − λI)x in range(B)."""
+    k = U1.shape[1]
     stack = (U1.T @ A)[None] - poles[:, None, None] * U1.T[None]
     Q = np.linalg.qr(np.conj(np.swapaxes(stack, 1, 2)), mode="complete")[0]
     return Q[:, :, k:]
 
 
-def place_robustly(A: np.ndarray, B: np.ndarray, poles: np.ndarray, sweeps: int = SWEEPS) -> tuple[np.ndarray, float]:
-    """Gain K (m×n) and condition number of the eigenvectors: Kautsky, Nichols and Van Dooren (1985), method 0.
-
-    Each eigenvector in turn becomes the vector of its admissible space nearest to the direction orthogonal to all the
-    others; that direction is a row of X⁻¹, kept up to date by the Sherman–Morrison formula.
-    The start depends on the poles alone and smoothly, so K moves smoothly while a pole is dragged.
-    The condition is infinite where no independent eigenvectors were found.
-    """
-    n = A.shape[0]
-    U0, U1, B_inverse = input_factors(B)
-    if U1.shape[1] == 0:
-        return B_inverse @ (A - _normal_matrix(poles)), 1.0
-    lead = np.flatnonzero(poles.imag >= 0)
-    complex_poles = bool(np.any(poles.imag != 0))
-    asked = poles[lead] if complex_poles else poles[lead].real
-    spaces = eigenvector_spaces(A, U1, asked)
-    X, mates = _start(poles, lead, spaces, n)
-    inverse = _inverse(X)
-    if inverse is None:
-        return np.zeros((B.shape[1], n)), np.inf
-    for _ in range(sweeps):
-        for j, S, mate in zip(lead, spaces, mates, strict=True):
-            _turn(X, inverse, j, S)
-            if mate >= 0:
-                _set_column(X, inverse, mate, X[:, j].conj())
-        if not np.all(np.isfinite(inverse)):
-            return np.zeros((B.shape[1], n)), np.inf
-    singular = np.linalg.svd(X, compute_uv=False)
-    if singular[-1] <= n * np.finfo(float).eps * singular[0]:
-        return np.zeros((B.shape[1], n)), np.inf
-    closed = np.linalg.solve(X.T, (X * poles).T).T.real
-    return B_inverse @ (A - closed), float(singular[0] / singular[-1])
-
-
-def _start(poles, lead, spaces, n):
-    """First eigenvectors: a fixed orthonormal set of directions projected on the admissible spaces."""
-    k = np.arange(n)
-    fixed = np.sqrt(2 / n) * np.cos(np.pi * (k[:, None] + 0.5) * k[None] / n)
-    fixed[:, 0] /= np.sqrt(2)
-    X = np.empty((n, n), dtype=spaces.dtype)
-    mates = []
-    free = [i for i in range(n) if poles[i].imag < 0]
-    for j, S in zip(lead, spaces, strict=True):
-        mate = -1
-        aim = fixed[:, j].astype(X.dtype)
-        if poles[j].imag > 0:
-            mate = next(i for i in free if poles[i] == poles[j].conjugate())
-            free.remove(mate)
-            aim = aim + 1j * fixed[:, mate]
-        x = S @ (S.conj().T @ aim)
-        X[:, j] = x / np.linalg.norm(x)
-        if mate >= 0:
-            X[:, mate] = X[:, j].conj()
-        mates.append(mate)
-    return X, mates
-
-
-def _inverse(X: np.ndarray) -> np.ndarray | None:
-    try:
-        return np.linalg.inv(X)
-    except np.linalg.LinAlgError:
-        return None
-
-
-def _turn(X: np.ndarray, inverse: np.ndarray, j: int, S: np.ndarray) -> None:
-    x = S @ (S.conj().T @ inverse[j].conj())
-    x /= np.sqrt(np.vdot(x, x).real)
-    _set_column(X, inverse, j, x)
-
-
-def _set_column(X: np.ndarray, inverse: np.ndarray, j: int, x: np.ndarray) -> None:
-    """Replace column j of X; Sherman–Morrison for the inverse."""
-    image = inverse @ x
-    row = inverse[j] / image[j]
-    image[j] -= 1.0
-    inverse -= image[:, None] * row
-    X[:, j] = x
-
-
-def _normal_matrix(poles: np.ndarray) -> np.ndarray:
-    """A real normal matrix with these poles: 1×1 blocks and rotations [[a, b], [−b, a]]."""
-    M = np.zeros((poles.size, poles.size))
-    free = [i for i in range(poles.size) if poles[i].imag < 0]
-    for i, pole in enumerate(poles):
-        M[i, i] = pole.real
-        if pole.imag > 0:
-            j = next(k for k in free if poles[k] == pole.conjugate())
-            free.remove(j)
-            M[i, j], M[j, i] = pole.imag, -pole.imag
-    return M
-
-
-def place_by_deflation(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray:
+def place_by_deflation(A: np.ndarray, B: np.ndarray, poles: Poles) -> np.ndarray:
     """Gain K (m×n) that makes A − BK quasi-triangular in an orthonormal basis, one pole or pair after the other.
 
     With (A − λI)x = B f and Q = [q, Q₂] orthogonal, q along x: K = f (qᵀx)⁻¹ qᵀ + K₂ Q₂ᵀ, where K₂ places the other

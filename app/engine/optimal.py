@@ -8,7 +8,7 @@ import numpy as np
 
 from .errors import EngineError, RiccatiError, ShapeError
 from .plant import as_matrix
-from .pole_sets import pole_text
+from .pole_sets import Poles, pole_text
 from .riccati import RiccatiProblem, solve_continuous, solve_discrete
 
 __all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]
@@ -27,7 +27,7 @@ class Optimal:
 
     gain: np.ndarray
     solution: np.ndarray
-    poles: np.ndarray
+    poles: Poles
     residual: float
 
 
@@ -178,7 +178,7 @@ def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
     return Optimal(_frozen(K), _frozen(S), _frozen(poles), residual)
 
 
-def _beyond(poles: np.ndarray, boundary: float) -> np.ndarray:
+def _beyond(poles: Poles, boundary: float) -> np.ndarray:
     """How far each pole lies beyond the stability boundary (negative: stable)."""
     return np.abs(poles) - 1.0 if boundary else poles.real
 
@@ -187,7 +187,7 @@ def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> str:
     """The sentence that names the mode at fault, as far as it can be found."""
     A, B, Q, N = problem.A, problem.B, problem.Q, problem.N
     n, scale = A.shape[0], max(1.0, float(np.linalg.norm(A, 2)))
-    poles = np.linalg.eigvals(A)
+    poles = np.linalg.eigvals(A).astype(complex)
     for pole in poles[_beyond(poles, boundary) > -1e-9 * scale]:
         shifted = A - pole * np.eye(n)
         if _deficient(np.hstack([shifted / scale, B / max(float(np.linalg.norm(B, 2)), 1e-300)])):
@@ -197,7 +197,7 @@ def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> str:
             )
     A_bar = A - B @ np.linalg.solve(problem.R, N.T)
     Q_bar = Q - N @ np.linalg.solve(problem.R, N.T)
-    poles = np.linalg.eigvals(A_bar)
+    poles = np.linalg.eigvals(A_bar).astype(complex)
     for pole in poles[np.abs(_beyond(poles, boundary)) <= 1e-6 * scale]:
         shifted = A_bar - pole * np.eye(n)
         if _deficient(np.vstack([shifted / scale, Q_bar / max(float(np.linalg.norm(Q_bar, 2)), 1e-300)])):

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import matrix_balance
 
-from .eigenstructure import controllable_split, input_factors, place_by_deflation, place_robustly
+from .eigenstructure import controllable_split, input_factors, place_by_deflation
 from .errors import PoleError, ShapeError
 from .plant import as_matrix
 from .pole_sets import Poles, check_poles, match_poles, move_pole, pole_text
+from .robust import place_robustly
 
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
 
@@ -45,7 +46,7 @@ def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
     """State-feedback gain K (m×n) with eig(A − BK) = poles, u = −Kx.
 
     A is n×n, B n×m; n poles closed under conjugation, of any multiplicity. With several inputs the freedom left is
-    used to make the eigenvectors as independent as possible (Kautsky, Nichols and Van Dooren 1985). Uncontrollable
+    used to make the eigenvectors well conditioned (start: Kautsky, Nichols and Van Dooren 1985). Uncontrollable
     modes must be among the poles. Raises PoleError with the reason where no gain exists, ShapeError where shapes
     disagree.
     """

@@ -1,16 +1,26 @@
-"""Riccati equations at unit scale, polished by one Newton step and certified by their residual."""
+"""Riccati equations at unit scale, polished by Newton steps and certified by their residual."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov, solve_discrete_are, solve_discrete_lyapunov
+from scipy.linalg import (
+    LinAlgWarning,
+    solve_continuous_are,
+    solve_continuous_lyapunov,
+    solve_discrete_are,
+    solve_discrete_lyapunov,
+)
 
 from .errors import RiccatiError
 
 __all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
+
+NEWTON_STEPS = 4  # at most; one nearly always does
+GOOD_RESIDUAL = 1e-14
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,14 +91,20 @@ def _solve(
         raise RiccatiError("The Riccati equation has no stabilising solution that can be computed.") from failure
     S = (S + S.T) / 2
     residual, size, K = evaluate(scaled, S)
-    try:
-        better = S + newton(scaled, K, residual)
-        better = (better + better.T) / 2
-        _, new_size, new_K = evaluate(scaled, better)
-    except (np.linalg.LinAlgError, ValueError):
-        new_size, better, new_K = np.inf, S, K
-    if new_size < size:
-        S, size, K = better, new_size, new_K
+    for _ in range(NEWTON_STEPS):
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                better = S + newton(scaled, K, residual)
+            better = (better + better.T) / 2
+            new_residual, new_size, new_K = evaluate(scaled, better)
+        except (np.linalg.LinAlgError, ValueError, RuntimeWarning, LinAlgWarning):
+            break
+        if not new_size < size:
+            break
+        S, residual, size, K = better, new_residual, new_size, new_K
+        if size < GOOD_RESIDUAL:
+            break
     return cost_scale * S, input_scale * K, size
 
 
