@@ -1,0 +1,1 @@
+"""Observer Lab: control what you cannot fully see."""

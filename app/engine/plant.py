@@ -1,0 +1,118 @@
+"""The plant: ẋ = A x + B u + G w, y = C x + D u + v."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .errors import EngineError, ShapeError
+
+
+def as_matrix(value: object, name: str) -> np.ndarray:
+    """A finite, read-only, two-dimensional float array; `name` is used in the error sentence."""
+    try:
+        matrix = np.array(value, dtype=float, ndmin=2)
+    except (TypeError, ValueError) as problem:
+        raise EngineError(f"{name} must be a matrix of real numbers.") from problem
+    if matrix.ndim != 2:
+        raise ShapeError(f"{name} must have two dimensions, not {matrix.ndim}.")
+    if not np.all(np.isfinite(matrix)):
+        raise EngineError(f"{name} holds NaN or infinity; every entry must be a finite number.")
+    matrix.setflags(write=False)
+    return matrix
+
+
+def _names(given: Sequence[str] | None, letter: str, count: int, what: str) -> tuple[str, ...]:
+    if not given:
+        return tuple(f"{letter}{i + 1}" for i in range(count))
+    if len(given) != count:
+        raise ShapeError(f"There are {count} {what}s but {len(given)} {what} names; give one name each.")
+    return tuple(str(name) for name in given)
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """A linear time-invariant plant ẋ = A x + B u, y = C x + D u (dt > 0: x⁺ = A x + B u).
+
+    A is n×n, B n×m, C p×n, D p×m (zero if left out). `units` maps a signal name to its SI unit.
+    Raises ShapeError where the shapes disagree, EngineError where an entry is not finite.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray | None = None  # always an array after construction
+    dt: float = 0.0
+    state_names: tuple[str, ...] = ()
+    input_names: tuple[str, ...] = ()
+    output_names: tuple[str, ...] = ()
+    units: tuple[tuple[str, str], ...] = ()
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        A, B, C = (as_matrix(getattr(self, k), k) for k in "ABC")
+        n = A.shape[0]
+        if A.shape[1] != n:
+            raise ShapeError(f"A must be square; it is {A.shape[0]}×{A.shape[1]}.")
+        if B.shape[0] != n:
+            raise ShapeError(f"B must have {n} rows, as A has; it is {B.shape[0]}×{B.shape[1]}.")
+        if C.shape[1] != n:
+            raise ShapeError(f"C must have {n} columns, as A has; it is {C.shape[0]}×{C.shape[1]}.")
+        D = as_matrix(np.zeros((C.shape[0], B.shape[1])) if self.D is None else self.D, "D")
+        if D.shape != (C.shape[0], B.shape[1]):
+            raise ShapeError(f"D must be {C.shape[0]}×{B.shape[1]}; it is {D.shape[0]}×{D.shape[1]}.")
+        dt = float(self.dt)
+        if not np.isfinite(dt) or dt < 0:
+            raise EngineError("dt must be 0 (continuous time) or a positive sampling period in seconds.")
+        units = self.units.items() if isinstance(self.units, dict) else self.units
+        for key, value in {
+            "A": A, "B": B, "C": C, "D": D, "dt": dt,
+            "state_names": _names(self.state_names, "x", n, "state"),
+            "input_names": _names(self.input_names, "u", B.shape[1], "input"),
+            "output_names": _names(self.output_names, "y", C.shape[0], "output"),
+            "units": tuple((str(k), str(v)) for k, v in units),
+        }.items():
+            object.__setattr__(self, key, value)
+
+    @property
+    def n(self) -> int:
+        """Number of states."""
+        return self.A.shape[0]
+
+    @property
+    def m(self) -> int:
+        """Number of inputs."""
+        return self.B.shape[1]
+
+    @property
+    def p(self) -> int:
+        """Number of outputs."""
+        return self.C.shape[0]
+
+    @cached_property
+    def poles(self) -> np.ndarray:
+        """eig(A), sorted by (real, imag)."""
+        return np.sort_complex(np.linalg.eigvals(self.A).astype(complex))
+
+    @cached_property
+    def key(self) -> tuple:
+        """What makes two plants equal: the matrices, the period and the names."""
+        return (*(m.tobytes() for m in (self.A, self.B, self.C, self.D)), self.A.shape, self.B.shape, self.C.shape,
+                self.dt, self.state_names, self.input_names, self.output_names, self.name)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Plant) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def dual(self) -> Plant:
+        """The dual plant (Aᵀ, Cᵀ, Bᵀ, Dᵀ): its controller is our observer, L = K_dᵀ."""
+        return Plant(self.A.T, self.C.T, self.B.T, self.D.T, self.dt, name=f"dual of {self.name}".strip())
+
+    def unit(self, name: str) -> str:
+        """SI unit of a signal, or an empty string."""
+        return dict(self.units).get(name, "")

@@ -1,0 +1,191 @@
+"""Lessons as data: a frozen design, what is computed from it, what must be shown, and what must be found out."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .engine.simulate import Run
+from .figures import Figure
+from .knobs import Knob, KnobError
+from .plants.body import Body
+from .words import Text, same
+
+
+@dataclass(frozen=True)
+class Design:
+    """Everything a person has chosen in a lesson: the one record that undo, share links, files and tests carry."""
+
+    lesson: str
+    values: tuple[tuple[str, Any], ...]
+
+    def __getitem__(self, name: str) -> Any:
+        for key, value in self.values:
+            if key == name:
+                return value
+        raise KeyError(name)
+
+    def with_values(self, **changes: Any) -> Design:
+        """The same design with some values changed; nothing is checked here, `Lesson.apply` does that."""
+        return Design(self.lesson, tuple((key, changes.get(key, value)) for key, value in self.values))
+
+
+@dataclass(frozen=True, eq=False)
+class Board:
+    """A pole board: the poles that `knob` holds, which of them can be dragged, and what part of the plane is shown.
+
+    `reached` are the poles that the gain really gives; `fixed` poles are bolted: no gain moves them. A board with
+    `knob` None only mirrors. `side` is where it stands, left or right of the plant.
+    """
+
+    id: str
+    title: Text
+    poles: tuple[complex, ...]
+    knob: str | None = None
+    fixed: tuple[complex, ...] = ()
+    zeros: tuple[complex, ...] = ()
+    role: str = "plant"
+    side: str = "left"
+    re_low: float = -10.0
+    re_high: float = 2.0
+    im_high: float = 8.0
+    also: tuple[tuple[str, Any], ...] = ()  # knobs that dragging sets too
+    landscape: np.ndarray | None = None  # matrix whose |det(sI − M)|⁻¹ is drawn in front, if any
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What the 3-D stage plays: a body along the true trajectory and, as a ghost, along its estimate.
+
+    `spread` is a radius per time (stage units) of the uncertainty at each anchor, if there is noise.
+    """
+
+    body: Body
+    t: np.ndarray
+    x: np.ndarray
+    xhat: np.ndarray | None = None
+    u: np.ndarray | None = None
+    spread: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Check:
+    """One machine-checked statement about the present design, with the number it rests on."""
+
+    id: str
+    text: Text
+    holds: bool
+    value: float = 0.0
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A live equation: LaTeX with the present entries. Entries marked `\\changed{…}` by `live_matrix` stand out."""
+
+    id: str
+    latex: str
+    note: Text = field(default_factory=lambda: same(""))
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a design leads to. `live` says in one sentence what is seen now; `extra` is the lesson's own."""
+
+    design: Design
+    gains: Mapping[str, np.ndarray] = field(default_factory=dict)
+    poles: Mapping[str, np.ndarray] = field(default_factory=dict)
+    metrics: Mapping[str, float] = field(default_factory=dict)
+    checks: tuple[Check, ...] = ()
+    run: Run | None = None
+    boards: tuple[Board, ...] = ()
+    stage: Stage | None = None
+    formulas: tuple[Formula, ...] = ()
+    live: Text = field(default_factory=lambda: same(""))
+    extra: Any = None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The answer to "check my design": solved or not, and one sentence why."""
+
+    solved: bool
+    text: Text
+
+
+@dataclass(frozen=True)
+class Task:
+    """A task that the engine checks. It fails at the lesson's start and passes at its own `solution`."""
+
+    id: str
+    check: Callable[[Outcome], Verdict]
+    solution: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class ExamItem:
+    """One exam item: numbers for the text's placeholders, the right answer, and how near an answer must be."""
+
+    numbers: Mapping[str, str]
+    answer: float
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Job:
+    """A longer computation that a person starts: a generator of (fraction, outcome), the last outcome being whole."""
+
+    label: Text
+    run: Callable[[Outcome], Iterator[tuple[float, Outcome]]]
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """One lesson: data and pure functions; its words are in `en.md` and `zh.md` beside it.
+
+    `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
+    on the lesson's map into changed knob values. `answer` is the index of the right prediction.
+    """
+
+    id: str
+    number: int
+    knobs: tuple[Knob, ...]
+    compute: Callable[[Design], Outcome]
+    figures: Callable[[Outcome], tuple[Figure, ...]]
+    answer: int
+    tasks: tuple[Task, ...]
+    exam: Callable[[int], ExamItem]
+    source: str
+    words: Mapping[str, Any]  # language → Prose
+    kick: bool = True
+    job: Job | None = None
+    pick: Callable[[Outcome, float, float], Mapping[str, Any]] | None = None
+
+    def knob(self, name: str) -> Knob:
+        """The knob of that name. Raises KnobError with the names that exist."""
+        for knob in self.knobs:
+            if knob.name == name:
+                return knob
+        names = ", ".join(k.name for k in self.knobs)
+        raise KnobError(Text(f"Lesson {self.id} has no knob {name[:40]}; it has {names}.",
+                             f"课程 {self.id} 没有名为 {name[:40]} 的旋钮；现有：{names}。"))
+
+    def start(self) -> Design:
+        """The design with every knob at its default."""
+        return Design(self.id, tuple((k.name, k.check(k.default)) for k in self.knobs))
+
+    def apply(self, design: Design, changes: Mapping[str, Any]) -> Design:
+        """The design with validated changes: the only gate to a design. Raises KnobError."""
+        return design.with_values(**{name: self.knob(name).check(value) for name, value in changes.items()})
+
+    def shown(self, knob: Knob, design: Design) -> bool:
+        """Whether the knob matters now and its widget is shown."""
+        return not knob.hidden and (knob.when is None or design[knob.when[0]] in knob.when[1])
+
+
+def student_seed(student: str, task: str) -> int:
+    """A seed for exam numbers: SHA-256 of student and task, so that a teacher can make the same numbers again."""
+    return int.from_bytes(hashlib.sha256(f"{student}\n{task}".encode()).digest()[:4], "big")

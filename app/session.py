@@ -1,0 +1,661 @@
+"""One browser tab: a mailbox, a worker, the playback clock and the history of designs. Knows only a View protocol.
+
+Callbacks post edits in microseconds; one worker thread takes them in order (the latest value of a knob wins, commands
+are never dropped), computes the outcome, and tells the view. Bad input costs one sentence and nothing else.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
+
+import numpy as np
+
+from .engine.errors import EngineError
+from .figures import Figure
+from .knobs import KnobError, Track
+from .lesson import Design, Lesson, Outcome, Verdict
+from .words import Text
+
+log = logging.getLogger(__name__)
+
+FRAME = 1 / 30  # s between poses while playing
+REST = 0.25  # s without an edit after which the final picture is drawn
+MERGE = 0.8  # s within which changes of the same knobs are one step of undo
+SLICE = 0.015  # s of a long job between two looks at the mailbox
+DEPTH = 500  # designs that undo remembers
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
+
+PREDICT_FIRST = Text("Choose a prediction first; then the run unlocks.", "请先作出预测，之后才能播放。")
+NOTHING_TO_UNDO = Text("Nothing to undo.", "没有可以撤销的操作。")
+NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
+CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
+BROKEN = Text("The lesson could not compute this design ({0}); the last good picture stays. Undo or change a knob.",
+              "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
+
+
+@dataclass(frozen=True)
+class TaskState:
+    """What a person has seen and reached of one task."""
+
+    verdict: Verdict | None = None
+    hints: int = 0
+    solution: bool = False
+
+
+@dataclass(frozen=True)
+class State:
+    """What belongs to the tab and not to the design."""
+
+    language: str = "en"
+    lecture: bool = False
+    playing: bool = False
+    t: float = 0.0
+    speed: float = 1.0
+    predicted: int | None = None  # index of the option; −1 when skipped
+    revealed: bool = False
+    tasks: Mapping[str, TaskState] = field(default_factory=dict)
+    exam: Verdict | None = None
+    exam_seed: int = 1
+    landscape: bool = False
+    can_undo: bool = False
+    can_redo: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """All that a view shows: `resting` is False while a knob moves."""
+
+    lesson: Lesson
+    design: Design
+    outcome: Outcome
+    figures: tuple[Figure, ...]
+    state: State
+    resting: bool
+    catalogue: tuple[Lesson, ...] = ()
+
+    @property
+    def horizon(self) -> float:
+        """Length of the run in seconds, 0 without one."""
+        return float(self.outcome.stage.t[-1]) if self.outcome.stage is not None else 0.0
+
+
+class View(Protocol):
+    """What a session needs of a screen."""
+
+    def build(self, picture: Picture) -> None:
+        """Lay the screen out for a lesson or a language."""
+
+    def show(self, picture: Picture) -> None:
+        """Show a picture; only what changed since the last one is sent."""
+
+    def pose(self, t: float) -> None:
+        """Move the stage and the cursors to time t of the last picture."""
+
+    def progress(self, fraction: float | None, label: Text | None) -> None:
+        """Show how far a long job is; None when there is none."""
+
+    def say(self, text: Text, bad: bool) -> None:
+        """Tell the person one sentence."""
+
+    def open_help(self) -> None:
+        """Show the list of keyboard commands."""
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command that buttons, keys and scripts share; `key` and `modifier` are what the browser listens to."""
+
+    name: str
+    label: Text
+    key: str | None = None
+    modifier: str | None = None
+    argument: Any = None
+
+
+COMMANDS: tuple[Command, ...] = (
+    Command("play", Text("Play or pause", "播放或暂停"), "space"),
+    Command("kick", Text("Kick the plant", "给对象一次冲击"), "K"),
+    Command("rewind", Text("Back to the start of the run", "回到运行起点"), "0"),
+    Command("slower", Text("Slower", "放慢"), "S"),
+    Command("faster", Text("Faster", "加快"), "F"),
+    Command("undo", Text("Undo", "撤销"), "Z"),
+    Command("redo", Text("Redo", "重做"), "Y"),
+    Command("reset", Text("Reset the lesson's knobs", "恢复课程的初始设置"), "R"),
+    Command("next", Text("Next lesson", "下一课"), "N"),
+    Command("previous", Text("Previous lesson", "上一课"), "P"),
+    Command("language", Text("Chinese / English", "中文 / 英文"), "L"),
+    Command("lecture", Text("Lecture mode: large print", "讲堂模式：大字号"), "M"),
+    Command("landscape", Text("Landscape of |det(sI − A + LC)|⁻¹", "|det(sI − A + LC)|⁻¹ 的曲面"), "G"),
+    Command("camera", Text("View everything", "全景"), "1", None, "all"),
+    Command("camera", Text("View the plant", "看对象"), "2", None, "plant"),
+    Command("camera", Text("View the boards", "看极点板"), "3", None, "boards"),
+    Command("run_job", Text("Start or cancel the long computation", "开始或取消长计算"), "J"),
+    Command("check_next", Text("Check the first unsolved task", "检查第一个未完成的任务"), "T"),
+    Command("help", Text("This list", "显示本列表"), "H"),
+)
+
+
+@dataclass(frozen=True)
+class SetKnobs:
+    """New values for knobs, as they came in."""
+
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Do:
+    """A command by name, with an argument if it takes one."""
+
+    name: str
+    argument: Any = None
+
+
+class Mailbox:
+    """Edits in order: neighbouring knob changes merge into one, commands stay."""
+
+    def __init__(self) -> None:
+        self._edits: list[SetKnobs | Do] = []
+        self._ready = threading.Condition()
+        self.closed = False
+
+    def post(self, edit: SetKnobs | Do) -> None:
+        """Put an edit in; cheap enough for the event loop."""
+        with self._ready:
+            if isinstance(edit, SetKnobs) and self._edits and isinstance(self._edits[-1], SetKnobs):
+                self._edits[-1] = SetKnobs({**self._edits[-1].values, **edit.values})
+            else:
+                self._edits.append(edit)
+            self._ready.notify()
+
+    def take(self, wait: float | None) -> list[SetKnobs | Do]:
+        """All edits; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""
+        with self._ready:
+            if not self._edits and not self.closed and (wait is None or wait > 0):
+                self._ready.wait(wait)
+            edits, self._edits = self._edits, []
+            return edits
+
+    def empty(self) -> bool:
+        """Whether nothing waits."""
+        return not self._edits
+
+    def close(self) -> None:
+        """Wake the worker up to end."""
+        with self._ready:
+            self.closed = True
+            self._ready.notify()
+
+
+class History:
+    """Designs that undo and redo walk along."""
+
+    def __init__(self, design: Design) -> None:
+        self._designs = [design]
+        self._at = 0
+        self._key: frozenset[str] | None = None
+        self._time = -1e9
+
+    @property
+    def design(self) -> Design:
+        """The present design."""
+        return self._designs[self._at]
+
+    def push(self, design: Design, key: frozenset[str] | None, now: float) -> None:
+        """A new present; a quick change of the same knobs replaces the last one."""
+        if design == self.design:
+            return
+        merge = key is not None and key == self._key and now - self._time < MERGE and self._at == len(self._designs) - 1
+        if merge and self._at > 0:
+            self._designs[self._at] = design
+        else:
+            self._designs = [*self._designs[: self._at + 1], design][-DEPTH:]
+            self._at = len(self._designs) - 1
+        self._key, self._time = key, now
+
+    def move(self, step: int) -> bool:
+        """Walk by −1 or +1; False at an end."""
+        if not 0 <= self._at + step < len(self._designs):
+            return False
+        self._at += step
+        self._key = None
+        return True
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something before."""
+        return self._at > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is something after."""
+        return self._at < len(self._designs) - 1
+
+
+@dataclass
+class _Desk:
+    """What a session keeps of one lesson while another is open."""
+
+    history: History
+    predicted: int | None = None
+    revealed: bool = False
+    tasks: Mapping[str, TaskState] = field(default_factory=dict)
+    exam: Verdict | None = None
+
+
+class Session:
+    """One tab at work. `step` does everything that is due; `start` runs it on a thread of its own."""
+
+    def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
+                 clock: Callable[[], float] = time.monotonic, exam_seed: int = 1) -> None:
+        if lesson not in lessons:
+            raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
+        self._lessons = dict(lessons)
+        self._view = view
+        self._clock = clock
+        self._mailbox = Mailbox()
+        self._desks: dict[str, _Desk] = {}
+        self._cache: OrderedDict[Design, tuple[Outcome, tuple[Figure, ...]]] = OrderedDict()
+        self._state = State(language=language, exam_seed=exam_seed)
+        self._lesson = self._lessons[lesson]
+        self._picture: Picture | None = None
+        self._job: Iterator[tuple[float, Outcome]] | None = None
+        self._resting = True
+        self._last_edit = self._last_tick = clock()
+        self._thread: threading.Thread | None = None
+
+    # --- outside ---------------------------------------------------------------------------------------------------
+    def post(self, edit: SetKnobs | Do) -> None:
+        """Hand an edit over; returns at once."""
+        self._mailbox.post(edit)
+
+    def start(self) -> None:
+        """Open the lesson and work on a thread until `close`."""
+        self._thread = threading.Thread(target=self._work, name="observer-lab session", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End the worker; safe from any thread."""
+        self._mailbox.close()
+
+    @property
+    def picture(self) -> Picture | None:
+        """The last good picture."""
+        return self._picture
+
+    def _work(self) -> None:
+        try:
+            self.open()
+            while not self._mailbox.closed:
+                self.step(self._wait())
+        except Exception:
+            if not self._mailbox.closed:
+                log.exception("a session ended with an error")
+
+    def _wait(self) -> float | None:
+        now = self._clock()
+        if self._job is not None:
+            return 0.0
+        waits = []
+        if self._state.playing:
+            waits.append(max(0.0, self._last_tick + FRAME - now))
+        if not self._resting:
+            waits.append(max(0.0, self._last_edit + REST - now))
+        return min(waits) if waits else None
+
+    # --- inside ----------------------------------------------------------------------------------------------------
+    def open(self) -> None:
+        """Compute the lesson's present design and lay the screen out."""
+        desk = self._desk()
+        self._job = None
+        outcome, figures = self._compute(desk.history.design)
+        self._state = replace(self._state, playing=False, t=0.0, predicted=desk.predicted,
+                              revealed=desk.revealed, tasks=desk.tasks, exam=desk.exam)
+        self._resting = True
+        self._picture = self._make(desk.history.design, outcome, figures)
+        self._view.build(self._picture)
+        self._view.show(self._picture)
+        self._view.pose(0.0)
+
+    def step(self, wait: float | None = 0.0) -> None:
+        """Take what waits, do what is due."""
+        for edit in self._mailbox.take(wait):
+            try:
+                if isinstance(edit, SetKnobs):
+                    self._set(edit.values)
+                else:
+                    self._do(edit)
+            except (KnobError, EngineError) as problem:
+                self._refuse(problem)
+            except Exception as problem:
+                log.exception("edit %r failed", edit)
+                self._refuse(problem)
+        now = self._clock()
+        if not self._resting and now - self._last_edit >= REST:
+            self._resting = True
+            self._redraw()
+        if self._job is not None:
+            self._work_on_job()
+        if self._state.playing and now - self._last_tick >= FRAME * 0.9:
+            self._tick(now)
+
+    def _desk(self) -> _Desk:
+        if self._lesson.id not in self._desks:
+            self._desks[self._lesson.id] = _Desk(History(self._lesson.start()))
+        return self._desks[self._lesson.id]
+
+    def _compute(self, design: Design) -> tuple[Outcome, tuple[Figure, ...]]:
+        if design in self._cache:
+            self._cache.move_to_end(design)
+            return self._cache[design]
+        outcome = self._lesson.compute(design)
+        result = outcome, tuple(self._lesson.figures(outcome))
+        self._cache[design] = result
+        while len(self._cache) > 32:
+            self._cache.popitem(last=False)
+        return result
+
+    def _make(self, design: Design, outcome: Outcome, figures: tuple[Figure, ...]) -> Picture:
+        history = self._desk().history
+        self._state = replace(self._state, can_undo=history.can_undo, can_redo=history.can_redo)
+        return Picture(self._lesson, design, outcome, figures, self._state, self._resting,
+                       tuple(self._lessons.values()))
+
+    def _refuse(self, problem: Exception) -> None:
+        text = getattr(problem, "text", None)
+        if text is None:
+            words = str(problem) if isinstance(problem, EngineError) else f"{type(problem).__name__}: {problem}"[:160]
+            text = Text(words, words) if isinstance(problem, EngineError) else BROKEN.format(words)
+        self._view.say(text, True)
+        self._resting = True
+        self._redraw()
+
+    def _redraw(self) -> None:
+        if self._picture is not None:
+            self._picture = self._make(self._picture.design, self._picture.outcome, self._picture.figures)
+            self._view.show(self._picture)
+
+    def _set(self, values: Mapping[str, Any]) -> None:
+        """Change knobs: validate, remember, compute, show."""
+        history = self._desk().history
+        self._adopt(self._lesson.apply(history.design, values), frozenset(values))
+
+    def _adopt(self, design: Design, key: frozenset[str] | None) -> None:
+        history = self._desk().history
+        if design == history.design and self._picture is not None and design == self._picture.design:
+            self._redraw()
+            return
+        now = self._clock()
+        outcome, figures = self._compute(design)  # raises before anything is lost
+        history.push(design, key, now)
+        self._draw(design, outcome, figures)
+
+    def _draw(self, design: Design, outcome: Outcome, figures: tuple[Figure, ...]) -> None:
+        if self._job is not None:
+            self._cancel(silent=True)
+        self._last_edit, self._resting = self._clock(), False
+        self._picture = self._make(design, outcome, figures)
+        if self._state.t > self._picture.horizon:
+            self._state = replace(self._state, t=self._picture.horizon)
+        self._view.show(self._picture)
+        self._view.pose(self._state.t)
+
+    def _tick(self, now: float) -> None:
+        if self._picture is None:
+            return
+        t = self._state.t + min(now - self._last_tick, 0.25) * self._state.speed
+        self._last_tick = now
+        ended = t >= self._picture.horizon
+        self._state = replace(self._state, t=min(t, self._picture.horizon), playing=not ended)
+        self._view.pose(self._state.t)
+        if ended:
+            self._change(revealed=True)
+
+    # --- jobs ------------------------------------------------------------------------------------------------------
+    def _work_on_job(self) -> None:
+        job, start = self._job, time.monotonic()
+        assert job is not None and self._lesson.job is not None and self._picture is not None
+        outcome: Outcome | None = None
+        fraction = 0.0
+        try:
+            while time.monotonic() - start < SLICE and self._mailbox.empty():
+                fraction, outcome = next(job)
+        except StopIteration:
+            self._job, fraction = None, 1.0
+        except Exception as problem:
+            self._job = None
+            self._view.progress(None, None)
+            self._refuse(problem)
+            return
+        if outcome is not None:
+            self._keep(outcome)
+        self._view.progress(fraction if self._job is not None else None, self._lesson.job.label)
+
+    def _keep(self, outcome: Outcome) -> None:
+        assert self._picture is not None
+        figures = tuple(self._lesson.figures(outcome))
+        self._cache[self._picture.design] = outcome, figures
+        self._picture = self._make(self._picture.design, outcome, figures)
+        self._view.show(self._picture)
+
+    def _cancel(self, silent: bool) -> None:
+        self._job = None
+        self._view.progress(None, None)
+        if not silent:
+            self._view.say(CANCELLED, False)
+
+    # --- commands --------------------------------------------------------------------------------------------------
+    def _do(self, command: Do) -> None:
+        handler = getattr(self, f"_do_{command.name}", None)
+        if handler is None:
+            raise KnobError(Text(f"There is no command {command.name[:40]}.", f"没有命令 {command.name[:40]}。"))
+        handler(command.argument)
+
+    def _change(self, **changes: Any) -> None:
+        """Change the tab's state and show it."""
+        self._state = replace(self._state, **changes)
+        desk = self._desk()
+        desk.predicted, desk.revealed = self._state.predicted, self._state.revealed
+        desk.tasks, desk.exam = self._state.tasks, self._state.exam
+        self._redraw()
+
+    def _do_play(self, _: Any) -> None:
+        if self._state.predicted is None:
+            self._view.say(PREDICT_FIRST, False)
+            return
+        if self._picture is None or self._picture.horizon <= 0:
+            return
+        restart = not self._state.playing and self._state.t >= self._picture.horizon - 1e-9
+        self._last_tick = self._clock()
+        self._change(playing=not self._state.playing, t=0.0 if restart else self._state.t)
+        self._view.pose(self._state.t)
+
+    def _do_rewind(self, _: Any) -> None:
+        self._do_seek(0.0)
+
+    def _do_seek(self, t: Any) -> None:
+        if self._state.predicted is None:
+            self._view.say(PREDICT_FIRST, False)
+            self._redraw()
+            return
+        assert self._picture is not None
+        moment = float(t)
+        if not np.isfinite(moment):
+            raise KnobError(Text("The time must be a finite number.", "时间必须是有限的数。"))
+        self._change(t=min(max(moment, 0.0), self._picture.horizon))
+        self._view.pose(self._state.t)
+
+    def _do_speed(self, speed: Any) -> None:
+        value = float(speed)
+        if value not in SPEEDS:
+            raise KnobError(Text(f"Speeds are {', '.join(f'{s:g}' for s in SPEEDS)}.",
+                                 f"可选速度：{'、'.join(f'{s:g}' for s in SPEEDS)}。"))
+        self._change(speed=value)
+
+    def _do_faster(self, _: Any) -> None:
+        self._change(speed=SPEEDS[min(SPEEDS.index(self._state.speed) + 1, len(SPEEDS) - 1)])
+
+    def _do_slower(self, _: Any) -> None:
+        self._change(speed=SPEEDS[max(SPEEDS.index(self._state.speed) - 1, 0)])
+
+    def _do_kick(self, _: Any) -> None:
+        if not self._lesson.kick:
+            return
+        if self._state.predicted is None:
+            self._view.say(PREDICT_FIRST, False)
+            return
+        assert self._picture is not None
+        ended = self._state.t >= self._picture.horizon - 1e-9
+        if ended:
+            self._state = replace(self._state, t=0.0)
+        self._last_tick = self._clock()
+        self._adopt(self._lesson.apply(self._desk().history.design, {"kick": self._state.t}), None)
+        self._change(playing=True)
+
+    def _do_hand(self, argument: Any) -> None:
+        """Record a hand-drawn input: (knob name, value) from the present time on."""
+        name, value = argument
+        knob = self._lesson.knob(name)
+        if not isinstance(knob, Track):
+            raise KnobError(Text(f"{name} is not drawn by hand.", f"{name} 不是手动输入。"))
+        design = self._desk().history.design
+        self._set({name: knob.record(design[name], self._state.t, float(value))})
+
+    def _do_undo(self, _: Any) -> None:
+        self._walk(-1, NOTHING_TO_UNDO)
+
+    def _do_redo(self, _: Any) -> None:
+        self._walk(+1, NOTHING_TO_REDO)
+
+    def _walk(self, step: int, nothing: Text) -> None:
+        history = self._desk().history
+        if not history.move(step):
+            self._view.say(nothing, False)
+            return
+        self._draw(history.design, *self._compute(history.design))
+
+    def _do_reset(self, _: Any) -> None:
+        self._adopt(self._lesson.start(), None)
+        self._change(playing=False, t=0.0)
+        self._view.pose(0.0)
+
+    def _do_predict(self, index: Any) -> None:
+        options = self._lesson.words[self._state.language].options
+        choice = int(index)
+        if not -1 <= choice < len(options):
+            raise KnobError(Text(f"There are {len(options)} predictions.", f"共有 {len(options)} 个预测选项。"))
+        self._last_tick = self._clock()
+        runs = self._picture is not None and self._picture.horizon > 0
+        self._change(predicted=choice, revealed=self._state.revealed or not runs, playing=runs, t=0.0)
+
+    def _do_reveal(self, _: Any) -> None:
+        if self._state.predicted is None:
+            self._view.say(PREDICT_FIRST, False)
+            return
+        self._change(revealed=True)
+
+    def _do_lesson(self, lesson: Any) -> None:
+        if lesson not in self._lessons:
+            raise KnobError(Text(f"There is no lesson {str(lesson)[:40]}.", f"没有课程 {str(lesson)[:40]}。"))
+        if self._job is not None:
+            self._cancel(silent=True)
+        before = self._lesson
+        self._lesson = self._lessons[lesson]
+        try:
+            self.open()
+        except Exception:
+            self._lesson = before
+            self.open()
+            raise
+
+    def _do_next(self, _: Any) -> None:
+        self._neighbour(+1)
+
+    def _do_previous(self, _: Any) -> None:
+        self._neighbour(-1)
+
+    def _neighbour(self, step: int) -> None:
+        ids = list(self._lessons)
+        self._do_lesson(ids[(ids.index(self._lesson.id) + step) % len(ids)])
+
+    def _do_language(self, language: Any) -> None:
+        chosen = language if language in ("en", "zh") else ("zh" if self._state.language == "en" else "en")
+        self._state = replace(self._state, language=chosen)
+        assert self._picture is not None
+        self._picture = self._make(self._picture.design, self._picture.outcome, self._picture.figures)
+        self._view.build(self._picture)
+        self._view.show(self._picture)
+        self._view.pose(self._state.t)
+
+    def _do_lecture(self, _: Any) -> None:
+        self._change(lecture=not self._state.lecture)
+
+    def _do_landscape(self, _: Any) -> None:
+        self._change(landscape=not self._state.landscape)
+
+    def _do_camera(self, preset: Any) -> None:
+        getattr(self._view, "camera", lambda _: None)(preset)
+
+    def _do_help(self, _: Any) -> None:
+        self._view.open_help()
+
+    def _do_check(self, task_id: Any) -> None:
+        assert self._picture is not None
+        task = next((t for t in self._lesson.tasks if t.id == task_id), None)
+        if task is None:
+            raise KnobError(Text(f"There is no task {str(task_id)[:40]}.", f"没有任务 {str(task_id)[:40]}。"))
+        verdict = task.check(self._picture.outcome)
+        self._task(task.id, verdict=verdict)
+        self._view.say(verdict.text, not verdict.solved)
+
+    def _do_check_next(self, _: Any) -> None:
+        for task in self._lesson.tasks:
+            verdict = self._state.tasks.get(task.id, TaskState()).verdict
+            if verdict is None or not verdict.solved:
+                self._do_check(task.id)
+                return
+
+    def _do_hint(self, task_id: Any) -> None:
+        seen = self._state.tasks.get(task_id, TaskState()).hints
+        self._task(task_id, hints=seen + 1)
+
+    def _do_solution(self, task_id: Any) -> None:
+        task = next(t for t in self._lesson.tasks if t.id == task_id)
+        self._adopt(self._lesson.apply(self._desk().history.design, task.solution), None)
+        self._task(task_id, solution=True)
+
+    def _task(self, task_id: str, **changes: Any) -> None:
+        tasks = dict(self._state.tasks)
+        tasks[task_id] = replace(tasks.get(task_id, TaskState()), **changes)
+        self._change(tasks=tasks)
+
+    def _do_exam(self, answer: Any) -> None:
+        item = self._lesson.exam(self._state.exam_seed)
+        value = float(answer)
+        right = bool(np.isfinite(value)) and abs(value - item.answer) <= item.tolerance
+        text = (Text("Right.", "正确。") if right else
+                Text(f"{value:g} is not it; work it out again.", f"{value:g} 不对，请再推算一次。"))
+        self._change(exam=Verdict(right, text))
+
+    def _do_run_job(self, _: Any) -> None:
+        if self._lesson.job is None or self._picture is None:
+            return
+        if self._job is not None:
+            self._cancel(silent=False)
+            return
+        self._job = self._lesson.job.run(self._picture.outcome)
+        self._view.progress(0.0, self._lesson.job.label)
+
+    def _do_pick(self, point: Any) -> None:
+        if self._lesson.pick is None or self._picture is None:
+            return
+        x, y = (float(v) for v in point)
+        self._set(self._lesson.pick(self._picture.outcome, x, y))
+        if self._state.predicted is not None:
+            self._last_tick = self._clock()
+            self._change(playing=True, t=0.0)

@@ -1,0 +1,189 @@
+"""Pole boards: upright panes of glass on which poles are crosses to drag, and fixed modes are bolts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import viser
+
+from ..engine.placement import move_pole
+from ..figures import COLOURS
+from ..lesson import Board
+from .meshes import bolt, cross, landscape
+from .stage import rgb
+from .ticks import ticks
+
+WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
+PLACES = {"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)}
+SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
+GLASS, UNSTABLE, INK = (236, 240, 246), (246, 214, 214), (40, 44, 52)
+
+
+class BoardView:
+    """One board: drawn once, then only its poles move."""
+
+    def __init__(self, client: viser.ClientHandle, board: Board, language: str,
+                 drag: Callable[[dict[str, Any]], None]) -> None:
+        self._client, self._scene, self._drag = client, client.scene, drag
+        self._board = board
+        self._root = f"/board/{board.id}"
+        (x, y), turn = PLACES[board.side]
+        self._origin = np.array([x, y, FOOT + HEIGHT / 2])
+        self._turn = turn
+        self._frame = self._scene.add_frame(self._root, show_axes=False, position=tuple(self._origin),
+                                            wxyz=(math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)))
+        self._poles: list[viser.MeshHandle] = []
+        self._labels: list[viser.LabelHandle] = []
+        self._stems: list[Any] = []
+        self._signature: tuple[Any, ...] = ()
+        self._grabbed: tuple[int, tuple[complex, ...]] | None = None
+        self._surface: viser.MeshHandle | None = None
+        self._draw(language)
+
+    # --- s-plane ↔ stage -------------------------------------------------------------------------------------------
+    def local(self, s: complex, lift: float = 0.0) -> tuple[float, float, float]:
+        """Where s lies on the board, in the board's own frame."""
+        b = self._board
+        x = ((s.real - b.re_low) / (b.re_high - b.re_low) - 0.5) * WIDTH
+        return x, -0.05 - lift, s.imag / b.im_high * HEIGHT / 2
+
+    def s_at(self, point: tuple[float, float, float]) -> complex:
+        """The s under a point of the drag plane, seen from the camera."""
+        eye = np.asarray(self._client.camera.position, dtype=float)
+        ray = np.asarray(point, dtype=float) - eye
+        c, s = math.cos(self._turn), math.sin(self._turn)
+        along, normal = np.array([c, s, 0.0]), np.array([-s, c, 0.0])
+        depth = float(ray @ normal)
+        if abs(depth) < 1e-9:
+            hit = np.asarray(point, dtype=float)
+        else:
+            hit = eye + ray * float((self._origin - 0.05 * normal - eye) @ normal) / depth
+        b, offset = self._board, hit - self._origin
+        re = (float(offset @ along) / WIDTH + 0.5) * (b.re_high - b.re_low) + b.re_low
+        im = float(offset[2]) / (HEIGHT / 2) * b.im_high
+        return complex(min(max(re, b.re_low), b.re_high), min(max(im, -b.im_high), b.im_high))
+
+    # --- drawing ---------------------------------------------------------------------------------------------------
+    def _draw(self, language: str) -> None:
+        scene, root, b = self._scene, self._root, self._board
+        scene.add_box(f"{root}/glass", GLASS, (WIDTH + 0.3, 0.04, HEIGHT + 0.3), opacity=0.72, cast_shadow=True,
+                      receive_shadow=False)
+        if b.re_high > 0:
+            left, right = self.local(complex(max(0.0, b.re_low), 0))[0], WIDTH / 2
+            scene.add_box(f"{root}/unstable", UNSTABLE, (right - left, 0.02, HEIGHT), opacity=0.8, cast_shadow=False,
+                          receive_shadow=False, position=((left + right) / 2, -0.025, 0.0))
+        for side in (-1, 1):
+            scene.add_box(f"{root}/foot{side}", (150, 156, 166), (0.08, 0.5, 0.06), cast_shadow=True,
+                          position=(side * WIDTH * 0.42, 0.0, -HEIGHT / 2 - FOOT + 0.03))
+            scene.add_box(f"{root}/leg{side}", (150, 156, 166), (0.06, 0.06, FOOT), cast_shadow=True,
+                          position=(side * WIDTH * 0.42, 0.02, -HEIGHT / 2 - FOOT / 2))
+        self._draw_grid()
+        scene.add_label(f"{root}/title", b.title(language), position=(0.0, -0.06, HEIGHT / 2 + 0.33),
+                        anchor="bottom-center", font_screen_scale=1.25)
+
+    def _draw_grid(self) -> None:
+        scene, root, b = self._scene, self._root, self._board
+        fine, axes = [], []
+        for re in ticks(b.re_low, b.re_high):
+            fine.append((self.local(complex(re, -b.im_high)), self.local(complex(re, b.im_high))))
+            x, y, _ = self.local(complex(re, 0))
+            scene.add_label(f"{root}/re{re:g}", f"{re:g}".replace("-", "−"), position=(x, y, -HEIGHT / 2 - 0.02),
+                            anchor="top-center", font_screen_scale=0.8)
+        for im in ticks(-b.im_high, b.im_high, 4):
+            fine.append((self.local(complex(b.re_low, im)), self.local(complex(b.re_high, im))))
+            if im != 0:
+                x, y, z = self.local(complex(b.re_high, im))
+                scene.add_label(f"{root}/im{im:g}", f"{im:g}j".replace("-", "−"), position=(x + 0.04, y, z),
+                                anchor="center-left", font_screen_scale=0.8)
+        axes.append((self.local(complex(b.re_low, 0)), self.local(complex(b.re_high, 0))))
+        if b.re_low < 0 < b.re_high:
+            axes.append((self.local(complex(0, -b.im_high)), self.local(complex(0, b.im_high))))
+        arcs = []
+        for radius in ticks(0, abs(b.re_low), 4)[1:]:
+            angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 48)
+            points = [radius * complex(math.cos(a), math.sin(a)) for a in angle]
+            arcs += [(self.local(p), self.local(q)) for p, q in zip(points, points[1:], strict=False)
+                     if max(abs(p.imag), abs(q.imag)) <= b.im_high and min(p.real, q.real) >= b.re_low]
+        for zeta in (0.2, 0.5, 0.8):
+            for sign in (-1, 1):
+                reach = min(-b.re_low / zeta, b.im_high / math.sqrt(1 - zeta**2))
+                arcs.append((self.local(0j), self.local(reach * complex(-zeta, sign * math.sqrt(1 - zeta**2)))))
+        scene.add_line_segments(f"{root}/grid", np.array(fine, dtype=np.float32), (214, 220, 229), thickness=0.006)
+        scene.add_line_segments(f"{root}/arcs", np.array(arcs, dtype=np.float32), (188, 198, 212), thickness=0.009)
+        scene.add_line_segments(f"{root}/axes", np.array(axes, dtype=np.float32), INK, thickness=0.02)
+
+    def show(self, board: Board) -> None:
+        """Move the poles to where the design has them."""
+        self._board = board
+        signature = (len(board.poles), len(board.fixed), board.knob)
+        if signature != self._signature:
+            self._make_poles(board)
+            self._signature = signature
+        for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
+            handle.position = self.local(pole, 0.03)
+            text = "" if pole.imag < 0 else pole_name(pole)
+            if label.text != text:
+                label.text = text
+            x, y, z = self.local(pole, 0.1)
+            label.position = (x + 0.13, y, z + 0.02)
+
+    def _make_poles(self, board: Board) -> None:
+        for old in (*self._poles, *self._labels, *self._stems):
+            old.remove()
+        self._poles, self._labels, self._stems = [], [], []
+        vertices, faces = cross()
+        for i, pole in enumerate(board.poles):
+            handle = self._scene.add_mesh_simple(f"{self._root}/pole{i}", vertices, faces,
+                                                 color=rgb(COLOURS[board.role]), cast_shadow=False,
+                                                 receive_shadow=False, position=self.local(pole, 0.03))
+            if board.knob is not None:
+                handle.on_drag("left")(self._dragger(i))
+            self._poles.append(handle)
+            self._labels.append(self._scene.add_label(f"{self._root}/name{i}", "", anchor="center-left",
+                                                      font_screen_scale=0.85))
+        head, head_faces = bolt()
+        for i, pole in enumerate(board.fixed):
+            self._stems.append(self._scene.add_mesh_simple(
+                f"{self._root}/bolt{i}", head, head_faces, color=INK, flat_shading=True, cast_shadow=False,
+                position=self.local(pole, 0.0)))
+
+    def _dragger(self, index: int) -> Callable[[viser.SceneNodeDragEvent], Any]:
+        async def moved(event: viser.SceneNodeDragEvent) -> None:
+            board = self._board
+            if board.knob is None:
+                return
+            if event.phase == "start" or self._grabbed is None:
+                self._grabbed = (index, board.poles)
+            origin, poles = self._grabbed
+            to = self.s_at(event.end_position)
+            self._drag({board.knob: move_pole(poles, origin, to, SNAP * board.im_high), **dict(board.also)})
+            if event.phase == "end":
+                self._grabbed = None
+        return moved
+
+    def show_landscape(self, visible: bool) -> None:
+        """The surface of |det(sI − M)|⁻¹ in front of the stage, or nothing."""
+        matrix = self._board.landscape
+        if not visible or matrix is None:
+            if self._surface is not None:
+                self._surface.remove()
+                self._surface = None
+            return
+        b = self._board
+        vertices, faces = landscape(matrix, np.linspace(b.re_low, b.re_high, 56), np.linspace(-b.im_high, b.im_high, 40),
+                                    3.6, 1.8, 1.0)
+        if self._surface is None:
+            self._surface = self._scene.add_mesh_simple(
+                "/landscape", vertices, faces, color=rgb(COLOURS[b.role]), opacity=0.75, side="double",
+                position=(0.0, -2.9, 0.01))
+        else:
+            self._surface.vertices = vertices
+
+
+def pole_name(pole: complex) -> str:
+    """−4 ± 5j, or −2."""
+    real = f"{pole.real:.3g}".replace("-", "−")
+    return real if pole.imag == 0 else f"{real} ± {abs(pole.imag):.3g}j"

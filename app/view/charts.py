@@ -1,0 +1,119 @@
+"""Figures on the screen: time and frequency by uPlot, everything else as SVG or an HTML table."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import viser
+
+from ..figures import (
+    COLOURS,
+    FLOOR,
+    Curve,
+    Figure,
+    FrequencyFigure,
+    TimeFigure,
+    calm_range,
+    finite,
+    thin,
+)
+from .svg import draw
+
+DASHES: dict[str, tuple[float, ...] | None] = {"solid": None, "dash": (9, 5), "dot": (2, 4)}
+HEIGHT = 205
+
+
+def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, Any]:
+    series: dict[str, Any] = {"label": curve.name(language), "stroke": COLOURS[curve.role], "class": mark,
+                              "width": curve.width * bold, "points": {"show": False}}
+    dash = DASHES[curve.dash]
+    if dash is not None:
+        series["dash"] = dash
+    return series
+
+
+def data_of(figure: TimeFigure | FrequencyFigure, span: tuple[float, float]) -> tuple[np.ndarray, ...]:
+    """The arrays of a chart: sorted x, finite y, at most 500 points, within reach of the shown range."""
+    logarithmic = isinstance(figure, FrequencyFigure) or figure.log
+    x = figure.f if isinstance(figure, FrequencyFigure) else figure.t
+    rows = thin(np.asarray(x, dtype=float), *(finite(c.y) for c in figure.curves))
+    reach = 3 * (span[1] - span[0])
+    if logarithmic:
+        return rows[0], *(np.clip(np.abs(y), max(span[0] / 1e3, FLOOR), span[1] * 1e3) for y in rows[1:])
+    return rows[0], *(np.clip(y, span[0] - reach, span[1] + reach) for y in rows[1:])
+
+
+class Chart:
+    """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change."""
+
+    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, lecture: bool) -> None:
+        self._language, self._figure = language, figure
+        self._bold = 1.5 if lecture else 1.0
+        self._range: tuple[float, float] | None = None
+        self._plot: viser.GuiUplotHandle | None = None
+        self._html: viser.GuiHtmlHandle | None = None
+        if isinstance(figure, (TimeFigure, FrequencyFigure)):
+            self._range = calm_range(figure, None, True)
+            self._plot = gui.add_uplot(data_of(figure, self._range), self._all_series(figure), **self._frame(figure))
+        else:
+            self._html = gui.add_html(draw(figure, language))
+        self._caption = gui.add_html(self._words(figure))
+
+    def _words(self, figure: Figure) -> str:
+        return f'<p class="ol-caption" data-figure="{figure.id}">{figure.caption(self._language)}</p>'
+
+    def _all_series(self, figure: TimeFigure | FrequencyFigure) -> tuple[Any, ...]:
+        mark = "ol-time" if isinstance(figure, TimeFigure) else "ol-frequency"
+        x: dict[str, Any] = {"label": "t" if mark == "ol-time" else "f", "class": "ol-x"}
+        return (x, *(_series(c, self._language, mark, self._bold) for c in figure.curves))
+
+    def _frame(self, figure: TimeFigure | FrequencyFigure) -> dict[str, Any]:
+        assert self._range is not None
+        time = isinstance(figure, TimeFigure)
+        x = figure.t if isinstance(figure, TimeFigure) else figure.f
+        logarithmic = not time or figure.log  # type: ignore[union-attr]
+        y: dict[str, Any] = {"range": self._range, "auto": False}
+        if logarithmic:
+            y["distr"] = 3
+        xs: dict[str, Any] = {"time": False, "range": (float(x[0]), float(x[-1]))}
+        if not time:
+            xs["distr"] = 3
+        size = 15 if self._bold > 1 else 12
+        font = f"{size}px sans-serif"
+        look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
+                "ticks": {"stroke": "#c9ced6", "width": 1}}
+        return {
+            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": HEIGHT,
+            "axes": ({**look, "label": "t [s]" if time else "f [Hz]", "labelSize": size + 6, "size": size + 16},
+                     {**look, "label": figure.y_label, "labelSize": size + 6, "size": 4 * size + 8}),
+            "legend": {"show": True, "live": False}, "cursor": {"drag": {"x": False, "y": False}},
+            "padding": (4, 14, 0, 0),
+        }
+
+    def show(self, figure: Figure, resting: bool) -> None:
+        """Draw the figure's present data."""
+        before, self._figure = self._figure, figure
+        if isinstance(figure, (TimeFigure, FrequencyFigure)):
+            self._show_plot(figure, before, resting)
+        elif self._html is not None:
+            content = draw(figure, self._language)
+            if content != self._html.content:
+                self._html.content = content
+        words = self._words(figure)
+        if words != self._caption.content:
+            self._caption.content = words
+
+    def _show_plot(self, figure: TimeFigure | FrequencyFigure, before: Figure, resting: bool) -> None:
+        assert self._plot is not None and isinstance(before, (TimeFigure, FrequencyFigure))
+        wanted = calm_range(figure, self._range, resting)
+        if len(figure.curves) != len(before.curves) or any(
+                a.name != b.name or a.role != b.role for a, b in zip(figure.curves, before.curves, strict=True)):
+            self._plot.series = self._all_series(figure)
+        x = figure.t if isinstance(figure, TimeFigure) else figure.f
+        old = before.t if isinstance(before, TimeFigure) else before.f
+        if wanted != self._range or float(x[-1]) != float(old[-1]):
+            self._range = wanted
+            frame = self._frame(figure)
+            self._plot.scales = frame["scales"]
+        self._plot.data = data_of(figure, wanted)

@@ -1,0 +1,194 @@
+"""Widgets made from knobs: what a person sets is posted, what the session accepted is shown back."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import viser
+
+from ..engine.placement import move_pole
+from ..knobs import Choice, Knob, Number, Poles, Switch, Track
+
+Post = Callable[[str, Any], None]  # knob name, value
+HOLD = 0.3  # s after a person's own change during which the widget is left alone
+
+
+class Widget(Protocol):
+    """A knob's widget."""
+
+    def show(self, value: Any, visible: bool, resting: bool) -> None:
+        """Show the accepted value."""
+
+
+class _Echo:
+    """Remembers what a person set last, so that an older accepted value does not fight with the hand."""
+
+    def __init__(self) -> None:
+        self._value: Any = None
+        self._time = -1e9
+
+    def heard(self, value: Any) -> None:
+        self._value, self._time = value, time.monotonic()
+
+    def may_write(self, resting: bool) -> bool:
+        return resting or time.monotonic() - self._time > HOLD
+
+
+def label_of(knob: Knob, language: str) -> str:
+    """The knob's name with its unit."""
+    return knob.label(language) + (f" [{knob.unit}]" if knob.unit else "")
+
+
+class NumberWidget:
+    """A slider with its number field; logarithmic knobs move in decades and show their value in the label."""
+
+    def __init__(self, gui: viser.GuiApi, knob: Number, language: str, post: Post) -> None:
+        self._knob, self._language, self._echo = knob, language, _Echo()
+        self._log = knob.scale == "log"
+        low, high = self._to(knob.low), self._to(knob.high)
+        step = 1.0 if knob.scale == "integer" else knob.step or 10 ** math.floor(math.log10((high - low) / 100))
+        self._handle = gui.add_slider(self._label(knob.default), low, high, float(step), self._to(knob.default),
+                                      hint=knob.hint(language) or None)
+
+        @self._handle.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                value = self._from(event.target.value)
+                self._echo.heard(value)
+                post(knob.name, value)
+
+    def _to(self, value: float) -> float:
+        return round(math.log10(value), 6) if self._log else float(value)
+
+    def _from(self, value: float) -> float:
+        return 10.0 ** value if self._log else value
+
+    def _label(self, value: float) -> str:
+        name = label_of(self._knob, self._language)
+        return f"{name}: lg" if self._log else name
+
+    def show(self, value: Any, visible: bool, resting: bool) -> None:
+        if self._handle.visible != visible:
+            self._handle.visible = visible
+        shown = self._to(value)
+        if self._handle.value != shown and self._echo.may_write(resting):
+            self._handle.value = shown
+
+
+class ChoiceWidget:
+    """A dropdown; its words change with the language, its values do not."""
+
+    def __init__(self, gui: viser.GuiApi, knob: Choice, language: str, post: Post) -> None:
+        self._names = {name: label(language) for name, label in knob.options}
+        keys = {label: name for name, label in self._names.items()}
+        self._handle = gui.add_dropdown(label_of(knob, language), tuple(self._names.values()),
+                                        initial_value=self._names[knob.default], hint=knob.hint(language) or None)
+
+        @self._handle.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                post(knob.name, keys.get(event.target.value, event.target.value))
+
+    def show(self, value: Any, visible: bool, resting: bool) -> None:
+        if self._handle.visible != visible:
+            self._handle.visible = visible
+        if self._handle.value != self._names[value]:
+            self._handle.value = self._names[value]
+
+
+class SwitchWidget:
+    """A checkbox."""
+
+    def __init__(self, gui: viser.GuiApi, knob: Switch, language: str, post: Post) -> None:
+        self._handle = gui.add_checkbox(label_of(knob, language), knob.default, hint=knob.hint(language) or None)
+
+        @self._handle.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                post(knob.name, bool(event.target.value))
+
+    def show(self, value: Any, visible: bool, resting: bool) -> None:
+        if self._handle.visible != visible:
+            self._handle.visible = visible
+        if self._handle.value != value:
+            self._handle.value = value
+
+
+class PolesWidget:
+    """A row (Re, Im) for every real pole and every conjugate pair; typing does what dragging does."""
+
+    def __init__(self, gui: viser.GuiApi, knob: Poles, language: str, post: Post) -> None:
+        self._knob, self._poles, self._echo = knob, knob.default, _Echo()
+        self._rows: list[viser.GuiVector2Handle] = []
+        for i in range(len(knob.default)):
+            row = gui.add_vector2(f"{knob.symbol}{i + 1}", (0.0, 0.0), min=(knob.re_low, -knob.im_high),
+                                  max=(knob.re_high, knob.im_high), step=0.1, hint=label_of(knob, language))
+            self._listen(row, i, post)
+            self._rows.append(row)
+
+    def _listen(self, row: viser.GuiVector2Handle, index: int, post: Post) -> None:
+        @row.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is None:
+                return
+            heads = [i for i, p in enumerate(self._poles) if p.imag >= 0]
+            if index >= len(heads):
+                return
+            self._echo.heard(event.target.value)
+            at, to = heads[index], complex(*event.target.value)
+            asked = (*self._poles[:at], to, *self._poles[at + 1:])  # what is not finite is refused by the knob
+            post(self._knob.name, move_pole(self._poles, at, to, 1e-6) if _finite(to) else asked)
+
+    def show(self, value: Any, visible: bool, resting: bool) -> None:
+        self._poles = value
+        heads = [p for p in value if p.imag >= 0]
+        write = self._echo.may_write(resting)
+        for i, row in enumerate(self._rows):
+            seen = visible and i < len(heads)
+            if row.visible != seen:
+                row.visible = seen
+            if seen and write:
+                shown = (round(heads[i].real, 4), round(heads[i].imag, 4))
+                if tuple(row.value) != shown:
+                    row.value = shown
+
+
+def _finite(value: complex) -> bool:
+    return math.isfinite(value.real) and math.isfinite(value.imag)
+
+
+class TrackWidget:
+    """A slider whose movement is recorded from the present time of the run on."""
+
+    def __init__(self, gui: viser.GuiApi, knob: Track, language: str, record: Post) -> None:
+        self._handle = gui.add_slider(label_of(knob, language), knob.low, knob.high, (knob.high - knob.low) / 200,
+                                      0.0, hint=knob.hint(language) or None)
+
+        @self._handle.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                record(knob.name, event.target.value)
+
+    def show(self, value: Any, visible: bool, resting: bool) -> None:
+        if self._handle.visible != visible:
+            self._handle.visible = visible
+        if not value and resting and self._handle.value != 0.0:
+            self._handle.value = 0.0
+
+
+def make_widget(gui: viser.GuiApi, knob: Knob, language: str, post: Post, record: Post) -> Widget:
+    """The widget for a knob's kind."""
+    if isinstance(knob, Number):
+        return NumberWidget(gui, knob, language, post)
+    if isinstance(knob, Choice):
+        return ChoiceWidget(gui, knob, language, post)
+    if isinstance(knob, Switch):
+        return SwitchWidget(gui, knob, language, post)
+    if isinstance(knob, Poles):
+        return PolesWidget(gui, knob, language, post)
+    if isinstance(knob, Track):
+        return TrackWidget(gui, knob, language, record)
+    raise TypeError(f"no widget for {type(knob).__name__}")

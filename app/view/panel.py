@@ -1,0 +1,233 @@
+"""The left column: question, prediction, knobs, explanation, tasks, exam item."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from ..knobs import Knob, Poles
+from ..session import Do, Picture, SetKnobs, TaskState
+from . import phrases
+from .knobs import Widget, make_widget
+from .prose import mathml, render
+
+Post = Callable[[SetKnobs | Do], None]
+LETTERS = "ABCDEFGH"
+
+
+class Panel:
+    """The column of one lesson in one language."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Post) -> None:
+        self._gui, self._post = gui, post
+        self._lang = picture.state.language
+        self._lesson = picture.lesson
+        self._words = picture.lesson.words[self._lang]
+        self._widgets: dict[str, tuple[Knob, Widget]] = {}
+        self._formulas: dict[str, viser.GuiHtmlHandle] = {}
+        self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
+        self._bar: viser.GuiProgressBarHandle | None = None
+        self._job: viser.GuiButtonHandle | None = None
+        self._head(picture)
+        self._predict()
+        self._knobs()
+        self._numbers(picture)
+        self._explain()
+        self._make_tasks()
+        self._make_exam(picture)
+
+    # --- building --------------------------------------------------------------------------------------------------
+    def _head(self, picture: Picture) -> None:
+        gui, lang = self._gui, self._lang
+        titles = {lesson.id: lesson.words[lang].title for lesson in picture.catalogue}
+        keys = {title: lesson_id for lesson_id, title in titles.items()}
+        self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
+                                        initial_value=titles[self._lesson.id])
+        self._tongue = gui.add_button_group("", ("English", "中文", phrases.LECTURE(lang)))
+        gui.add_html(f'<div class="ol-question">{self._words.question}</div>')
+        gui.add_markdown(render(self._words.introduction))
+
+        @self._choice.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                self._post(Do("lesson", keys.get(event.target.value, "")))
+
+        @self._tongue.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            word = event.target.value
+            self._post(Do("language", "en") if word == "English" else Do("language", "zh") if word == "中文"
+                       else Do("lecture"))
+
+    def _predict(self) -> None:
+        gui, lang = self._gui, self._lang
+        with gui.add_folder(phrases.PREDICTION(lang)):
+            options = "\n".join(f"{LETTERS[i]}. {render(o)}\n" for i, o in enumerate(self._words.options))
+            gui.add_markdown(f"{render(self._words.predict)}\n\n{options}")
+            letters = tuple(LETTERS[: len(self._words.options)])
+            self._letters = gui.add_button_group(phrases.CHOOSE(lang), (*letters, phrases.SKIP(lang)))
+            self._unveil = gui.add_button(phrases.REVEAL(lang), visible=False)
+            self._answer = gui.add_markdown("")
+
+        @self._letters.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            word = event.target.value
+            self._post(Do("predict", letters.index(word) if word in letters else -1))
+
+        @self._unveil.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            self._post(Do("reveal"))
+
+    def _knobs(self) -> None:
+        gui, lang = self._gui, self._lang
+        with gui.add_folder(phrases.KNOBS(lang)):
+            for knob in self._lesson.knobs:
+                if not knob.hidden and not isinstance(knob, Poles):
+                    self._add_knob(knob)
+            self._make_job()
+        for knob in self._lesson.knobs:
+            if isinstance(knob, Poles) and not knob.hidden:
+                with gui.add_folder(knob.label(lang), expand_by_default=False):
+                    gui.add_html(f'<p class="ol-note">{phrases.ON_STAGE(lang)}</p>')
+                    self._add_knob(knob)
+
+    def _add_knob(self, knob: Knob) -> None:
+        widget = make_widget(self._gui, knob, self._lang,
+                             lambda name, value: self._post(SetKnobs({name: value})),
+                             lambda name, value: self._post(Do("hand", (name, value))))
+        self._widgets[knob.name] = (knob, widget)
+
+    def _make_job(self) -> None:
+        if self._lesson.job is None:
+            return
+        self._job = self._gui.add_button(f"{self._lesson.job.label(self._lang)}")
+        self._bar = self._gui.add_progress_bar(0.0, visible=False)
+
+        @self._job.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            self._post(Do("run_job"))
+
+    def _numbers(self, picture: Picture) -> None:
+        if not picture.outcome.formulas and not picture.outcome.live(self._lang):
+            return
+        with self._gui.add_folder(phrases.NUMBERS(self._lang)):
+            self._live = self._gui.add_html("")
+            for formula in picture.outcome.formulas:
+                self._formulas[formula.id] = self._gui.add_html("")
+
+    def _explain(self) -> None:
+        for heading, text in self._words.steps:
+            with self._gui.add_folder(heading, expand_by_default=False):
+                self._gui.add_markdown(render(text))
+
+    def _make_tasks(self) -> None:
+        if not self._lesson.tasks:
+            return
+        lang = self._lang
+        with self._gui.add_folder(phrases.TASKS(lang), expand_by_default=False):
+            for task in self._lesson.tasks:
+                text = self._gui.add_markdown("")
+                row = self._gui.add_button_group("", (phrases.CHECK(lang), phrases.HINT(lang), phrases.SOLUTION(lang)))
+                self._tasks[task.id] = text, row
+                self._listen(row, task.id)
+
+    def _listen(self, row: viser.GuiButtonGroupHandle, task_id: str) -> None:
+        names = {phrases.CHECK(self._lang): "check", phrases.HINT(self._lang): "hint",
+                 phrases.SOLUTION(self._lang): "solution"}
+
+        @row.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            if event.target.value in names:
+                self._post(Do(names[event.target.value], task_id))
+
+    def _make_exam(self, picture: Picture) -> None:
+        gui, lang = self._gui, self._lang
+        item = self._lesson.exam(picture.state.exam_seed)
+        with gui.add_folder(phrases.EXAM(lang), expand_by_default=False):
+            gui.add_markdown(render(self._words.exam.format(**item.numbers)))
+            answer = gui.add_number(phrases.ANSWER(lang), 0.0, step=0.001)
+            button = gui.add_button(phrases.CHECK(lang))
+            self._exam = gui.add_html("")
+        gui.add_markdown(f"*{phrases.SOURCE(lang)}: {render(self._words.source)}*")
+
+        @button.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            self._post(Do("exam", answer.value))
+
+    # --- showing ---------------------------------------------------------------------------------------------------
+    def show(self, picture: Picture) -> None:
+        """Everything in the column that may have changed."""
+        for name, (knob, widget) in self._widgets.items():
+            widget.show(picture.design[name], self._lesson.shown(knob, picture.design), picture.resting)
+        if picture.resting:
+            self._show_numbers(picture)
+        self._show_prediction(picture)
+        for task_id in self._tasks:
+            self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))
+        verdict = picture.state.exam
+        _write(self._exam, "" if verdict is None else _judged(verdict.solved, verdict.text(self._lang)))
+
+    def _show_numbers(self, picture: Picture) -> None:
+        if self._formulas or hasattr(self, "_live"):
+            _write(self._live, f'<p class="ol-note">{picture.outcome.live(self._lang)}</p>')
+        for formula in picture.outcome.formulas:
+            if formula.id in self._formulas:
+                note = formula.note(self._lang)
+                _write(self._formulas[formula.id], f'<div class="ol-formula">{mathml(formula.latex, True)}</div>'
+                       + (f'<p class="ol-caption">{note}</p>' if note else ""))
+
+    def _show_prediction(self, picture: Picture) -> None:
+        state, lang = picture.state, self._lang
+        if state.predicted is None:
+            text, waiting = f'<div class="ol-veil">{phrases.VEILED(lang)}</div>', False
+        else:
+            said = (phrases.SKIPPED(lang) if state.predicted < 0
+                    else phrases.YOU_PREDICTED.format(LETTERS[state.predicted])(lang))
+            waiting = not state.revealed
+            text = f"{said} {phrases.WATCH_FIRST(lang)}" if waiting else f"{said} {self._outcome(state.predicted)}"
+        if self._unveil.visible != waiting:
+            self._unveil.visible = waiting
+        if self._letters.visible != (state.predicted is None):
+            self._letters.visible = state.predicted is None
+        if self._answer.content != text:
+            self._answer.content = text
+
+    def _outcome(self, predicted: int) -> str:
+        right = predicted == self._lesson.answer
+        verdict = (phrases.WAS_RIGHT(self._lang) if right
+                   else phrases.WAS_WRONG.format(LETTERS[self._lesson.answer])(self._lang))
+        return f"{verdict}\n\n{render(self._words.reveal)}"
+
+    def _show_task(self, task_id: str, state: TaskState) -> None:
+        words, lang = self._words.tasks[task_id], self._lang
+        parts = [f"**{words.title}**", render(words.statement)]
+        parts += [f"*{phrases.HINT(lang)}:* {render(hint)}" for hint in words.hints[: state.hints]]
+        if state.solution:
+            parts.append(f"*{phrases.SOLUTION(lang)}:* {render(words.solution)}")
+        if state.verdict is not None:
+            parts.append(_judged(state.verdict.solved, state.verdict.text(lang)))
+        text = "\n\n".join(parts)
+        if self._tasks[task_id][0].content != text:
+            self._tasks[task_id][0].content = text
+
+    def progress(self, fraction: float | None) -> None:
+        """The bar of the long job, and what its button does now."""
+        if self._bar is None or self._job is None or self._lesson.job is None:
+            return
+        running = fraction is not None
+        if self._bar.visible != running:
+            self._bar.visible = running
+            self._job.label = phrases.CANCEL_JOB(self._lang) if running else self._lesson.job.label(self._lang)
+        if fraction is not None:
+            self._bar.value = 100.0 * min(max(fraction, 0.0), 1.0)
+
+
+def _write(handle: Any, content: str) -> None:
+    if handle.content != content:
+        handle.content = content
+
+
+def _judged(solved: bool, words: str) -> str:
+    return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {words}</div>'
+

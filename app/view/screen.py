@@ -1,0 +1,186 @@
+"""One tab's screen: panels, stage, boards and charts, put together; implements the session's View."""
+
+from __future__ import annotations
+
+import html
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from ..figures import tabs
+from ..lesson import Board
+from ..session import COMMANDS, Do, Picture, SetKnobs
+from ..words import Text
+from . import phrases
+from .boards import BoardView
+from .charts import Chart
+from .panel import Panel
+from .stage import StageView
+from .style import sheet
+from .transport import Transport
+
+Post = Callable[[SetKnobs | Do], None]
+LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
+
+
+class Screen:
+    """Everything that one browser shows. All methods are called by the session's worker."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._post: Post = lambda edit: None
+        self._stage = StageView(client)
+        self._boards: dict[str, BoardView] = {}
+        self._charts: dict[str, Chart] = {}
+        self._panel: Panel | None = None
+        self._transport: Transport | None = None
+        self._style: viser.GuiHtmlHandle | None = None
+        self._picture: Picture | None = None
+        self._lock = threading.Lock()
+        self._notes: list[Any] = []
+        self._looked = False
+
+    def attach(self, post: Post) -> None:
+        """Where edits go."""
+        self._post = post
+
+    # --- View ------------------------------------------------------------------------------------------------------
+    def build(self, picture: Picture) -> None:
+        """Lay everything out anew for a lesson or a language."""
+        gui, language = self._client.gui, picture.state.language
+        with self._client.atomic():
+            gui.reset()
+            self._client.scene.reset()
+            self._boards, self._charts = {}, {}
+            gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178))
+            gui.set_panel_label("Observer Lab")
+            self._style = gui.add_html(sheet(picture.state.lecture, picture.state.predicted is None), order=-1e9)
+            self._panel = Panel(gui, picture, self._post)
+            self._right_panel(picture)
+            self._transport = Transport(gui, picture, self._post)
+            gui.main_panel.dock_left()
+            gui.main_panel.set_width(LEFT_WIDTH)
+            self._commands(language)
+            self._stage.furnish()
+            self._stage.build(picture.outcome.stage, language)
+            if not self._looked:
+                self._stage.camera("all")
+                self._looked = True
+        self._picture = None
+
+    def show(self, picture: Picture) -> None:
+        """Show what changed since the last picture, in one message."""
+        before, self._picture = self._picture, picture
+        with self._client.atomic():
+            if self._panel is not None:
+                self._panel.show(picture)
+            if self._transport is not None:
+                self._transport.show(picture)
+            self._show_style(picture)
+            if before is None or before.outcome is not picture.outcome:
+                self._stage.show(picture.outcome.stage)
+                for figure in picture.figures:
+                    chart = self._charts.get(figure.id)
+                    if chart is not None:
+                        chart.show(figure, picture.resting)
+            elif picture.resting and not before.resting:
+                for figure in picture.figures:
+                    if figure.id in self._charts:
+                        self._charts[figure.id].show(figure, True)
+            for board in picture.outcome.boards:
+                self._board(board, picture).show(board)
+            self._landscape(picture)
+        self._client.flush()
+
+    def pose(self, t: float) -> None:
+        """Stage and cursors at time t."""
+        if self._picture is None:
+            return
+        with self._client.atomic():
+            self._stage.pose(t)
+            if self._transport is not None:
+                self._transport.pose(t, self._picture.horizon)
+        self._client.flush()
+
+    def progress(self, fraction: float | None, label: Text | None) -> None:
+        """A long job's progress."""
+        if self._panel is not None:
+            self._panel.progress(fraction)
+            self._client.flush()
+
+    def say(self, text: Text, bad: bool) -> None:
+        """One sentence as a notification; the last two stay, older ones go."""
+        language = self._picture.state.language if self._picture is not None else "en"
+        note = self._client.add_notification("Observer Lab", text(language), color="red" if bad else "blue",
+                                             auto_close_seconds=9.0 if bad else 5.0)
+        self._notes.append(note)
+        while len(self._notes) > 2:
+            self._notes.pop(0).remove()
+        self._client.flush()
+
+    def camera(self, preset: str) -> None:
+        """Look from a named place."""
+        self._stage.camera(preset)
+        self._client.flush()
+
+    def open_help(self) -> None:
+        """The list of keys, made from the table that binds them."""
+        language = self._picture.state.language if self._picture is not None else "en"
+        gui = self._client.gui
+        modal = gui.add_modal(phrases.KEYS_TITLE(language))
+        rows = "".join(f"<tr><td><kbd>{html.escape(c.key or '')}</kbd></td><td>{html.escape(c.label(language))}</td></tr>"
+                       for c in COMMANDS)
+        with modal:
+            gui.add_html(f'<table class="ol-table ol-keys">{rows}</table>')
+            button = gui.add_button(phrases.CLOSE(language))
+
+        @button.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            modal.close()
+        self._client.flush()
+
+    # --- parts -----------------------------------------------------------------------------------------------------
+    def _right_panel(self, picture: Picture) -> None:
+        if not picture.figures:
+            return
+        language = picture.state.language
+        panel = self._client.gui.add_panel()
+        panel.dock_right()
+        panel.set_width(RIGHT_WIDTH)
+        for tab in tabs(picture.figures):
+            with panel.add_tab(tab(language)):
+                for figure in picture.figures:
+                    if figure.tab == tab:
+                        self._charts[figure.id] = Chart(self._client.gui, figure, language, picture.state.lecture)
+
+    def _commands(self, language: str) -> None:
+        for command in COMMANDS:
+            handle = self._client.gui.add_command(command.label(language), hotkey=command.key,  # type: ignore[arg-type]
+                                                  modifier=command.modifier)  # type: ignore[arg-type]
+            self._bind(handle, command.name, command.argument)
+
+    def _bind(self, handle: viser.CommandHandle, name: str, argument: Any) -> None:
+        @handle.on_trigger
+        async def _(_: Any) -> None:
+            self._post(Do(name, argument))
+
+    def _show_style(self, picture: Picture) -> None:
+        content = sheet(picture.state.lecture, picture.state.predicted is None)
+        if self._style is not None and self._style.content != content:
+            self._style.content = content
+
+    def _board(self, board: Board, picture: Picture) -> BoardView:
+        if board.id not in self._boards:
+            self._boards[board.id] = BoardView(
+                self._client, board, picture.state.language,
+                lambda values: self._post(SetKnobs(values)))
+        return self._boards[board.id]
+
+    def _landscape(self, picture: Picture) -> None:
+        for board in picture.outcome.boards:
+            if board.landscape is not None:
+                self._boards[board.id].show_landscape(picture.state.landscape)
+
+

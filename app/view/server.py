@@ -1,0 +1,70 @@
+"""The server: one session with its own screen for every tab, and nothing shared between them."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+
+import viser
+
+from ..lesson import Lesson
+from ..session import Session
+from . import quirks
+from .screen import Screen
+
+log = logging.getLogger(__name__)
+
+
+class LabServer:
+    """Observer Lab on a port: every tab that connects gets a session, every tab that leaves takes it away."""
+
+    def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
+                 lesson: str = "separation", language: str = "en", max_sessions: int = 200) -> None:
+        self._lessons = lessons
+        self._lesson, self._language, self._max = lesson, language, max_sessions
+        self._sessions: dict[int, Session] = {}
+        self._server = viser.ViserServer(host=host, port=port, label="Observer Lab", verbose=False)
+        quirks.close_share_tunnel(self._server)
+        self._server.on_client_connect(self._enter)
+        self._server.on_client_disconnect(self._leave)
+
+    @property
+    def url(self) -> str:
+        """Where the page is: the port may differ from the one asked for, when that was taken."""
+        return f"http://{self._server.get_host()}:{self._server.get_port()}"
+
+    @property
+    def sessions(self) -> Mapping[int, Session]:
+        """The open tabs' sessions."""
+        return self._sessions
+
+    async def _enter(self, client: viser.ClientHandle) -> None:
+        origin = quirks.foreign_origin(self._server, client)
+        if origin is not None:
+            log.warning("refused a connection from a page of %s", origin)
+            quirks.disconnect(self._server, client)
+            return
+        if len(self._sessions) >= self._max:
+            client.add_notification("Observer Lab", f"This server is full ({self._max} tabs). Close one and reload.",
+                                    color="red")
+            return
+        screen = Screen(client)
+        session = Session(self._lessons, screen, self._lesson, self._language)
+        screen.attach(session.post)
+        self._sessions[client.client_id] = session
+        session.start()
+
+    async def _leave(self, client: viser.ClientHandle) -> None:
+        session = self._sessions.pop(client.client_id, None)
+        if session is not None:
+            session.close()
+
+    def wait(self) -> None:
+        """Serve until interrupted."""
+        self._server.sleep_forever()
+
+    def stop(self) -> None:
+        """Close every session and the server."""
+        for session in list(self._sessions.values()):
+            session.close()
+        self._server.stop()

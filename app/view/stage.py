@@ -1,0 +1,162 @@
+"""The stage: floor and light, the plant in solid parts, its ghost, forces, error lines."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+
+from ..figures import COLOURS
+from ..lesson import Stage
+from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Rod, Spring
+from ..words import Text
+from . import phrases
+from .meshes import helix
+
+GHOST_COLOUR = COLOURS["estimate"]
+CAMERAS = {
+    "all": ((0.0, -13.4, 3.9), (0.0, 0.6, 1.95)),
+    "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
+    "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
+}
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """'#RRGGBB' as three bytes."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+
+
+class StageView:
+    """One tab's stage. Sends only what changed since the last pose."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._scene = client.scene
+        self._body: Body | None = None
+        self._solid: dict[str, viser.SceneNodeHandle] = {}
+        self._ghost: dict[str, viser.SceneNodeHandle] = {}
+        self._last: dict[str, Pose] = {}
+        self._forces: viser.ArrowsHandle | None = None
+        self._errors: viser.LineSegmentsHandle | None = None
+        self._stage: Stage | None = None
+
+    def furnish(self) -> None:
+        """Floor, light, background and the default camera of an empty stage."""
+        scene = self._scene
+        scene.set_up_direction("+z")
+        scene.configure_default_lights(False)
+        scene.configure_environment_map("studio", environment_intensity=0.55)
+        scene.add_light_ambient("/light/ambient", color=(255, 255, 255), intensity=0.55)
+        scene.add_light_directional("/light/key", color=(255, 250, 240), intensity=1.7, position=(-4.0, -6.0, 9.0),
+                                    cast_shadow=True)
+        scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.5, position=(6.0, -5.0, 4.0),
+                                    cast_shadow=False)
+        scene.add_grid("/floor", width=40.0, height=40.0, cell_size=0.5, section_size=2.0, cell_color=(232, 235, 240),
+                       section_color=(216, 221, 228), plane_color=(246, 247, 250), plane_opacity=1.0,
+                       shadow_opacity=0.16, fade_distance=34.0, position=(0.0, 0.0, -0.002))
+        scene.configure_fog(16.0, 34.0, color=(255, 255, 255))
+
+    def camera(self, preset: str) -> None:
+        """Look from one of the named places."""
+        position, target = CAMERAS[preset if preset in CAMERAS else "all"]
+        with self._client.atomic():
+            self._client.camera.up_direction = (0.0, 0.0, 1.0)
+            self._client.camera.position = position
+            self._client.camera.look_at = target
+            self._client.camera.fov = 0.62
+
+    def build(self, stage: Stage | None, language: str) -> None:
+        """Put a plant on the stage, instead of the last one."""
+        self._last, self._solid, self._ghost = {}, {}, {}
+        self._forces = self._errors = None
+        self._stage, self._body = stage, stage.body if stage is not None else None
+        if stage is None:
+            return
+        body = stage.body
+        for part in body.parts:
+            self._solid[part.name] = self._add(f"/plant/{part.name}", part, part.colour, None)
+            if part.twin and stage.xhat is not None:
+                self._ghost[part.name] = self._add(f"/ghost/{part.name}", part, GHOST_COLOUR, 0.42)
+        none = np.zeros((0, 2, 3))
+        self._forces = self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
+                                              head_radius=0.09, head_length=0.16)
+        self._errors = self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.018)
+        self._caption(body, language)
+
+    def _caption(self, body: Body, language: str) -> None:
+        words = [body.caption(language), phrases.EXAGGERATED.format(body.gain)(language) if body.gain != 1 else ""]
+        self._scene.add_label("/caption", "  ·  ".join(w for w in words if w), position=(0.0, -1.45, 0.02),
+                              anchor="center-center", font_screen_scale=0.95)
+
+    def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
+        scene, shape, tint = self._scene, part.shape, rgb(colour)
+        cast = opacity is None
+        if isinstance(shape, Box):
+            return scene.add_box(name, tint, shape.size, opacity=opacity, cast_shadow=cast)
+        if isinstance(shape, Cylinder):
+            return scene.add_cylinder(name, shape.radius, shape.height, tint, opacity=opacity, cast_shadow=cast)
+        if isinstance(shape, Ball):
+            return scene.add_icosphere(name, shape.radius, tint, opacity=opacity, cast_shadow=cast)
+        if isinstance(shape, Spring):
+            vertices, faces = helix(shape.radius, shape.turns, shape.wire)
+        elif isinstance(shape, Rod):
+            vertices, faces = _rod(shape.radius)
+        return scene.add_mesh_simple(name, vertices, faces, color=tint, opacity=opacity, cast_shadow=cast)
+
+    def show(self, stage: Stage | None) -> None:
+        """Take a new run; the plant itself is unchanged."""
+        self._stage = stage
+
+    def pose(self, t: float) -> None:
+        """Move every part to time t of the run."""
+        stage, body = self._stage, self._body
+        if stage is None or body is None:
+            return
+        index = min(int(np.searchsorted(stage.t, t + 1e-9, side="right")) - 1, len(stage.t) - 1)
+        x = stage.x[max(index, 0)].tolist()
+        self._place(self._solid, "", body.pose(x, body.gain))
+        if stage.xhat is not None and self._ghost:
+            xhat = stage.xhat[max(index, 0)].tolist()
+            self._place(self._ghost, "ghost ", body.pose(xhat, body.gain))
+            self._join(body.anchors(x, body.gain), body.anchors(xhat, body.gain))
+        if stage.u is not None and self._forces is not None:
+            arrows = body.arrows(x, stage.u[max(index, 0)].tolist(), body.gain)
+            self._forces.points = np.array([(a.tail, a.head) for a in arrows], dtype=np.float32).reshape(-1, 2, 3)
+
+    def _join(self, true: Sequence[tuple[float, float, float]], believed: Sequence[tuple[float, float, float]]) -> None:
+        if self._errors is not None:
+            self._errors.points = np.array(list(zip(true, believed, strict=True)), dtype=np.float32).reshape(-1, 2, 3)
+
+    def _place(self, handles: dict[str, viser.SceneNodeHandle], prefix: str, poses: object) -> None:
+        for name, handle in handles.items():
+            pose = poses[name]  # type: ignore[index]
+            last = self._last.get(prefix + name)
+            if pose == last:
+                continue
+            if last is None or pose.position != last.position:
+                handle.position = pose.position
+            if last is None or pose.wxyz != last.wxyz:
+                handle.wxyz = pose.wxyz
+            if last is None or pose.scale != last.scale:
+                handle.scale = pose.scale  # type: ignore[attr-defined]
+            if pose.colour is not None and not prefix and (last is None or pose.colour != last.colour):
+                handle.color = pose.colour  # type: ignore[attr-defined]
+            self._last[prefix + name] = pose
+
+
+def _rod(radius: float, sides: int = 16) -> tuple[np.ndarray, np.ndarray]:
+    ring = 2 * np.pi * np.arange(sides) / sides
+    circle = np.column_stack([radius * np.cos(ring), radius * np.sin(ring)])
+    bottom, top = (np.column_stack([circle, np.full(sides, z)]) for z in (0.0, 1.0))
+    vertices = np.vstack([bottom, top, [[0, 0, 0]], [[0, 0, 1]]]).astype(np.float32)
+    faces = []
+    for i in range(sides):
+        j = (i + 1) % sides
+        faces += [(i, j, sides + j), (i, sides + j, sides + i), (j, i, 2 * sides), (sides + i, sides + j, 2 * sides + 1)]
+    return vertices, np.array(faces, dtype=np.uint32)
+
+
+def legend(language: str) -> str:
+    """One line that says which is the plant and which its estimate."""
+    return "  ·  ".join(t(language) for t in (phrases.TRUE_BODY, phrases.GHOST)) if language else Text("", "").en

@@ -1,0 +1,41 @@
+"""The page's own style: one sheet, variables for what changes."""
+
+from __future__ import annotations
+
+SHEET = """
+:root{--mantine-scale:%(scale)s}
+.ol-caption{font-size:.8rem;line-height:1.35;margin:.1rem .6rem .5rem;color:#3a404a}
+.ol-question{font-size:1.28rem;line-height:1.25;font-weight:700;margin:.2rem .6rem .3rem;color:#1c2430}
+.ol-veil{font-size:.85rem;margin:.4rem .6rem;padding:.4rem .6rem;border-left:4px solid #E69F00;background:#fff7e6}
+.ol-note{font-size:.85rem;margin:.2rem .6rem .4rem;color:#3a404a}
+.ol-right{border-left:4px solid #009E73;padding-left:.5rem}.ol-wrong{border-left:4px solid #D55E00;padding-left:.5rem}
+.ol-formula{margin:.15rem .6rem;overflow-x:auto;font-size:.95rem}
+.ol-formula math{font-size:1.02em}
+.ol-figure{margin:.2rem .4rem;border:1px solid #e4e7ec;border-radius:4px}
+.ol-figure svg{width:100%%;height:auto;display:block}
+.ol-table{width:100%%;border-collapse:collapse;font-size:.8rem}.ol-table caption{font-weight:600;padding:.3rem}
+.ol-table td,.ol-table th{padding:.15rem .4rem;text-align:right;border-top:1px solid #e8ebf0}
+.ol-table td:first-child,.ol-table th:first-child{text-align:left}
+.uplot .u-legend{font-size:.78em;margin-top:-.4em}
+.uplot .u-legend .ol-x{display:none}
+.uplot:has(.ol-time) .u-over::after{content:"";position:absolute;top:0;bottom:0;width:2px;margin-left:-1px;
+ background:#1c2430;opacity:.75;left:calc(var(--ol-t,0)*100%%)}
+math mtable{--b:linear-gradient(currentColor,currentColor);padding:.15em .3em;border-left:1.4px solid;border-right:1.4px solid;
+ background:var(--b) top left/.4em 1.4px no-repeat,var(--b) bottom left/.4em 1.4px no-repeat,
+ var(--b) top right/.4em 1.4px no-repeat,var(--b) bottom right/.4em 1.4px no-repeat}
+math mtd{padding:.12em .35em}
+%(veil)s
+"""
+VEIL = ".uplot canvas,.ol-figure svg{filter:blur(9px);opacity:.65}"
+
+
+def sheet(lecture: bool, veiled: bool) -> str:
+    """The style element for the present state."""
+    return "<style>" + SHEET % {"scale": "1.55" if lecture else "1", "veil": VEIL if veiled else ""} + "</style>"
+
+
+def clock(t: float, horizon: float, speed: float) -> str:
+    """The cursor in all time plots and the clock beside the transport, in one element."""
+    share = t / horizon if horizon > 0 else 0.0
+    return (f"<style>:root{{--ol-t:{share:.4f}}}</style>"
+            f'<div class="ol-note">t = {t:.2f} s <span style="color:#8a8f98">/ {horizon:g} s · {speed:g}×</span></div>')

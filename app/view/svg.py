@@ -1,0 +1,184 @@
+"""Planes, matrices, maps and tables as SVG or HTML: small, sharp, and legible in both languages."""
+
+from __future__ import annotations
+
+import html
+import math
+
+import numpy as np
+
+from ..figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from .ticks import ticks
+
+W, H = 360, 250
+LEFT, RIGHT, TOP, BOTTOM = 46, 12, 28, 36
+DASHES = {"solid": "", "dash": ' stroke-dasharray="7 4"', "dot": ' stroke-dasharray="2 3"'}
+
+
+def draw(figure: Figure, language: str) -> str:
+    """The HTML of a figure that is not a chart over time or frequency."""
+    if isinstance(figure, PlaneFigure):
+        return _svg(_plane(figure, language), figure.title(language), figure.id)
+    if isinstance(figure, MatrixFigure):
+        return _svg(_matrix(figure), figure.title(language), figure.id, square=True)
+    if isinstance(figure, MapFigure):
+        return _svg(_map(figure, language), figure.title(language), figure.id)
+    if isinstance(figure, TableFigure):
+        return _table(figure, language)
+    raise TypeError(f"{type(figure).__name__} is drawn by uPlot")
+
+
+def _svg(body: str, title: str, name: str, square: bool = False) -> str:
+    height = W if square else H
+    return (f'<div class="ol-figure" data-figure="{name}"><svg viewBox="0 0 {W} {height}" role="img" '
+            f'aria-label="{html.escape(title)}" font-family="sans-serif" font-size="11" fill="#333a44">'
+            f'<text x="{W / 2}" y="16" text-anchor="middle" font-size="13" font-weight="600">{html.escape(title)}</text>'
+            f"{body}</svg></div>")
+
+
+class _Axes:
+    """Maps a range of the plane to the drawing area and draws grid, numbers and names."""
+
+    def __init__(self, x: tuple[float, float], y: tuple[float, float], equal: bool) -> None:
+        width, height = W - LEFT - RIGHT, H - TOP - BOTTOM
+        if equal:
+            scale = max((x[1] - x[0]) / width, (y[1] - y[0]) / height)
+            cx, cy = sum(x) / 2, sum(y) / 2
+            x = (cx - scale * width / 2, cx + scale * width / 2)
+            y = (cy - scale * height / 2, cy + scale * height / 2)
+        self.x, self.y = x, y
+        self._sx, self._sy = width / (x[1] - x[0]), height / (y[1] - y[0])
+
+    def at(self, x: float, y: float) -> tuple[float, float]:
+        return LEFT + (x - self.x[0]) * self._sx, H - BOTTOM - (y - self.y[0]) * self._sy
+
+    def draw(self, x_label: str, y_label: str) -> str:
+        out = [f'<rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" height="{H - TOP - BOTTOM}" fill="none" '
+               'stroke="#c9ced6"/>']
+        for v in ticks(*self.x, 6):
+            px, _ = self.at(v, 0)
+            out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP}" y2="{H - BOTTOM}" stroke="#e8ebf0"/>'
+                       f'<text x="{px:.1f}" y="{H - BOTTOM + 13}" text-anchor="middle">{_number(v)}</text>')
+        for v in ticks(*self.y, 5):
+            _, py = self.at(0, v)
+            out.append(f'<line x1="{LEFT}" x2="{W - RIGHT}" y1="{py:.1f}" y2="{py:.1f}" stroke="#e8ebf0"/>'
+                       f'<text x="{LEFT - 5}" y="{py + 4:.1f}" text-anchor="end">{_number(v)}</text>')
+        out.append(f'<text x="{(LEFT + W - RIGHT) / 2}" y="{H - 6}" text-anchor="middle">{html.escape(x_label)}</text>'
+                   f'<text transform="translate(12 {(TOP + H - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
+                   f"{html.escape(y_label)}</text>")
+        return "".join(out)
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}".replace("-", "−")
+
+
+def _plane(figure: PlaneFigure, language: str) -> str:
+    axes = _Axes(figure.x_range, figure.y_range, figure.equal)
+    out = []
+    if figure.unstable and axes.x[1] > 0:
+        left, _ = axes.at(max(0.0, axes.x[0]), 0)
+        out.append(f'<rect x="{left:.1f}" y="{TOP}" width="{W - RIGHT - left:.1f}" height="{H - TOP - BOTTOM}" '
+                   f'fill="{COLOURS["unstable"]}"/>')
+    out.append(axes.draw(figure.x_label, figure.y_label))
+    out.append(f'<clipPath id="clip-{figure.id}"><rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" '
+               f'height="{H - TOP - BOTTOM}"/></clipPath><g clip-path="url(#clip-{figure.id})">')
+    for curve in figure.curves:
+        xs = np.arange(len(curve.y)) if curve.x is None else curve.x
+        points = " ".join(f"{px:.1f},{py:.1f}" for px, py in (
+            axes.at(float(a), float(b)) for a, b in zip(finite(xs, 1e6), finite(curve.y, 1e6), strict=True)))
+        out.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[curve.role]}" '
+                   f'stroke-width="{curve.width}"{DASHES[curve.dash]}/>')
+    out.append("</g>")
+    for point in figure.points:
+        out.append(_mark(*axes.at(point.x, point.y), COLOURS[point.role], point.mark, point.name(language)))
+    out.append(_key([(c.name(language), COLOURS[c.role], c.dash) for c in figure.curves if c.name(language)]))
+    return "".join(out)
+
+
+def _mark(x: float, y: float, colour: str, mark: str, name: str) -> str:
+    if not (math.isfinite(x) and math.isfinite(y)):
+        return ""
+    x, y = min(max(x, LEFT), W - RIGHT), min(max(y, TOP), H - BOTTOM)
+    shapes = {
+        "cross": f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m-10 0l10 -10" stroke="{colour}" stroke-width="2.6"/>',
+        "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
+        "dot": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>',
+        "bolt": f'<path d="M{x - 6:.1f} {y:.1f}l3 -5.2h6l3 5.2l-3 5.2h-6z" fill="#282c34"/>',
+    }
+    label = f'<text x="{x + 8:.1f}" y="{y - 6:.1f}">{html.escape(name)}</text>' if name else ""
+    return shapes[mark] + label
+
+
+def _key(entries: list[tuple[str, str, str]]) -> str:
+    return "".join(
+        f'<line x1="{LEFT + 8}" x2="{LEFT + 28}" y1="{TOP + 12 + 14 * i}" y2="{TOP + 12 + 14 * i}" stroke="{colour}" '
+        f'stroke-width="2.4"{DASHES[dash]}/><text x="{LEFT + 33}" y="{TOP + 16 + 14 * i}">{html.escape(name)}</text>'
+        for i, (name, colour, dash) in enumerate(entries))
+
+
+def _matrix(figure: MatrixFigure) -> str:
+    """Cells shaded by the logarithm of their magnitude; exact zeros stay white."""
+    m = np.asarray(figure.matrix, dtype=float)
+    rows, cols = m.shape
+    left, top, size = 44, 30, W - 44 - 8
+    cell = size / max(rows, cols)
+    top_value = float(np.max(np.abs(m))) or 1.0
+    out = []
+    for i in range(rows):
+        for j in range(cols):
+            share = abs(m[i, j]) / top_value
+            depth = 0.0 if share < 1e-9 else 0.15 + 0.85 * max(0.0, 1 + math.log10(share) / 6)
+            out.append(f'<rect x="{left + j * cell:.1f}" y="{top + i * cell:.1f}" width="{cell:.1f}" '
+                       f'height="{cell:.1f}" fill="{_blend(depth)}" stroke="#e8ebf0"><title>{m[i, j]:.4g}</title></rect>')
+    size_text = min(11.0, cell * 0.7)
+    for i, name in enumerate(figure.rows):
+        out.append(f'<text x="{left - 4}" y="{top + (i + 0.68) * cell:.1f}" text-anchor="end" '
+                   f'font-size="{size_text:.1f}">{html.escape(name)}</text>')
+    for b in figure.blocks:
+        x, y = left + b * cell, top + b * cell
+        out.append(f'<path d="M{x:.1f} {top}V{top + rows * cell:.1f}M{left} {y:.1f}H{left + cols * cell:.1f}" '
+                   'stroke="#000" stroke-width="2"/>')
+    return "".join(out)
+
+
+def _blend(depth: float) -> str:
+    """White to the plant's blue."""
+    r, g, b = (round(255 + (c - 255) * depth) for c in (0, 114, 178))
+    return f"#{r:02x}{g:02x}{b:02x}"
+
+
+def _map(figure: MapFigure, language: str) -> str:
+    axes = _Axes(_span(figure.x), _span(figure.y), equal=False)
+    out = []
+    dx, dy = (_step(v) for v in (figure.x, figure.y))
+    for k, (_, role) in enumerate(figure.categories):
+        path = []
+        for i, j in np.argwhere(figure.values == k):
+            x0, y0 = axes.at(float(figure.x[j]) - dx / 2, float(figure.y[i]) + dy / 2)
+            x1, y1 = axes.at(float(figure.x[j]) + dx / 2, float(figure.y[i]) - dy / 2)
+            path.append(f"M{x0:.1f} {y0:.1f}H{x1:.1f}V{y1:.1f}H{x0:.1f}z")
+        out.append(f'<path d="{"".join(path)}" fill="{COLOURS[role]}" fill-opacity="0.75"/>')
+    out.append(axes.draw(figure.x_label, figure.y_label))
+    if figure.marked is not None:
+        out.append(_mark(*axes.at(*figure.marked), COLOURS["reference"], "circle", ""))
+    out.append(_key([(name(language), COLOURS[role], "solid") for name, role in figure.categories]))
+    return "".join(out)
+
+
+def _step(values: np.ndarray) -> float:
+    return float(values[1] - values[0]) if len(values) > 1 else 1.0
+
+
+def _span(values: np.ndarray) -> tuple[float, float]:
+    half = _step(values) / 2
+    return float(values[0]) - half, float(values[-1]) + half
+
+
+def _table(figure: TableFigure, language: str) -> str:
+    def cell(value: object) -> str:
+        return html.escape(value if isinstance(value, str) else value(language))  # type: ignore[operator]
+    head = "".join(f"<th>{cell(c)}</th>" for c in figure.columns)
+    body = "".join("<tr>" + "".join(f"<td>{cell(v)}</td>" for v in row) + "</tr>" for row in figure.rows)
+    return (f'<div class="ol-figure" data-figure="{figure.id}"><table class="ol-table"><caption>'
+            f"{html.escape(figure.title(language))}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>")

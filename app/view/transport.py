@@ -1,0 +1,78 @@
+"""The transport: one row that is always there, with the clock and the cursor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from ..session import Do, Picture, SetKnobs
+from . import phrases
+from .style import clock
+
+WRITE_EVERY = 3  # poses between two updates of the time slider
+
+
+class Transport:
+    """Play, kick, start, undo, redo, reset; the time slider and the speed."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[SetKnobs | Do], None]) -> None:
+        lang = picture.state.language
+        self._lang = lang
+        self._count, self._rate = 0, picture.state.speed
+        self._horizon = max(picture.horizon, 0.01)
+        panel = gui.add_panel()
+        with panel.add_tab(phrases.TRANSPORT(lang)):
+            names = {phrases.PLAY(lang): "play", phrases.PAUSE(lang): "play", phrases.KICK(lang): "kick",
+                     phrases.REWIND(lang): "rewind", phrases.SLOWER(lang): "slower",
+                     phrases.FASTER(lang): "faster", phrases.UNDO(lang): "undo", phrases.REDO(lang): "redo",
+                     phrases.RESET(lang): "reset", phrases.HELP(lang): "help"}
+            self._row = gui.add_button_group("", self._options(picture))
+            self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, self._horizon / 500, 0.0)
+            self._clock = gui.add_html(clock(0.0, picture.horizon, picture.state.speed))
+        panel.float(x=12, y=-12, width=600)
+        self._listen(names, post)
+
+    def _options(self, picture: Picture) -> tuple[str, ...]:
+        words: list[Any] = [phrases.PAUSE if picture.state.playing else phrases.PLAY]
+        if picture.lesson.kick:
+            words.append(phrases.KICK)
+        words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.HELP]
+        return tuple(w(self._lang) for w in words)
+
+    def _listen(self, names: dict[str, str], post: Callable[[SetKnobs | Do], None]) -> None:
+        @self._row.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            if event.target.value in names:
+                post(Do(names[event.target.value]))
+
+        @self._time.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                post(Do("seek", event.target.value))
+
+    def show(self, picture: Picture) -> None:
+        """Play or pause on the first button, the speed, the length of the run."""
+        options = self._options(picture)
+        if self._row.options != options:
+            self._row.options = options
+        if self._rate != picture.state.speed:
+            self._rate = picture.state.speed
+            self._clock.content = clock(picture.state.t, picture.horizon, self._rate)
+        if picture.horizon > 0 and picture.horizon != self._horizon:
+            self._horizon = picture.horizon
+            self._time.max = picture.horizon
+        if picture.resting and not picture.state.playing:
+            self._write(picture.state.t)
+
+    def pose(self, t: float, horizon: float) -> None:
+        """The clock at every pose, the slider now and then."""
+        self._clock.content = clock(t, horizon, self._rate)
+        self._count += 1
+        if self._count % WRITE_EVERY == 0 or t >= horizon:
+            self._write(t)
+
+    def _write(self, t: float) -> None:
+        if abs(self._time.value - t) > 1e-6:
+            self._time.value = float(t)

@@ -1,0 +1,27 @@
+"""A sentence in both languages of the lab."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+LANGUAGES = ("en", "zh")
+
+
+@dataclass(frozen=True)
+class Text:
+    """One sentence, in English and in Chinese; `text("zh")` picks one."""
+
+    en: str
+    zh: str
+
+    def __call__(self, language: str) -> str:
+        return self.zh if language == "zh" else self.en
+
+    def format(self, *args: object, **kwargs: object) -> Text:
+        """Fill the same values into both sentences."""
+        return Text(self.en.format(*args, **kwargs), self.zh.format(*args, **kwargs))
+
+
+def same(words: str) -> Text:
+    """A name, a symbol or a number that reads the same in both languages."""
+    return Text(words, words)

@@ -1,0 +1,12 @@
+"""The lessons, in the order in which they are taught."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from app.lesson import Lesson
+
+from .separation.lesson import LESSON as separation
+
+LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (separation,)})
+OPENING = "separation"  # the lesson that the page opens on

@@ -1,0 +1,206 @@
+"""Separation: two pole boards, one loop. The spectrum of 2n poles is the union; the transient still suffers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from app.engine import ClosedLoop, Plant, Scenario, autonomous_error, closed_loop, separation_meter, simulate
+from app.figures import Figure, MatrixFigure, PlaneFigure, Point
+from app.knobs import Number, Switch
+from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
+from app.plants import MODELS
+from app.plants import platform
+from app.prose import read_prose
+from app.words import Text
+
+from ..toolkit import (
+    error_figure,
+    gains,
+    input_figure,
+    kicks,
+    matrix,
+    method_knobs,
+    number,
+    pole_boards,
+    pole_knobs,
+    run_knobs,
+    stage,
+    state_figures,
+)
+
+MODEL = MODELS["deck"]
+SPECTRUM_TAB = Text("Spectrum", "谱")
+EXACT = 1e-9  # union of spectra: agreement asked of them
+
+KNOBS = (
+    *method_knobs(),
+    *pole_knobs(MODEL),
+    Number("stiffness_error", r"\delta_k", Text("stiffness believed wrong by", "模型刚度误差"), "%", low=-30.0, high=30.0,
+           default=0.0, step=1.0, hint=Text("The observer's model has springs this much stiffer than the plant's.",
+                                            "观测器模型中的弹簧比真实对象硬这么多。")),
+    Number("delay", r"\tau", Text("input delay", "输入时延"), "ms", low=0.0, high=60.0, default=0.0, step=6.0,
+           hint=Text("The force arrives later than the observer is told.", "力到达得比观测器所知道的晚。")),
+    Switch("limited", "", Text("limit the coils", "限制线圈推力")),
+    Number("u_max", r"u_{\max}", Text("coil limit", "线圈限幅"), "N", low=0.2, high=4.0, default=1.0, step=0.1,
+           when=("limited", (True,))),
+    *run_knobs(MODEL.horizon),
+)
+
+
+@lru_cache(maxsize=64)
+def believed(error_percent: float) -> Plant:
+    """The deck as the designer believes it: every spring stiffer by the error."""
+    p, factor = platform.Parameters(), 1 + error_percent / 100
+    return platform.deck(replace(p, kz=p.kz * factor, kx=p.kx * factor))
+
+
+def compute(design: Design) -> Outcome:
+    """Gains on the believed plant, the 2n-pole loop on the true one, one run."""
+    model = believed(design["stiffness_error"])
+    K, L = gains(design, model)
+    loop = closed_loop(MODEL.plant, K, L, model)
+    limit = design["u_max"] if design["limited"] else None
+    run = simulate(Scenario(
+        MODEL.plant, K, L, model=model, x0=MODEL.x0, xhat0=MODEL.guess, horizon=MODEL.horizon, dt=MODEL.dt,
+        u_min=None if limit is None else -limit, u_max=limit, fed="commanded", delay=design["delay"] / 1000,
+        impulses=kicks(design, MODEL), seed=int(design["seed"])))
+    meter = separation_meter(run)
+    slow, fast = float(max(loop.controller_poles.real)), float(max(loop.observer_poles.real))
+    metrics = {
+        "union_error": loop.union_error, "separation_meter": meter, "slowest_controller": slow,
+        "slowest_observer": fast, "largest_input": float(np.max(np.abs(run.u_asked))),
+        "slowest_loop": float(max(loop.poles.real)),
+    }
+    same_union = loop.union_error <= EXACT or loop.polynomial_error <= EXACT
+    checks = (
+        Check("union", Text("the 2n poles are the union of both sets", "2n 个极点正是两组极点的并集"), same_union,
+              loop.union_error),
+        Check("compensator", Text("the compensator itself is stable", "补偿器自身稳定"), loop.compensator_stable,
+              float(max(loop.compensator_poles.real))),
+    )
+    return Outcome(
+        design, {"K": K, "L": L},
+        {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles,
+         "compensator": loop.compensator_poles},
+        metrics, checks, run, pole_boards(MODEL, design, loop.controller_poles, loop.observer_poles),
+        stage(MODEL, run), _formulas(K, L), _live(loop, meter), loop)
+
+
+def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
+    return (
+        Formula("loop", r"\frac{d}{dt}\begin{bmatrix} x \\ e \end{bmatrix} = \begin{bmatrix} A-BK & BK \\ 0 & A-LC "
+                        r"\end{bmatrix} \begin{bmatrix} x \\ e \end{bmatrix}"),
+        Formula("K", rf"K = {matrix(K)}"),
+        Formula("L", rf"L^{{\mathsf T}} = {matrix(L.T)}"),
+    )
+
+
+def _live(loop: ClosedLoop, meter: float) -> Text:
+    union = (Text(f"The 12 poles of the loop are the union of both boards to {loop.union_error:.0e}.",
+                  f"闭环的 12 个极点就是两块板上极点的并集，误差 {loop.union_error:.0e}。")
+             if loop.union_error < 1e-6 else
+             Text(f"The 12 poles of the loop differ from the boards by {100 * loop.union_error:.1f} %.",
+                  f"闭环的 12 个极点与两块板上的极点相差 {100 * loop.union_error:.1f} %。"))
+    wall = (Text(" Separation meter: 0.", " 分离度量：0。") if meter < 1e-8 else
+            Text(f" Separation meter: {meter:.2g}; the error no longer lives by itself.",
+                 f" 分离度量：{meter:.2g}；误差不再独自演化。"))
+    stable = (Text("", "") if loop.compensator_stable else
+              Text(" The compensator by itself is unstable.", " 补偿器自身是不稳定的。"))
+    return Text(union.en + wall.en + stable.en, union.zh + wall.zh + stable.zh)
+
+
+def figures(outcome: Outcome) -> tuple[Figure, ...]:
+    """Signals, error and input over time; the spectrum and the block-triangular matrix."""
+    run, loop = outcome.run, outcome.extra
+    assert run is not None
+    limit = outcome.design["u_max"] if outcome.design["limited"] else None
+    return (*state_figures(MODEL, run), error_figure(run, autonomous_error(run)), input_figure(run, MODEL, limit),
+            _spectrum(outcome), _blocks(loop))
+
+
+def _spectrum(outcome: Outcome) -> PlaneFigure:
+    groups = (("controller", "plant", "cross"), ("observer", "estimate", "cross"), ("loop", "reference", "circle"),
+              ("compensator", "force", "dot"))
+    points = tuple(Point(float(p.real), float(p.imag), role, mark)  # type: ignore[arg-type]
+                   for key, role, mark in groups for p in outcome.poles[key])
+    low = min(-1.0, *(p.x for p in points))
+    high = max(2.0, *(abs(p.y) for p in points))
+    return PlaneFigure(
+        "spectrum", Text("spectrum of the whole loop", "整个闭环的谱"), (), points, "Re s", "Im s",
+        (1.1 * max(low, -60.0), max(3.0, 1.1 * min(60.0, max(p.x for p in points)))),
+        (-1.1 * min(high, 60.0), 1.1 * min(high, 60.0)), unstable=True, tab=SPECTRUM_TAB,
+        caption=Text("Crosses: chosen on the boards. Circles: poles of the 12-state loop. Green dots: the compensator's own.",
+                     "叉号：板上选定的极点。圆圈：12 阶闭环的极点。绿点：补偿器自身的极点。"))
+
+
+def _blocks(loop: ClosedLoop) -> MatrixFigure:
+    n = loop.A_xe.shape[0] // 2
+    names = [*MODEL.plant.state_names, *(f"e{i + 1}" for i in range(n))]
+    corner = float(np.max(np.abs(loop.A_xe[n:, :n])))
+    zero = corner < 1e-9 * float(np.max(np.abs(loop.A_xe)))
+    return MatrixFigure(
+        "blocks", Text("the loop in (x, e) coordinates", "(x, e) 坐标下的闭环矩阵"), loop.A_xe, tuple(names), tuple(names),
+        (n,), tab=SPECTRUM_TAB,
+        caption=Text("The lower left block is zero: the error drives the state, never the other way round.",
+                     "左下块为零：误差驱动状态，状态从不驱动误差。") if zero else
+        Text(f"The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.",
+             f"左下块不再为零（最大元素 {corner:.2g}）：状态反过来驱动误差。"))
+
+
+def _fast_observer(outcome: Outcome) -> Verdict:
+    m = outcome.metrics
+    ratio = m["slowest_observer"] / m["slowest_controller"]
+    if m["slowest_controller"] >= 0 or m["slowest_observer"] >= 0:
+        return Verdict(False, Text("A pole is not in the left half plane.", "有极点不在左半平面。"))
+    if ratio >= 3:
+        return Verdict(True, Text(f"The slowest observer pole is {ratio:.1f} times faster than the slowest controller pole.",
+                                  f"最慢的观测器极点比最慢的控制器极点快 {ratio:.1f} 倍。"))
+    return Verdict(False, Text(f"The ratio of the slowest poles is {ratio:.1f}; it should be at least 3.",
+                               f"两组最慢极点之比为 {ratio:.1f}，应不小于 3。"))
+
+
+def _break_the_wall(outcome: Outcome) -> Verdict:
+    meter, stable = outcome.metrics["separation_meter"], outcome.metrics["slowest_loop"] < 0
+    if meter >= 0.1 and stable:
+        return Verdict(True, Text(f"The meter reads {meter:.2f} and the loop is still stable.",
+                                  f"度量为 {meter:.2f}，闭环仍然稳定。"))
+    if not stable:
+        return Verdict(False, Text("The loop has become unstable; go back a little.", "闭环已经不稳定，请退回一些。"))
+    return Verdict(False, Text(f"The meter reads {meter:.2g}; bring it to 0.1.", f"度量为 {meter:.2g}，请使它达到 0.1。"))
+
+
+def _unstable_compensator(outcome: Outcome) -> Verdict:
+    own = float(max(outcome.poles["compensator"].real))
+    if own > 0 and outcome.metrics["slowest_loop"] < 0:
+        return Verdict(True, Text(f"The compensator has a pole at {own:+.3g}, and the loop is stable all the same.",
+                                  f"补偿器有极点 {own:+.3g}，而闭环依然稳定。"))
+    return Verdict(False, Text(f"The compensator's rightmost pole is {own:.3g}; it must cross into the right half plane "
+                               "while the loop stays stable.",
+                               f"补偿器最右极点为 {own:.3g}；要让它进入右半平面而闭环保持稳定。"))
+
+
+def exam(seed: int) -> ExamItem:
+    """A second-order double integrator: K and L from two poles each; what is the slowest pole of the 4-state loop?"""
+    rng = np.random.default_rng(seed)
+    c = sorted(float(v) for v in rng.choice(np.arange(2, 9), 2, replace=False))
+    o = sorted(float(v) for v in rng.choice(np.arange(10, 20), 2, replace=False))
+    answer = -(c[0] + c[1] + o[0] + o[1])
+    return ExamItem({"c1": f"-{c[0]:g}", "c2": f"-{c[1]:g}", "o1": f"-{o[0]:g}", "o2": f"-{o[1]:g}"}, answer, 1e-6)
+
+
+FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
+LESSON = Lesson(
+    "separation", 4, KNOBS, compute, figures, answer=1,
+    tasks=(
+        Task("fast-observer", _fast_observer, {"method": "poles", "observer_poles": FAST}),
+        Task("break-the-wall", _break_the_wall, {"stiffness_error": 15.0}),
+        Task("unstable-compensator", _unstable_compensator, {"method": "poles"}),
+    ),
+    exam=exam, source="Tutorial (000), separation section, equations of the augmented loop",
+    words=read_prose(Path(__file__).parent))
+
+__all__ = ["LESSON", "number"]

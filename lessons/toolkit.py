@@ -1,0 +1,190 @@
+"""What several lessons share: knobs every run has, gains by poles or by weights, and the usual figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from app.engine import EngineError, Plant, Run, lqe, lqr, observer_gain, place
+from app.figures import Curve, TimeFigure
+from app.knobs import Choice, Number, Poles
+from app.lesson import Board, Design, Stage
+from app.plants.model import Model
+from app.words import Text, same
+
+BY_POLES, BY_WEIGHTS = "poles", "weights"
+TIME_TAB = Text("Time", "时间")
+ERROR_TAB = Text("Error and input", "误差与输入")
+WEIGHTS = Text("Weights", "权重")
+
+
+def run_knobs(horizon: float) -> tuple[Number, ...]:
+    """Knobs that every run has and no slider shows: the seed of its noise and the time of a kick (−1: none)."""
+    return (
+        Number("seed", r"s_0", Text("noise seed", "噪声种子"), low=0, high=9999, default=1, scale="integer", hidden=True),
+        Number("kick", r"t_k", Text("time of the kick", "冲击时刻"), "s", low=-1.0, high=horizon, default=-1.0,
+               hidden=True),
+    )
+
+
+def pole_knobs(model: Model) -> tuple[Poles, Poles]:
+    """The controller's and the observer's poles, inside the windows of their boards."""
+    c, o = model.controller_window, model.observer_window
+    when = ("method", (BY_POLES,))
+    return (
+        Poles("controller_poles", "p", Text("Controller poles", "控制器极点"), "rad/s", default=model.controller_poles,
+              re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, role="plant", when=when),
+        Poles("observer_poles", "q", Text("Observer poles", "观测器极点"), "rad/s", default=model.observer_poles,
+              re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, role="estimate", when=when),
+    )
+
+
+def method_knobs() -> tuple[Choice, Number, Number, Number, Number]:
+    """Gains by poles or by weights: Q = α_Q CᵀC, R = α_R I for K; W = α_W B Bᵀ, V = α_V I for L."""
+    weights = ("method", (BY_WEIGHTS,))
+
+    def weight(name: str, symbol: str, en: str, zh: str, default: float) -> Number:
+        return Number(name, symbol, Text(en, zh), low=1e-6, high=1e6, default=default, scale="log", when=weights)
+    return (
+        Choice("method", "", Text("gains by", "增益由"), default=BY_POLES,
+               options=((BY_POLES, Text("dragging poles", "拖动极点")), (BY_WEIGHTS, Text("Q/R weights", "Q/R 权重"))),
+               hint=Text("Drag the poles yourself, or let LQR and its dual choose them from weights.",
+                         "自己拖动极点，或由权重经 LQR 及其对偶给出极点。")),
+        weight("q", r"\alpha_Q", "state weight α_Q", "状态权重 α_Q", 1e4),
+        weight("r", r"\alpha_R", "input weight α_R", "输入权重 α_R", 1.0),
+        weight("w", r"\alpha_W", "process intensity α_W", "过程噪声强度 α_W", 1e2),
+        weight("v", r"\alpha_V", "sensor intensity α_V", "测量噪声强度 α_V", 1e-2),
+    )
+
+
+def gains(design: Design, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
+    """K and L of a design: by placement, or by LQR and LQE from the weights."""
+    if design["method"] == BY_POLES:
+        return (place(plant.A, plant.B, design["controller_poles"]).gain,
+                observer_gain(plant.A, plant.C, design["observer_poles"]).gain)
+    Q, R = design["q"] * plant.C.T @ plant.C, design["r"] * np.eye(plant.m)
+    W, V = design["w"] * np.eye(plant.m), design["v"] * np.eye(plant.p)
+    return lqr(plant.A, plant.B, Q, R).gain, lqe(plant.A, plant.B, plant.C, W, V).gain
+
+
+def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: np.ndarray) -> tuple[Board, Board]:
+    """The two boards of a lesson with K and L: controller on the left, observer on the right.
+
+    Poles chosen by hand stand exactly where the hand put them; poles that weights choose can be dragged too, which
+    turns the method to poles.
+    """
+    by_hand = design["method"] == BY_POLES
+    take = (("method", BY_POLES),)
+    c, o = model.controller_window, model.observer_window
+    return (
+        Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"),
+              design["controller_poles"] if by_hand else _inside(controller, c), "controller_poles", role="plant",
+              side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, also=take),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
+              design["observer_poles"] if by_hand else _inside(observer, o), "observer_poles", role="estimate",
+              side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, also=take),
+    )
+
+
+def _inside(poles: np.ndarray, window: Any) -> tuple[complex, ...]:
+    """Poles for a board: one beyond its edge is drawn on the edge."""
+    return tuple(complex(min(max(p.real, window.re_low), window.re_high),
+                         min(max(p.imag, -window.im_high), window.im_high)) for p in poles)
+
+
+def kicks(design: Design, model: Model) -> tuple[tuple[float, tuple[float, ...]], ...]:
+    """The impulse that the kick button has put into the design, if any."""
+    return ((design["kick"], model.kick),) if design["kick"] >= 0 else ()
+
+
+def stage(model: Model, run: Run) -> Stage:
+    """The plant and its ghost along a run."""
+    xhat = run.xhat if run.xhat.shape == run.x.shape else None
+    return Stage(model.body, run.t, run.x, xhat, run.u_applied)
+
+
+def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, ...]:
+    """The watched signals with their estimates, one figure each."""
+    figures = []
+    for i, signal in enumerate(model.watched[:count]):
+        true, guess = signal.of(run.x), signal.of(run.xhat)
+        gap = float(np.max(np.abs(true[-max(len(true) // 10, 1):] - guess[-max(len(true) // 10, 1):])))
+        figures.append(TimeFigure(
+            f"state{i}", signal.name, run.t,
+            (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
+            f"{signal.name.en.split()[-1]} [{signal.unit}]", tab=TIME_TAB,
+            caption=Text(f"At the end they differ by at most {gap:.2g} {signal.unit}.",
+                         f"末段二者相差不超过 {gap:.2g} {signal.unit}。")))
+    return tuple(figures)
+
+
+def error_figure(run: Run, promised: np.ndarray | None = None) -> TimeFigure:
+    """The norm of the estimation error on a logarithmic axis, beside what ė = (A − LC)e promises."""
+    size = np.linalg.norm(run.e, axis=1)
+    curves = [Curve(Text("‖e‖", "‖e‖"), size, "error")]
+    if promised is not None:
+        curves.append(Curve(Text("promised by A − LC", "A − LC 的预言"), np.linalg.norm(promised, axis=1), "reference",
+                            "dash", 1.6))
+    small = settle_time(run.t, size)
+    caption = (Text(f"The error stays below 2 % of its peak after {small:.2f} s.", f"{small:.2f} s 之后误差一直小于峰值的 2 %。")
+               if small is not None else Text("The error does not settle within this run.", "误差在本次运行中没有衰减下来。"))
+    return TimeFigure("error", Text("estimation error", "估计误差"), run.t, tuple(curves), "‖x − x̂‖", log=True,
+                      caption=caption, tab=ERROR_TAB)
+
+
+def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigure:
+    """Inputs asked (dashed) and applied (solid), with the limits."""
+    curves = []
+    for j, name in enumerate(run.scenario.plant.input_names):
+        role = ("force", "disturbance", "second")[j % 3]
+        applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
+        curves.append(Curve(same(name), applied, role))
+        if not np.array_equal(applied, asked):
+            curves.append(Curve(Text(f"{name} asked", f"{name} 指令"), asked, role, "dash", 1.6))
+    if limit is not None:
+        flat = np.full(len(run.t), limit * model.input_scale)
+        curves += [Curve(Text("limit", "限幅"), sign * flat, "reference", "dot", 1.4) for sign in (1, -1)]
+    peak = float(np.max(np.abs(run.u_applied))) * model.input_scale
+    return TimeFigure("input", Text("input, asked and applied", "输入：指令与实际"), run.t, tuple(curves),
+                      f"u [{model.input_unit}]", tab=ERROR_TAB,
+                      caption=Text(f"Largest input applied: {peak:.3g} {model.input_unit}.",
+                                   f"实际输入的最大值：{peak:.3g} {model.input_unit}。"))
+
+
+def settle_time(t: np.ndarray, size: np.ndarray, share: float = 0.02) -> float | None:
+    """When `size` goes below a share of its peak for good, None if it does not."""
+    above = np.flatnonzero(size > share * float(np.max(size, initial=0.0)))
+    if not len(above):
+        return 0.0
+    return None if above[-1] >= len(t) - 1 else float(t[above[-1] + 1])
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number for a live formula: short, with a true minus sign, powers of ten only where they help."""
+    if value == 0 or not np.isfinite(value):
+        return "0" if value == 0 else r"\infty"
+    if abs(value) >= 1e5 or abs(value) < 10 ** (-digits):
+        mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
+        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+    return f"{value:.{digits}g}"
+
+
+def matrix(M: np.ndarray, digits: int = 3, changed: Sequence[tuple[int, int]] = ()) -> str:
+    """A matrix as LaTeX with its present entries; `changed` ones stand out."""
+    def entry(i: int, j: int) -> str:
+        words = number(float(M[i, j]), digits)
+        return rf"\color{{#D55E00}}{{{words}}}" if (i, j) in changed else words
+    rows = r" \\ ".join(" & ".join(entry(i, j) for j in range(M.shape[1])) for i in range(M.shape[0]))
+    return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
+
+
+def pole_words(poles: Sequence[complex]) -> str:
+    """Poles as words: −4 ± 5j, −2."""
+    names = [f"{p.real:.3g}" if abs(p.imag) < 1e-9 else f"{p.real:.3g} ± {p.imag:.3g}j" for p in poles if p.imag >= -1e-9]
+    return ", ".join(names).replace("-", "−")
+
+
+__all__ = ["EngineError", "error_figure", "gains", "input_figure", "kicks", "matrix", "method_knobs", "number",
+           "pole_boards", "pole_knobs", "pole_words", "run_knobs", "settle_time", "stage", "state_figures"]
