@@ -122,13 +122,17 @@ LYING = about_y(math.pi / 2)  # turns an upright cylinder along x
 def between(start: Vector, end: Vector, thickness: float = 1.0) -> Pose:
     """The pose of a unit-long spring or rod that reaches from `start` to `end`."""
     d = (end[0] - start[0], end[1] - start[1], end[2] - start[2])
-    length = max(math.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2), 1e-6)
+    length = math.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+    if length < 1e-6:
+        return Pose(start, UNTURNED, (thickness, thickness, 1e-6))
     x, y, z = d[0] / length, d[1] / length, d[2] / length
-    if z < -0.999999:
-        turn: Quaternion = (0.0, 1.0, 0.0, 0.0)
-    else:  # the shortest turn from (0, 0, 1) to (x, y, z)
-        w = math.sqrt((1 + z) / 2)
-        turn = (w, -y / (2 * w), x / (2 * w), 0.0)
+    aside = x * x + y * y
+    if aside < 1e-24:
+        turn: Quaternion = UNTURNED if z > 0 else (0.0, 1.0, 0.0, 0.0)
+    else:  # the shortest turn from (0, 0, 1) to (x, y, z); 1 + z without cancellation when it points down
+        w = 1 + z if z > 0 else aside / (1 - z)
+        norm = math.sqrt(w * w + aside)
+        turn = (w / norm, -y / norm, x / norm, 0.0)
     return Pose(start, turn, (thickness, thickness, length))
 
 

@@ -90,7 +90,7 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") ->
         raise EngineError(f"There is no sensor {sensor!r} on the cart; choose one of {', '.join(SENSORS)}.")
     k = parameters
     M, m, length = k.cart, k.ball, k.length
-    turn = k.pivot / (m * length)  # the pivot's friction as a force on the pole's end
+    turn = k.pivot / length  # the pivot's friction as a force on the pole's end
     A = [[0, 0, 1, 0], [0, 0, 0, 1],
          [0, -m * k.g / M, -k.friction / M, turn / M],
          [0, (M + m) * k.g / (M * length), k.friction / (M * length), -(M + m) * turn / (m * M * length)]]
