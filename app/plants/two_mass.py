@@ -172,10 +172,10 @@ def hidden(case: Case, parameters: Parameters | None = None) -> Hidden:
     model = replace(
         MODEL, id=f"two-mass-{case}", label=label, plant=built,
         body=chain_body(chosen.left, chosen.right, ACTUATORS[actuator]),
-        x0=(0.06, -0.06, 0.0, 0.0) if not stable else (0.4, 0.1, 0.0, 0.0), horizon=8.0,
+        x0=(0.4, 0.1, 0.0, 0.0) if stable else (0.16, -0.04, 0.0, 0.0), horizon=8.0,
         controller_poles=(*(slow if unseen else fixed), -1.5 - 3j, -1.5 + 3j),
         observer_poles=(*(fixed if unseen else fast), -3.5 - 4j, -3.5 + 4j),
-        kick=(0.0, 0.0, 0.05, 0.05) if not stable else (0.0, 0.0, 0.4, 0.4),
+        kick=(0.0, 0.0, 0.4, 0.4) if stable else (0.0, 0.0, 0.05, 0.05),
         watched=(WATCHED[2], *WATCHED[:2], Signal(
             Text("centre of the blocks", "两滑块中心位置"), (0.5, 0.5, 0.0, 0.0), "m")),
     )

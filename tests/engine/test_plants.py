@@ -12,6 +12,7 @@ from scipy.linalg import expm, solve_continuous_lyapunov
 from scipy.signal import place_poles
 
 from app.engine.errors import EngineError
+from app.engine.placement import observer_gain, place
 from app.plants import MODELS, chip, model, platform, spring_damper, two_mass
 from app.plants import cart_pendulum as cart
 from app.plants.body import Body, Spring, between, bounded
@@ -254,6 +255,17 @@ def test_hidden_motion_leaves_no_trace_and_takes_no_push(h):
             assert np.abs(np.array([[1, 1, 0, 0], [0, 0, 1, 1]]) @ moved @ p.B).max() < 1e-10
 
 
+@pytest.mark.parametrize("h", HIDDEN.values(), ids=lambda h: h.case)
+def test_hidden_motion_decides_the_fate_of_the_run_from_the_model_start(h):
+    m, p = h.model, h.model.plant
+    if h.unseen:
+        fate, start = p.A - observer_gain(p.A, p.C, m.observer_poles).gain @ p.C, np.subtract(m.x0, m.guess)
+    else:
+        fate, start = p.A - p.B @ place(p.A, p.B, m.controller_poles).gain, np.array(m.x0)
+    growth = np.linalg.norm(expm(fate * m.horizon) @ start) / np.linalg.norm(start)
+    assert (growth < 0.3) if h.stable else (growth > 5)
+
+
 def test_unmoved_chain_is_dual_to_the_unseen_one_in_the_pushed_and_measured_direction():
     for kind in ("stable", "unstable"):
         unseen, unmoved = HIDDEN[f"unseen-{kind}"].model.plant, HIDDEN[f"unmoved-{kind}"].model.plant
@@ -308,6 +320,13 @@ def test_model_reads_in_both_languages(m):
     for text in (m.label, m.body.caption, *(s.name for s in m.watched)):
         assert text.en and text.zh and text.en != text.zh
         assert any("\u4e00" <= letter <= "\u9fff" for letter in text.zh)
+
+
+@every_model
+def test_model_poles_are_reached_by_the_engine(m):
+    p = m.controlled
+    for placement in (place(p.A, p.B, m.controller_poles), observer_gain(p.A, p.C, m.observer_poles)):
+        assert placement.error < 1e-8
 
 
 def run(m) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
