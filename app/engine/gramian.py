@@ -60,6 +60,11 @@ class Truncation:
     kept: int
 
 
+def _frozen(matrix: np.ndarray) -> np.ndarray:
+    matrix.setflags(write=False)
+    return matrix
+
+
 def _unstable_pole(A: np.ndarray, dt: float) -> complex | None:
     poles, slack = np.linalg.eigvals(A), stability_slack(A)
     excess = np.abs(poles) - 1 + slack if dt > 0 else poles.real + slack
@@ -118,7 +123,7 @@ def gramians(plant: Plant) -> Gramians:
     """
     _require_stable(plant, "use observability_gramian or reachability_gramian with a finite horizon")
     Rc, Ro = _factors(plant)
-    return Gramians(Rc @ Rc.T, Ro @ Ro.T)
+    return Gramians(_frozen(Rc @ Rc.T), _frozen(Ro @ Ro.T))
 
 
 def hankel_singular_values(plant: Plant) -> np.ndarray:
@@ -154,7 +159,7 @@ def split_stable(plant: Plant) -> StableSplit:
     T = Q @ np.block([[np.eye(k), X], [np.zeros((n - k, k)), np.eye(n - k)]])
     left = np.block([[np.eye(k), -X], [np.zeros((n - k, k)), np.eye(n - k)]]) @ Q.T
     return StableSplit(_part(plant, T[:, :k], left[:k], plant.D, "stable part"),
-                       _part(plant, T[:, k:], left[k:], None, "unstable part"), T)
+                       _part(plant, T[:, k:], left[k:], None, "unstable part"), _frozen(T))
 
 
 def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -190,7 +195,7 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
-    return Truncation(reduced, T, L, float(2 * sigma[r:].sum()), sigma, kept)
+    return Truncation(reduced, _frozen(T), _frozen(L), float(2 * sigma[r:].sum()), _frozen(sigma), kept)
 
 
 def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:

@@ -147,6 +147,11 @@ def test_units_of_state_output_and_time_hide_nothing(seed, seen, hidden, powers,
     assert observability(Plant(A, plant.B, 10.0**output * plant.C * d)).rank == seen
 
 
+def test_a_second_sensor_in_small_units_still_sees():
+    report = observability(Plant(np.diag([-1.0, -2.0]), np.eye(2), [[1, 0], [0, 1e-12]]))
+    assert report.observable and report.rank == 2
+
+
 @given(SEEDS, st.integers(1, 6))
 @settings(max_examples=40, deadline=None)
 def test_margins_are_the_same_in_orthogonal_coordinates_and_gain(seed, n):

@@ -260,3 +260,10 @@ def test_absurd_horizons_are_refused(horizon):
 
 def test_zero_horizon_shows_nothing():
     np.testing.assert_array_equal(observability_gramian(Plant([[-1.0]], [[1]], [[1]]), 0), [[0]])
+
+
+def test_records_are_read_only():
+    plant = Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.ones((1, 2)))
+    cut, both = balanced_truncation(plant, 1), gramians(plant)
+    for array in (cut.T, cut.left, cut.hankel, both.controllability, both.observability, split_stable(plant).T):
+        assert not array.flags.writeable
