@@ -116,6 +116,9 @@ def grid_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> np.nd
     """All runs over one whole grid step: those that keep their mode in one product, the others through switchings."""
     after, F = np.empty_like(Z), w.loop.F
     for mode, rows, force in _groups(w, Z, r, v):
+        if mode.first:
+            after[rows] = part_step(w, Z[rows], r, v, np.full(len(rows), w.h))
+            continue
         Phi, Phi1 = mode.flow[0]
         now = Z if len(rows) == len(Z) else Z[rows]
         then = now @ Phi.T + Phi1 @ force

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.linalg import matrix_balance
 
 from .loop import Loop
 from .scan import affine_scan
@@ -13,6 +14,8 @@ __all__ = ["Mode", "Switcher"]
 
 TERMS = 18  # of the Taylor series of e^{M h} with ‖M h‖₁ ≤ 1: remainder 1/18! ≈ 1.6e-16
 SLACK = 1e-12  # relative to the limits: closer than this counts as on the limit
+RINGING = 1.5  # |imaginary| over |real| part beyond which a mode swings more than once
+HUGE = 1e100  # a state beyond this is not followed
 LONGEST = 512  # grid steps tried at once in one mode
 
 
@@ -21,7 +24,8 @@ class Mode:
     """One way the inputs can be clipped: free (bool, m), the limits held, and the exact flow at dyadic parts of a step.
 
     flow[j] = (Φ, Φ₁) over h / 2^j; the last of them is short enough for `taylor` (TERMS·N × N), which maps ż to the
-    coefficients of z(τ) − z(0) in powers 1 … TERMS of τ / h_last.
+    coefficients of z(τ) − z(0) in powers 1 … TERMS of τ / h_last. From part `first` on, a ringing mode turns by less
+    than a radian, so that u between two ends is told by its values and slopes there.
     """
 
     free: np.ndarray
@@ -33,36 +37,43 @@ class Mode:
     flow: tuple[tuple[np.ndarray, np.ndarray], ...]
     taylor: np.ndarray
     short: float
+    first: int
 
 
 def _mode(loop: Loop, sign: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, h: float) -> Mode:
+    """Taylor series over a short part of the step and doublings up to h, in balanced coordinates (powers of two)."""
     free = sign == 0
     M = loop.closed(free)
-    halvings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(M, 1) * h, 1e-300)))))
-    short = h / 2**halvings
-    N = len(M)
+    balanced, (scale, _) = matrix_balance(M, permute=False, separate=True)
+    outer = scale[:, None] / scale
+    halvings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(balanced, 1) * h, 1e-300)))))
+    short, N = h / 2**halvings, len(M)
     term = short * np.eye(N)
     terms = [term]
     for k in range(2, TERMS + 1):
-        term = term @ M * (short / k)
+        term = term @ balanced * (short / k)
         terms.append(term)
     Phi1 = sum(terms[::-1], np.zeros((N, N)))
-    flow = [(np.eye(N) + M @ Phi1, Phi1)]
-    for _ in range(halvings):
-        Phi, Phi1 = flow[-1]
-        flow.append((Phi @ Phi, Phi1 + Phi @ Phi1))
+    flow = [(np.eye(N) + balanced @ Phi1, Phi1)]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(halvings):
+            Phi, Phi1 = flow[-1]
+            flow.append((Phi @ Phi, Phi1 + Phi @ Phi1))
+        flow = tuple((outer * Phi, outer * Phi1) for Phi, Phi1 in flow[::-1])
+    poles = np.linalg.eigvals(balanced)
+    ringing = np.abs(poles.imag[np.abs(poles.imag) > RINGING * np.abs(poles.real)])
+    first = int(np.ceil(np.log2(max(1.0, ringing.max(initial=0.0) * h)))) if len(ringing) else 0
     held = np.where(sign > 0, u_max, np.where(sign < 0, u_min, 0.0))
     low = np.where(sign > 0, u_max, np.where(sign < 0, -np.inf, u_min))
     high = np.where(sign < 0, u_min, np.where(sign > 0, np.inf, u_max))
-    return Mode(free, held, low, high, M, loop.F @ M, tuple(flow[::-1]), np.vstack(terms), short)
+    return Mode(free, held, low, high, M, loop.F @ M, flow, np.vstack([outer * a for a in terms]), short, first)
 
 
 def bounds(u0: np.ndarray, u1: np.ndarray, d0: np.ndarray, d1: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest value of u over a step from its ends and slopes; a turn between is bounded by its tangents."""
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        turn = u0 + d0 * (u1 - u0 - d1 * h) / (d0 - d1)
-        turn = np.where(d0 * d1 < 0, turn, u0)
-    return np.minimum(np.minimum(u0, u1), turn), np.maximum(np.maximum(u0, u1), turn)
+    """Least and greatest value over a step of the cubic with these ends and slopes, by its Bernstein points."""
+    inner0, inner1 = u0 + d0 * (h / 3), u1 - d1 * (h / 3)
+    low, high = np.minimum(inner0, inner1), np.maximum(inner0, inner1)
+    return np.minimum(np.minimum(u0, u1), low), np.maximum(np.maximum(u0, u1), high)
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +119,7 @@ class Switcher:
             z, used = self._stretch(mode, z, force, r, left)
             left -= used
             guard += 1
-            if guard > 10_000 or not np.isfinite(z).all():
+            if guard > 100_000 or not np.abs(z).max() < HUGE:
                 break
         return z
 
@@ -117,8 +128,8 @@ class Switcher:
         """Stay in one mode for the longest dyadic part of the step that holds no switching, or up to the switching."""
         F, part = self.loop.F, self.h
         u0, d0 = F @ z + r, mode.FM @ z + F @ force
-        for Phi, Phi1 in mode.flow:
-            if part <= left * (1 + 1e-12):
+        for level, (Phi, Phi1) in enumerate(mode.flow):
+            if level >= mode.first and part <= left * (1 + 1e-12):
                 after = Phi @ z + Phi1 @ force
                 if self._stays(mode, u0, F @ after + r, d0, mode.FM @ after + F @ force, part):
                     return after, part
@@ -154,7 +165,8 @@ class Switcher:
                 ahead = min(2 * ahead, LONGEST) if good == min(k + ahead, stops[0]) else 16
                 k = good
                 continue
-            states[k + 1] = self.careful(states[k], r[k], v[k], kicks.get(k, []))
+            with np.errstate(over="ignore", invalid="ignore"):
+                states[k + 1] = self.careful(states[k], r[k], v[k], kicks.get(k, []))
             if jumps is not None:
                 states[k + 1] += jumps[k]
             k, ahead = k + 1, max(4, ahead // 2)
@@ -166,6 +178,8 @@ class Switcher:
               bound: float) -> int:
         """Fill states k+1 … as far as one mode carries and return the last index that is right."""
         mode, F = self.mode_at(states[k], r[k], v[k]), self.loop.F
+        if mode.first:
+            return k
         force = self.loop.forcing(mode.free, mode.held, r[k:end], v[k:end])
         Phi, Phi1 = mode.flow[0]
         push = force @ Phi1.T
