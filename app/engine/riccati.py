@@ -19,8 +19,8 @@ from .errors import RiccatiError
 
 __all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
 
-NEWTON_STEPS = 4  # at most; one nearly always does
-GOOD_RESIDUAL = 1e-14
+NEWTON_STEPS = 4  # at most; none or one nearly always does
+GOOD_RESIDUAL = 2e-15
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +92,8 @@ def _solve(
     S = (S + S.T) / 2
     residual, size, K = evaluate(scaled, S)
     for _ in range(NEWTON_STEPS):
+        if size < GOOD_RESIDUAL:
+            break
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
@@ -103,8 +105,6 @@ def _solve(
         if not new_size < size:
             break
         S, residual, size, K = better, new_residual, new_size, new_K
-        if size < GOOD_RESIDUAL:
-            break
     return cost_scale * S, input_scale * K, size
 
 

@@ -1,9 +1,10 @@
 """Robust placement with several inputs: choose closed-loop eigenvectors that are well conditioned.
 
 Every eigenvector of A − BK lies in a space S_λ of r = rank(B) dimensions. Two sweeps of Kautsky, Nichols and Van Dooren
-(1985), method 0, give a start; a few conjugate-gradient steps then minimise ‖X⁻¹‖_F over unit eigenvectors, which
-bounds the condition number more closely than the determinant of X does. All in real arithmetic: the pair x, x̄ stands in
-X as √2 Re x, √2 Im x, which changes X by a unitary factor only.
+(1985), method 0, give a start; then ‖X⁻¹‖_F is minimised over unit eigenvectors, which bounds the condition number
+more closely than the determinant of X does. Most steps are an accelerated gradient of fixed length: no decisions, so
+the gain is a smooth function of the poles (except where two minima change places). A few conjugate gradients finish.
+All in real arithmetic: the pair x, x̄ stands in X as √2 Re x, √2 Im x, which changes X by a unitary factor only.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import get_lapack_funcs
 
 from .eigenstructure import eigenvector_spaces, input_factors
 from .pole_sets import Poles
@@ -18,14 +20,16 @@ from .pole_sets import Poles
 __all__ = ["place_robustly"]
 
 SWEEPS = 2
-DESCENTS = 14
+GLIDES, LENGTH, MOMENTUM = 20, 0.05, 0.8
+DESCENTS = 3
 ROOT2 = np.sqrt(2.0)
+GETRF, GETRI = get_lapack_funcs(("getrf", "getri"), (np.eye(1),))
 
 
 def place_robustly(A: np.ndarray, B: np.ndarray, poles: Poles) -> tuple[np.ndarray, float]:
     """Gain K (m×n) and the 2-norm condition number of the eigenvectors, for a controllable pair (A, B).
 
-    K = B⁺(A − XΛX⁻¹). The start depends on the poles alone and smoothly, so K moves smoothly while a pole is dragged.
+    K = B⁺(A − XΛX⁻¹). K depends on the poles and their order alone, all but smoothly, so it follows a dragged pole.
     The condition is infinite, and K zero, where no independent eigenvectors were found.
     """
     n = A.shape[0]
@@ -38,7 +42,7 @@ def place_robustly(A: np.ndarray, B: np.ndarray, poles: Poles) -> tuple[np.ndarr
     frame = _Frame(spaces, np.conj(np.swapaxes(spaces, 1, 2)), n - 2 * pairs)
     try:
         with np.errstate(all="ignore"):
-            X = frame.columns(_descend(frame, _sweep(frame)))
+            X = frame.columns(_descend(frame, _glide(frame, _sweep(frame))))
             singular = np.linalg.svd(X, compute_uv=False)
             if not singular[-1] > n * np.finfo(float).eps * singular[0]:
                 return np.zeros((B.shape[1], n)), np.inf
@@ -66,7 +70,7 @@ class _Frame:
         if self.real == x.shape[1]:
             return x
         pairs = x[:, self.real :]
-        return np.hstack([x[:, : self.real].real, ROOT2 * pairs.real, ROOT2 * pairs.imag])
+        return np.hstack([np.real(x[:, : self.real]), ROOT2 * np.real(pairs), ROOT2 * np.imag(pairs)])
 
     def coefficients(self, x: np.ndarray) -> np.ndarray:
         """Unit coefficients of the admissible vectors nearest to the rows of x (k×n)."""
@@ -79,11 +83,15 @@ class _Frame:
             k = c.shape[0]
             G = np.vstack([G[: self.real], ROOT2 * (G[self.real : k] + 1j * G[k:])])
         along = (self.adjoint @ G[:, :, None])[:, :, 0]
-        return along - np.sum(along * c.conj(), axis=1).real[:, None] * c
+        return along - np.real(np.sum(along * c.conj(), axis=1))[:, None] * c
 
 
 def _unit(c: np.ndarray) -> np.ndarray:
     return c / np.sqrt(np.sum((c * c.conj()).real, axis=1))[:, None]
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> float:
+    return float(np.real(np.vdot(a, b)))
 
 
 def _sweep(frame: _Frame) -> np.ndarray:
@@ -96,7 +104,7 @@ def _sweep(frame: _Frame) -> np.ndarray:
         aims[frame.real :] += 1j * fixed[:, k:].T
     c = frame.coefficients(aims)
     X = frame.columns(c)
-    inverse = np.linalg.inv(X)
+    inverse = _inverse(X)
     for _ in range(SWEEPS):
         for j in range(k):
             away = inverse[j] if j < frame.real else inverse[j] + 1j * inverse[j + k - frame.real]
@@ -111,6 +119,14 @@ def _sweep(frame: _Frame) -> np.ndarray:
     return c
 
 
+def _inverse(X: np.ndarray) -> np.ndarray:
+    """X⁻¹ straight from LAPACK: at ten states half the time of numpy's call. Raises LinAlgError where X is singular."""
+    factors, pivots, info = GETRF(X)
+    if info:
+        raise np.linalg.LinAlgError("singular")
+    return GETRI(factors, pivots)[0]
+
+
 def _set_column(inverse: np.ndarray, j: int, x: np.ndarray) -> None:
     """X⁻¹ after column j of X became x (Sherman–Morrison)."""
     image = inverse @ x
@@ -119,19 +135,30 @@ def _set_column(inverse: np.ndarray, j: int, x: np.ndarray) -> None:
     inverse -= image[:, None] * row
 
 
+def _glide(frame: _Frame, c: np.ndarray) -> np.ndarray:
+    """Nesterov's accelerated gradient on log ‖X⁻¹‖_F², all steps of the same length."""
+    pace = np.zeros_like(c)
+    for _ in range(GLIDES):
+        ahead = _unit(c + MOMENTUM * pace)
+        Y = _inverse(frame.columns(ahead))
+        new = _unit(ahead - (LENGTH / np.vdot(Y, Y)) * frame.gradient(ahead, Y))
+        pace, c = new - c, new
+    return c
+
+
 def _descend(frame: _Frame, c: np.ndarray) -> np.ndarray:
     """Polak–Ribière conjugate gradients on ‖X⁻¹‖_F², the step by a parabola through two values and one slope."""
 
     def at(c: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        Y = np.linalg.inv(frame.columns(c))
+        Y = _inverse(frame.columns(c))
         return float(np.vdot(Y, Y)), Y, c
 
     value, Y, c = at(c)
     g = frame.gradient(c, Y)
-    gg = np.vdot(g, g).real
+    gg = _dot(g, g)
     d, step = -g, 0.1 / np.sqrt(gg) if gg > 0 else 0.0
     for _ in range(DESCENTS):
-        slope = np.vdot(g, d).real
+        slope = _dot(g, d)
         if slope >= 0:
             d, slope = -g, -gg
         if not gg > 1e-20 * value**2:
@@ -147,8 +174,8 @@ def _descend(frame: _Frame, c: np.ndarray) -> np.ndarray:
             continue
         (value, Y, c), step = candidate, best
         new = frame.gradient(c, Y)
-        new_size = np.vdot(new, new).real
-        d = max(0.0, (new_size - np.vdot(new, g).real) / gg) * d - new
+        new_size = _dot(new, new)
+        d = max(0.0, (new_size - _dot(new, g)) / gg) * d - new
         g, gg = new, new_size
     return c
 

@@ -236,7 +236,7 @@ def test_singular_A_is_no_obstacle_in_discrete_time():
     A, B = np.eye(3, k=1), np.eye(3)[:, -1:]
     optimal = dlqr(A, B, np.eye(3), 1)
     np.testing.assert_allclose(optimal.gain, 0, atol=1e-14)
-    np.testing.assert_allclose(optimal.solution, np.diag([1, 2, 3]), rtol=1e-13)
+    np.testing.assert_allclose(optimal.solution, np.diag([1, 2, 3]), rtol=1e-13, atol=1e-14)
 
 
 def test_cross_weight_equals_a_change_of_input():

@@ -107,7 +107,8 @@ def test_the_poles_asked_for_are_reached(seed, n, m, pairs):
     assume(np.linalg.norm(placed.gain) < 1e4)
     assert placed.gain.shape == (m, n)
     np.testing.assert_array_equal(placed.asked, poles)
-    assert placed.error < 1e-6
+    backward = np.finfo(float).eps * (np.linalg.norm(A) + np.linalg.norm(B) * np.linalg.norm(placed.gain))
+    assert placed.error < 100 * placed.condition * backward  # the bound of Bauer and Fike
     assert np.abs(placed.reached - placed.asked).max() == placed.error  # matched by index, not sorted
     same_polynomial(A - B @ placed.gain, poles, 1e-8)
 
@@ -178,8 +179,10 @@ def test_condition_beside_scipy_on_random_plants():
         A, B = random_pair(seed, 6, 3)
         poles = random_poles(seed, 6, seed % 3)
         peer = place_poles(A, B, poles, method="YT")
-        ratios.append(place(A, B, poles).condition / np.linalg.cond(peer.X))
-    assert np.median(ratios) <= 1.02
+        X = np.linalg.eig(A - B @ place(A, B, poles).gain)[1]
+        ratios.append(np.linalg.cond(X) / np.linalg.cond(peer.X))
+    assert np.median(ratios) <= 0.9
+    assert max(ratios) <= 1.05
 
 
 def test_badly_scaled_units_do_not_make_a_plant_uncontrollable():
@@ -355,16 +358,28 @@ def test_any_sequence_of_moves_keeps_the_set_closed_under_conjugation(moves, sna
     assert Counter(np.conj(poles).tolist()) == Counter(poles)
 
 
-@pytest.mark.parametrize("m", [1, 2, 3])
-def test_the_gain_follows_a_dragged_pole_without_jumps(m):
-    """Halving the step of the hand halves the largest step of K."""
-    A, B = random_pair(11, 6, m)
+def largest_step_of_the_gain(seed, m, count):
+    """max ‖ΔK‖/‖K‖ while a pair is dragged by 0.45 in `count` steps: six states, m inputs."""
+    A, B = random_pair(seed, 6, m)
+    gains = []
+    for t in np.linspace(0, 0.2, count + 1):
+        poles = move_pole((-1 + 2j, -1 - 2j, -2, -3, -4, -5), 0, -1 - t + 1j * (2 + 2 * t), 0.1)
+        gains.append(place(A, B, poles).gain)
+    return np.linalg.norm(np.diff(gains, axis=0), axis=(1, 2)).max() / np.linalg.norm(gains[0])
 
-    def largest_step(count):
-        gains = []
-        for t in np.linspace(0, 1, count + 1):
-            poles = move_pole((-1 + 2j, -1 - 2j, -2, -3, -4, -5), 0, -1 - t + 1j * (2 + 2 * t), 0.1)
-            gains.append(place(A, B, poles).gain)
-        return np.linalg.norm(np.diff(gains, axis=0), axis=(1, 2)).max()
 
-    assert largest_step(40) < 0.6 * largest_step(20)
+@pytest.mark.parametrize("seed", range(3))
+def test_with_one_input_halving_the_step_of_the_hand_halves_the_step_of_the_gain(seed):
+    assert largest_step_of_the_gain(seed, 1, 40) == pytest.approx(largest_step_of_the_gain(seed, 1, 20) / 2, rel=0.05)
+
+
+@pytest.mark.parametrize(("m", "bound"), [(2, 0.05), (3, 0.01)])
+def test_with_several_inputs_the_gain_follows_a_dragged_pole(m, bound):
+    """Sixty small steps of the hand are small steps of K; two minima may change places, hence the median."""
+    assert np.median([largest_step_of_the_gain(seed, m, 60) for seed in range(8, 15)]) < bound
+
+
+def test_the_same_request_always_gives_the_same_gain():
+    A, B = random_pair(3, 6, 3)
+    poles = random_poles(3, 6, 2)
+    np.testing.assert_array_equal(place(A, B, poles).gain, place(A.copy(), B.copy(), list(poles)).gain)
