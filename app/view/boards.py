@@ -18,6 +18,7 @@ from .ticks import ticks
 
 WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
 PLACES = {"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)}
+NAME_WIDTH = 0.56  # of a pole's label on the board
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
 GLASS, UNSTABLE, INK = (236, 240, 246), (246, 214, 214), (40, 44, 52)
 
@@ -122,13 +123,35 @@ class BoardView:
         if signature != self._signature:
             self._make_poles(board)
             self._signature = signature
+        taken: list[tuple[float, float]] = []
         for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
             handle.position = self.local(pole, 0.03)
-            text = "" if pole.imag < 0 else pole_name(pole)
+            named = pole.imag >= 0
+            if label.visible != named:
+                label.visible = named
+            if not named:
+                continue
+            text = pole_name(pole)
             if label.text != text:
                 label.text = text
             x, y, z = self.local(pole, 0.1)
-            label.position = (x + 0.13, y, z + 0.02)
+            at = self._free_place(x, z, taken)
+            taken.append(at)
+            label.position = (at[0], y, at[1])
+
+    def _free_place(self, x: float, z: float, taken: list[tuple[float, float]]) -> tuple[float, float]:
+        """Where a pole's label fits: right of it, else left, above or below, clear of other labels and crosses."""
+        crosses = [self.local(p)[::2] for p in self._board.poles]
+        half = NAME_WIDTH / 2
+        places = [(x + 0.14 + half, z), (x - 0.14 - half, z), (x, z + 0.2), (x, z - 0.2), (x + 0.14 + half, z + 0.17),
+                  (x - 0.14 - half, z - 0.17)]
+
+        def clash(at: tuple[float, float]) -> float:
+            others = sum(abs(at[0] - a) < NAME_WIDTH and abs(at[1] - b) < 0.15 for a, b in taken)
+            marks = sum(abs(at[0] - a) < half + 0.1 and abs(at[1] - b) < 0.14 for a, b in crosses)
+            outside = abs(at[0]) + half > WIDTH / 2 + 0.3
+            return 2 * others + marks + 3 * outside
+        return min(places, key=clash)
 
     def _make_poles(self, board: Board) -> None:
         for old in (*self._poles, *self._labels, *self._stems):
@@ -142,7 +165,7 @@ class BoardView:
             if board.knob is not None:
                 handle.on_drag("left")(self._dragger(i))
             self._poles.append(handle)
-            self._labels.append(self._scene.add_label(f"{self._root}/name{i}", "", anchor="center-left",
+            self._labels.append(self._scene.add_label(f"{self._root}/name{i}", "", anchor="center-center",
                                                       font_screen_scale=0.85))
         head, head_faces = bolt()
         for i, pole in enumerate(board.fixed):

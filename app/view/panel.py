@@ -28,7 +28,7 @@ class Panel:
         self._widgets: dict[str, tuple[Knob, Widget]] = {}
         self._formulas: dict[str, viser.GuiHtmlHandle] = {}
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
-        self._bar: viser.GuiProgressBarHandle | None = None
+        self._bar: Any = None
         self._job: viser.GuiButtonHandle | None = None
         self._head(picture)
         self._predict()

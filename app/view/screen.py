@@ -9,13 +9,14 @@ from typing import Any
 
 import viser
 
-from ..figures import tabs
+from ..figures import MapFigure, tabs
 from ..lesson import Board
 from ..session import COMMANDS, Do, Picture, SetKnobs
 from ..words import Text
 from . import phrases
 from .boards import BoardView
 from .charts import Chart
+from .mapboard import MapBoard
 from .panel import Panel
 from .stage import StageView
 from .style import sheet
@@ -34,6 +35,7 @@ class Screen:
         self._stage = StageView(client)
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
+        self._map: MapBoard | None = None
         self._panel: Panel | None = None
         self._transport: Transport | None = None
         self._style: viser.GuiHtmlHandle | None = None
@@ -53,7 +55,7 @@ class Screen:
         with self._client.atomic():
             gui.reset()
             self._client.scene.reset()
-            self._boards, self._charts = {}, {}
+            self._boards, self._charts, self._map = {}, {}, None
             gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178))
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet(picture.state.lecture, picture.state.predicted is None), order=-1e9)
@@ -92,6 +94,7 @@ class Screen:
             for board in picture.outcome.boards:
                 self._board(board, picture).show(board)
             self._landscape(picture)
+            self._show_map(picture)
         self._client.flush()
 
     def pose(self, t: float) -> None:
@@ -177,6 +180,16 @@ class Screen:
                 self._client, board, picture.state.language,
                 lambda values: self._post(SetKnobs(values)))
         return self._boards[board.id]
+
+    def _show_map(self, picture: Picture) -> None:
+        if picture.lesson.pick is None:
+            return
+        for figure in picture.figures:
+            if isinstance(figure, MapFigure):
+                if self._map is None:
+                    self._map = MapBoard(self._client, picture.state.language,
+                                         lambda x, y: self._post(Do("pick", (x, y))))
+                self._map.show(figure)
 
     def _landscape(self, picture: Picture) -> None:
         for board in picture.outcome.boards:

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import viser
 
 from ..figures import COLOURS
 from ..lesson import Stage
-from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Rod, Spring
+from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Rod, Spring, Vector
 from ..words import Text
 from . import phrases
 from .meshes import helix
 
+SHORTEST = 0.05  # stage units: shorter arrows are not drawn
+INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
+BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
 CAMERAS = {
     "all": ((0.0, -13.4, 3.9), (0.0, 0.6, 1.95)),
@@ -46,16 +50,17 @@ class StageView:
         scene = self._scene
         scene.set_up_direction("+z")
         scene.configure_default_lights(False)
-        scene.configure_environment_map("studio", environment_intensity=0.55)
-        scene.add_light_ambient("/light/ambient", color=(255, 255, 255), intensity=0.55)
-        scene.add_light_directional("/light/key", color=(255, 250, 240), intensity=1.7, position=(-4.0, -6.0, 9.0),
+        scene.configure_environment_map("studio", environment_intensity=0.35)
+        scene.add_light_ambient("/light/ambient", color=(255, 255, 255), intensity=0.35)
+        scene.add_light_directional("/light/key", color=(255, 250, 240), intensity=1.25, position=(-4.0, -6.0, 9.0),
                                     cast_shadow=True)
-        scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.5, position=(6.0, -5.0, 4.0),
+        scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.3, position=(6.0, -5.0, 4.0),
                                     cast_shadow=False)
         scene.add_grid("/floor", width=40.0, height=40.0, cell_size=0.5, section_size=2.0, cell_color=(232, 235, 240),
                        section_color=(216, 221, 228), plane_color=(246, 247, 250), plane_opacity=1.0,
                        shadow_opacity=0.16, fade_distance=34.0, position=(0.0, 0.0, -0.002))
-        scene.configure_fog(16.0, 34.0, color=(255, 255, 255))
+        scene.set_background_image(_sky(), format="png")
+        scene.configure_fog(22.0, 46.0, color=(255, 255, 255))
 
     def camera(self, preset: str) -> None:
         """Look from one of the named places."""
@@ -78,7 +83,7 @@ class StageView:
             self._solid[part.name] = self._add(f"/plant/{part.name}", part, part.colour, None)
             if part.twin and stage.xhat is not None:
                 self._ghost[part.name] = self._add(f"/ghost/{part.name}", part, GHOST_COLOUR, 0.42)
-        none = np.zeros((0, 2, 3))
+        none = _segments([])
         self._forces = self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                               head_radius=0.09, head_length=0.16)
         self._errors = self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.018)
@@ -118,19 +123,22 @@ class StageView:
         self._place(self._solid, "", body.pose(x, body.gain))
         if stage.xhat is not None and self._ghost:
             xhat = stage.xhat[max(index, 0)].tolist()
-            self._place(self._ghost, "ghost ", body.pose(xhat, body.gain))
+            self._place(self._ghost, "ghost ", body.pose(xhat, body.gain), INSIDE)
             self._join(body.anchors(x, body.gain), body.anchors(xhat, body.gain))
         if stage.u is not None and self._forces is not None:
             arrows = body.arrows(x, stage.u[max(index, 0)].tolist(), body.gain)
-            self._forces.points = np.array([(a.tail, a.head) for a in arrows], dtype=np.float32).reshape(-1, 2, 3)
+            seen = [(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > SHORTEST]
+            self._forces.points = _segments(seen)
 
     def _join(self, true: Sequence[tuple[float, float, float]], believed: Sequence[tuple[float, float, float]]) -> None:
         if self._errors is not None:
-            self._errors.points = np.array(list(zip(true, believed, strict=True)), dtype=np.float32).reshape(-1, 2, 3)
+            pairs = zip(true, believed, strict=True)
+            self._errors.points = _segments([pair for pair in pairs if math.dist(*pair) > 0.3 * SHORTEST])
 
-    def _place(self, handles: dict[str, viser.SceneNodeHandle], prefix: str, poses: object) -> None:
+    def _place(self, handles: dict[str, viser.SceneNodeHandle], prefix: str, poses: Mapping[str, Pose],
+               size: float = 1.0) -> None:
         for name, handle in handles.items():
-            pose = poses[name]  # type: ignore[index]
+            pose = poses[name]
             last = self._last.get(prefix + name)
             if pose == last:
                 continue
@@ -139,10 +147,22 @@ class StageView:
             if last is None or pose.wxyz != last.wxyz:
                 handle.wxyz = pose.wxyz
             if last is None or pose.scale != last.scale:
-                handle.scale = pose.scale  # type: ignore[attr-defined]
+                handle.scale = tuple(size * s for s in pose.scale)  # type: ignore[attr-defined]
             if pose.colour is not None and not prefix and (last is None or pose.colour != last.colour):
                 handle.color = pose.colour  # type: ignore[attr-defined]
             self._last[prefix + name] = pose
+
+
+def _sky() -> np.ndarray:
+    """A calm gradient: grey-blue above, white at the horizon."""
+    top, low = np.array([214.0, 224.0, 237.0]), np.array([252.0, 253.0, 255.0])
+    share = np.clip(np.linspace(0.0, 1.7, 128), 0.0, 1.0)[:, None, None]
+    return np.broadcast_to(top + (low - top) * share, (128, 8, 3)).astype(np.uint8)
+
+
+def _segments(pairs: list[tuple[Vector, Vector]]) -> np.ndarray:
+    """Start and end points (k, 2, 3); viser keeps a node alive only if it has at least one, so one lies below the floor."""
+    return np.array([*pairs, (BELOW, BELOW)], dtype=np.float32)
 
 
 def _rod(radius: float, sides: int = 16) -> tuple[np.ndarray, np.ndarray]:

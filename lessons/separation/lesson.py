@@ -12,8 +12,7 @@ from app.engine import ClosedLoop, Plant, Scenario, autonomous_error, closed_loo
 from app.figures import Figure, MatrixFigure, PlaneFigure, Point
 from app.knobs import Number, Switch
 from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
-from app.plants import MODELS
-from app.plants import platform
+from app.plants import MODELS, platform
 from app.prose import read_prose
 from app.words import Text
 
