@@ -87,7 +87,7 @@ class _Frame:
 
 
 def _unit(c: np.ndarray) -> np.ndarray:
-    return c / np.sqrt(np.sum((c * c.conj()).real, axis=1))[:, None]
+    return c / np.sqrt(np.real(np.sum(c * c.conj(), axis=1)))[:, None]
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> float:
