@@ -20,10 +20,12 @@ def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float)
     free = np.ones(s.plant.m, dtype=bool)
     M = loop.closed(free)
     Phi, Phi1 = (M, np.eye(len(M))) if s.discrete else step_matrices(M, s.dt)
-    push = d.jumps
-    if s.reference is not None or s.V is not None:
-        push = loop.forcing(free, np.zeros(s.plant.m), r[:-1], d.v[:-1]) @ Phi1.T
-        push += 0.0 if d.jumps is None else d.jumps
+    parts = [] if d.jumps is None else [d.jumps]
+    if s.reference is not None:
+        parts.append(r[:-1] @ (Phi1 @ (loop.Bs + loop.Bc)).T)
+    if s.V is not None:
+        parts.append(d.v[:-1] @ (Phi1 @ loop.E).T)
+    push = sum(parts[1:], parts[0]) if parts else None
     return cut(affine_scan(Phi, with_kicks(push, d, M, s), d.z0, s.n_t - 1), bound)
 
 

@@ -15,6 +15,8 @@ __all__ = ["Mode", "Switcher"]
 TERMS = 18  # of the Taylor series of e^{M h} with ‖M h‖₁ ≤ 1: remainder 1/18! ≈ 1.6e-16
 SLACK = 1e-12  # relative to the limits: closer than this counts as on the limit
 RINGING = 1.5  # |imaginary| over |real| part beyond which a mode swings more than once
+SAMPLES = np.linspace(0.0, 1.0, 9)
+POWERS = SAMPLES[:, None] ** np.arange(TERMS + 1)
 HUGE = 1e100  # a state beyond this is not followed
 LONGEST = 512  # grid steps tried at once in one mode
 
@@ -209,16 +211,16 @@ class Switcher:
 def _first_exit(coefficients: np.ndarray, low: np.ndarray, high: np.ndarray, end: float) -> float:
     """The first s in (0, end] where a polynomial (column of coefficients, rising powers) leaves [low, high], or end."""
     first = end
-    samples = np.linspace(0.0, end, 9)
-    values = np.polynomial.polynomial.polyval(samples, coefficients)  # (m, 9)
-    for i, row in enumerate(values):
+    samples = SAMPLES * end
+    values = POWERS @ (coefficients * end ** np.arange(TERMS + 1)[:, None])  # (9, m)
+    for i, row in enumerate(values.T):
         for limit, side in ((high[i], 1.0), (low[i], -1.0)):
             if not np.isfinite(limit):
                 continue
             over = side * (row - limit) > 0
             if over[1:].any():
                 j = int(np.argmax(over[1:]))
-                first = min(first, _root(coefficients[:, i].tolist(), float(limit), samples[j], samples[j + 1]))
+                first = min(first, _root(coefficients[:, i].tolist(), float(limit), float(samples[j]), float(samples[j + 1])))
     return first
 
 

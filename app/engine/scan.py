@@ -62,18 +62,22 @@ def _blocks(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndarray:
     if steps < SHORT:
         return _one_by_one(Phi, forcing, z0)
     count = -(-steps // BLOCK)
-    local = np.zeros((BLOCK, count, N))
-    padded = np.zeros((count * BLOCK, N))
-    padded[:steps] = forcing
-    local[:] = padded.reshape(count, BLOCK, N).transpose(1, 0, 2)
-    powers = np.empty((BLOCK, N, N))
-    powers[0] = Phi.T
+    if steps == count * BLOCK:
+        push = forcing.reshape(count, BLOCK, N)
+    else:
+        push = np.zeros((count, BLOCK, N))
+        push.reshape(-1, N)[:steps] = forcing
+    local, powers, product = np.empty((BLOCK, count, N)), np.empty((BLOCK, N, N)), np.empty((count, N))
+    local[0], powers[0], step = push[:, 0], Phi.T, np.ascontiguousarray(Phi.T)
     for j in range(1, BLOCK):
-        local[j] += local[j - 1] @ Phi.T
-        np.matmul(powers[j - 1], Phi.T, out=powers[j])
-    starts = _blocks(powers[-1].T, local[-1], z0)[:-1]
-    local += starts @ powers
+        np.matmul(local[j - 1], step, out=product)
+        np.add(product, push[:, j], out=local[j])
+        np.matmul(powers[j - 1], step, out=powers[j])
+    starts = np.ascontiguousarray(_blocks(powers[-1].T, local[-1], z0)[:-1])
     states = np.empty((count * BLOCK + 1, N))
     states[0] = z0
-    states[1:].reshape(count, BLOCK, N)[:] = local.transpose(1, 0, 2)
+    path = states[1:].reshape(count, BLOCK, N)
+    for j in range(BLOCK):
+        np.matmul(starts, powers[j], out=product)
+        np.add(product, local[j], out=path[:, j])
     return states[:steps + 1]

@@ -59,7 +59,8 @@ def test_two_inputs_with_uneven_limits_agree_with_a_tight_solver(fed: str) -> No
     observer = np.array([[6.0, 0], [8, 1], [0, 5], [1, 4]])
     s = Scenario(plant, gain, observer, x0=[2, 0, -1, 1], u_min=[-0.5, -np.inf], u_max=[1.0, 0.7], fed=fed, horizon=8)
     run = simulate(s)
-    peer = solve_ivp(field(s), (0, 8), [2, 0, -1, 1, 0, 0, 0, 0], "DOP853", run.t, rtol=1e-12, atol=1e-13, max_step=0.01)
+    start = [2, 0, -1, 1, 0, 0, 0, 0]
+    peer = solve_ivp(field(s), (0, 8), start, "DOP853", run.t, rtol=1e-12, atol=1e-13, max_step=0.01)
     assert run.saturated
     assert np.abs(np.hstack([run.x, run.xhat]) - peer.y.T).max() < 1e-8
 

@@ -88,7 +88,8 @@ def test_mismatch_delay_and_hidden_saturation_raise_the_separation_meter(spoil: 
 
 
 def test_impulse_between_grid_points_is_exact() -> None:
-    run = simulate(Scenario(DOUBLE, x0=[1.0, 0.0], horizon=1.0, dt=0.1, impulses=((0.33, [0.0, 2.0]), (0.5, [1.0, 0.0]))))
+    kicks = (0.33, [0.0, 2.0]), (0.5, [1.0, 0.0])
+    run = simulate(Scenario(DOUBLE, x0=[1.0, 0.0], horizon=1.0, dt=0.1, impulses=kicks))
     t = run.t
     assert np.allclose(run.x[:, 0], 1 + 2 * np.clip(t - 0.33, 0, None) + (t >= 0.5 - 1e-9), atol=1e-13)
     assert np.abs(run.xhat).max() == 0.0  # the observer is not told
@@ -165,7 +166,8 @@ def test_divergence_ends_the_run_with_finite_arrays() -> None:
     assert all(np.isfinite(a).all() and len(a) == len(run.t) for a in
                (run.t, run.x, run.xhat, run.e, run.u_asked, run.u_applied, run.y, run.yhat, run.w, run.v))
     for limit in (None, 1.0):
-        stiff = simulate(Scenario(Plant([[1e5]], [[1]], [[1]]), x0=[1.0], horizon=1.0, reference=np.ones(1), u_max=limit))
+        wild = Plant([[1e5]], [[1]], [[1]])
+        stiff = simulate(Scenario(wild, x0=[1.0], horizon=1.0, reference=np.ones(1), u_max=limit))
         assert stiff.diverged_at == pytest.approx(0.01) and np.isfinite(stiff.x).all()
 
 
