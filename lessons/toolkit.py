@@ -69,26 +69,28 @@ def gains(design: Design, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
     return lqr(plant.A, plant.B, Q, R).gain, lqe(plant.A, plant.B, plant.C, W, V).gain
 
 
-def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: np.ndarray) -> tuple[Board, Board]:
+def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: np.ndarray,
+                error_matrix: np.ndarray | None = None) -> tuple[Board, Board]:
     """The two boards of a lesson with K and L: controller on the left, observer on the right.
 
     Poles chosen by hand stand exactly where the hand put them; poles that weights choose can be dragged too, which
-    turns the method to poles.
+    turns the method to poles. `error_matrix` A − LC gives the landscape of |det(sI − A + LC)|⁻¹.
     """
     by_hand = design["method"] == BY_POLES
     take = (("method", BY_POLES),)
     c, o = model.controller_window, model.observer_window
     return (
         Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"),
-              design["controller_poles"] if by_hand else _inside(controller, c), "controller_poles", role="plant",
+              design["controller_poles"] if by_hand else on_board(controller, c), "controller_poles", role="plant",
               side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, also=take),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
-              design["observer_poles"] if by_hand else _inside(observer, o), "observer_poles", role="estimate",
-              side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, also=take),
+              design["observer_poles"] if by_hand else on_board(observer, o), "observer_poles", role="estimate",
+              side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, also=take,
+              landscape=error_matrix),
     )
 
 
-def _inside(poles: np.ndarray, window: Any) -> tuple[complex, ...]:
+def on_board(poles: np.ndarray, window: Any) -> tuple[complex, ...]:
     """Poles for a board: one beyond its edge is drawn on the edge."""
     return tuple(complex(min(max(p.real, window.re_low), window.re_high),
                          min(max(p.imag, -window.im_high), window.im_high)) for p in poles)
@@ -186,5 +188,5 @@ def pole_words(poles: Sequence[complex]) -> str:
     return ", ".join(names).replace("-", "−")
 
 
-__all__ = ["EngineError", "error_figure", "gains", "input_figure", "kicks", "matrix", "method_knobs", "number",
+__all__ = ["EngineError", "error_figure", "gains", "input_figure", "kicks", "matrix", "method_knobs", "number", "on_board",
            "pole_boards", "pole_knobs", "pole_words", "run_knobs", "settle_time", "stage", "state_figures"]
