@@ -7,7 +7,7 @@ import numpy as np
 from .disturbance import Disturbances
 from .loop import Loop, ramped
 from .saturation import Switcher
-from .scan import affine_scan, step_matrices
+from .scan import affine_scan, held_scan, step_matrices
 from .scenario import Scenario
 
 __all__: list[str] = []
@@ -20,12 +20,16 @@ def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float)
     free = np.ones(s.plant.m, dtype=bool)
     M = loop.closed(free)
     Phi, Phi1 = (M, np.eye(len(M))) if s.discrete else step_matrices(M, s.dt)
-    parts = [] if d.jumps is None else [d.jumps]
+    inputs, ways = [], []
     if s.reference is not None:
-        parts.append(r[:-1] @ (Phi1 @ (loop.Bs + loop.Bc)).T)
+        inputs, ways = [r[:-1]], [Phi1 @ (loop.Bs + loop.Bc)]
     if s.V is not None:
-        parts.append(d.v[:-1] @ (Phi1 @ loop.E).T)
-    push = sum(parts[1:], parts[0]) if parts else None
+        inputs, ways = [*inputs, d.v[:-1]], [*ways, Phi1 @ loop.E]
+    if inputs and d.jumps is None and not d.kicks:
+        return cut(held_scan(Phi, np.hstack(ways), np.hstack(inputs), d.z0), bound)
+    push = d.jumps
+    if inputs:
+        push = np.hstack(inputs) @ np.hstack(ways).T + (0.0 if push is None else push)
     return cut(affine_scan(Phi, with_kicks(push, d, M, s), d.z0, s.n_t - 1), bound)
 
 
@@ -41,8 +45,10 @@ def with_kicks(push: np.ndarray | None, d: Disturbances, M: np.ndarray, s: Scena
 def cut(states: np.ndarray, bound: float) -> np.ndarray:
     """The states before the first that passes `bound` or is not finite; the start always."""
     with np.errstate(invalid="ignore"):
+        if max(states.max(), -states.min()) < bound:  # false where there is a NaN
+            return states
         small = np.abs(states).max(axis=1) < bound
-    return states if small.all() else states[:max(1, int(np.argmin(small)))]
+    return states[:max(1, int(np.argmin(small)))]
 
 
 def sampled(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float) -> tuple[np.ndarray, np.ndarray]:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
-__all__ = ["affine_scan", "step_matrices"]
+__all__ = ["affine_scan", "held_scan", "step_matrices"]
 
 SHORT = 24  # below this many steps a plain loop is faster
 BLOCK = 16
+HELD = 8  # steps a block where the forcing comes from few inputs
 
 
 def step_matrices(M: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
@@ -33,6 +34,36 @@ def affine_scan(Phi: np.ndarray, forcing: np.ndarray | None, z0: np.ndarray, ste
         if not np.isfinite(states[-1]).all():  # an overflowing power may have spoilt earlier states of its block
             states = _one_by_one(Phi, np.zeros((steps, len(z0))) if forcing is None else forcing, z0)
     return states
+
+
+def held_scan(Phi: np.ndarray, Gamma: np.ndarray, inputs: np.ndarray, z0: np.ndarray) -> np.ndarray:
+    """All states of z[k+1] = Φ z[k] + Γ u[k], z[0] = z0: (steps + 1, N) for inputs u (steps, q), Γ N×q, few inputs.
+
+    One product [start, inputs of the block] · [powers of Φ; Toeplitz matrix of Φʲ Γ] gives all states of all blocks.
+    """
+    (steps, q), N = inputs.shape, len(Phi)
+    with np.errstate(over="ignore", invalid="ignore"):
+        if steps < SHORT or 2 * q > N:
+            return affine_scan(Phi, inputs @ Gamma.T, z0, steps)
+        count = -(-steps // HELD)
+        powers, answers = [Phi.T], [Gamma.T]
+        for _ in range(HELD - 1):
+            powers.append(powers[-1] @ Phi.T)
+            answers.append(answers[-1] @ Phi.T)
+        table = np.zeros((N + HELD * q, HELD * N))
+        table[:N] = np.hstack(powers)
+        for i in range(HELD):
+            table[N + i * q:N + (i + 1) * q, i * N:] = np.hstack(answers[:HELD - i])
+        rows = np.zeros((count, N + HELD * q))
+        whole = steps // HELD
+        rows[:whole, N:] = inputs[:whole * HELD].reshape(whole, HELD * q)
+        rows[whole:, N:N + (steps - whole * HELD) * q] = inputs[whole * HELD:].ravel()
+        rows[:, :N] = _blocks(powers[-1].T, rows[:, N:] @ table[N:, -N:], z0)[:-1]
+        states = np.empty((count * HELD + 1, N))
+        states[0] = z0
+        np.matmul(rows, table, out=states[1:].reshape(count, HELD * N))
+        states = states[:steps + 1]
+        return states if np.isfinite(states[-1]).all() else _one_by_one(Phi, inputs @ Gamma.T, z0)
 
 
 def _one_by_one(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 from app.engine.errors import EngineError
 from app.engine.loop import discretise, emulated_gain
 from app.engine.plant import Plant
-from app.engine.scan import affine_scan
+from app.engine.scan import affine_scan, held_scan
 from app.engine.scenario import Scenario
 from app.engine.simulate import autonomous_error, separation_meter, simulate
 
@@ -189,6 +189,17 @@ def test_block_scan_equals_the_plain_recursion_for_every_length() -> None:
         for k in range(steps):
             z, w = Phi @ z + push[k], Phi @ w
             assert np.allclose(states[k + 1], z, rtol=1e-11, atol=1e-12) and np.allclose(free[k + 1], w, atol=1e-12)
+
+
+def test_scan_of_held_inputs_equals_the_plain_recursion_for_every_length() -> None:
+    Phi, Gamma = 0.4 * RNG.standard_normal((5, 5)), RNG.standard_normal((5, 2))
+    for steps in (1, 23, 24, 25, 31, 32, 33, 1000):
+        u, z = RNG.standard_normal((steps, 2)), np.ones(5)
+        states = held_scan(Phi, Gamma, u, z)
+        assert states.shape == (steps + 1, 5)
+        for k in range(steps):
+            z = Phi @ z + Gamma @ u[k]
+            assert np.allclose(states[k + 1], z, rtol=1e-11, atol=1e-12)
 
 
 @pytest.mark.parametrize("wrong, words", [
