@@ -47,13 +47,23 @@ def loop_of(s: Scenario) -> Loop:
 
 def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, r: np.ndarray, late: np.ndarray | None) -> Run:
     plant, model, count = s.plant, s.model, len(z)
-    x, xhat = z[:, :plant.n], z[:, plant.n:]
-    asked = z @ loop.F.T + r[:count]
+    n, m, p = plant.n, plant.m, plant.p
+    x, xhat = z[:, :n], z[:, n:]
+    read = np.zeros((z.shape[1], m + 2 * p))  # u, C x and C x̂ from one product
+    read[:, :m], read[:n, m:m + p], read[n:, m + p:] = loop.F.T, plant.C.T, model.C.T
+    out = z @ read
+    asked, y, yhat = out[:, :m], out[:, m:m + p], out[:, m + p:]
+    if s.reference is not None:
+        asked += r[:count]
     clipped = np.clip(asked, s.u_min, s.u_max) if s.limited else asked
     applied = clipped if late is None else late[:count]
     w, v = d.w[:count], d.v[:count]
-    y = x @ plant.C.T + applied @ np.asarray(plant.D).T + v
-    yhat = xhat @ model.C.T + (clipped if s.fed == "applied" else asked) @ model.D.T
+    if np.any(plant.D):
+        y += applied @ np.asarray(plant.D).T
+    if np.any(model.D):
+        yhat += (clipped if s.fed == "applied" else asked) @ model.D.T
+    if s.V is not None:
+        y += v
     e = x - xhat if x.shape == xhat.shape else np.zeros((count, 0))
     diverged_at = None if count == s.n_t else float(s.dt * count)
     return Run(s, s.t[:count], x, xhat, e, asked, applied, y, yhat, w, v, diverged_at, bool(np.any(clipped != asked)))
