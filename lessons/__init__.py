@@ -7,6 +7,7 @@ from types import MappingProxyType
 from app.lesson import Lesson
 
 from .separation.lesson import LESSON as separation
+from .virtual_sensor.lesson import LESSON as virtual_sensor
 
-LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (separation,)})
+LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (virtual_sensor, separation,)})
 OPENING = "separation"  # the lesson that the page opens on
