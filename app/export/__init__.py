@@ -1,0 +1,1 @@
+"""Figures, data and code that leave the lab: the only package that imports matplotlib."""

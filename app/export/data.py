@@ -1,0 +1,133 @@
+"""Data as files: figures as one long CSV table, a run as strict JSON."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..figures import Curve, Figure, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, TimeFigure
+from ..lesson import Design, Outcome
+
+__all__ = ["HEADER", "csv_rows", "plain", "run_record", "save_csv"]
+
+HEADER = ("figure", "kind", "series", "x", "y", "value")
+Row = tuple[str, str, str, float, float | str, float | str]
+SERIES = ("t", "x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
+
+
+def save_csv(figures: Sequence[Figure], path: str | Path) -> None:
+    """Write the data of all figures as one table (UTF-8, comma, full precision: reading it back loses nothing).
+
+    The header is `figure,kind,series,x,y,value`, one row a point:
+
+    | kind | series | x | y | value |
+    |---|---|---|---|---|
+    | time | name of the curve | time in s | what is drawn | |
+    | frequency | name of the curve | frequency in Hz | what is drawn | |
+    | plane | name of the curve, or role and mark of a point | abscissa | ordinate | |
+    | matrix | row and column by name | column from 0 | row from 0 | entry |
+    | map | category | abscissa | ordinate | number of the category, −1 where nothing was computed |
+    | table | name of the column | number of the row from 0 | | text of the cell |
+
+    Names are the English ones; of several series with one name in a figure the later ones get " (2)", " (3)".
+    Raises OSError if the file cannot be written.
+    """
+    with Path(path).open("w", encoding="utf-8", newline="") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(HEADER)
+        for row in csv_rows(figures):
+            table.writerow([repr(cell) if isinstance(cell, float) else cell for cell in row])
+
+
+def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
+    """The rows of `save_csv` below the header, numbers as Python floats."""
+    for figure in figures:
+        if isinstance(figure, TimeFigure):
+            yield from _curves(figure.id, "time", figure.curves, figure.t)
+        elif isinstance(figure, FrequencyFigure):
+            yield from _curves(figure.id, "frequency", figure.curves, figure.f)
+        elif isinstance(figure, PlaneFigure):
+            yield from _curves(figure.id, "plane", figure.curves, None)
+            for point in figure.points:
+                name = point.name.en or f"{point.role} {point.mark}"
+                yield figure.id, "plane", name, float(point.x), float(point.y), ""
+        elif isinstance(figure, MatrixFigure):
+            yield from _matrix(figure)
+        elif isinstance(figure, MapFigure):
+            yield from _map(figure)
+        else:
+            yield from _table(figure)
+
+
+def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:
+    names = _distinct([curve.name.en for curve in curves])
+    for name, curve in zip(names, curves, strict=True):
+        own = np.arange(len(curve.y)) if curve.x is None else curve.x
+        for x, y in zip(own if common is None else common, curve.y, strict=True):
+            yield id, kind, name, float(x), float(y), ""
+
+
+def _distinct(names: list[str]) -> list[str]:
+    counts = [names[:k].count(name) for k, name in enumerate(names)]
+    return [f"{name} ({count + 1})" if count else name for name, count in zip(names, counts, strict=True)]
+
+
+def _matrix(figure: MatrixFigure) -> Iterator[Row]:
+    matrix = np.asarray(figure.matrix, dtype=float)
+    for (i, j), entry in np.ndenumerate(matrix):
+        row = figure.rows[i] if figure.rows else str(i)
+        column = figure.columns[j] if figure.columns else str(j)
+        yield figure.id, "matrix", f"{row}, {column}", float(j), float(i), float(entry)
+
+
+def _map(figure: MapFigure) -> Iterator[Row]:
+    for (i, j), k in np.ndenumerate(np.asarray(figure.values)):
+        name = figure.categories[int(k)][0].en if k >= 0 else ""
+        yield figure.id, "map", name, float(figure.x[j]), float(figure.y[i]), float(k)
+
+
+def _table(figure: TableFigure) -> Iterator[Row]:
+    for i, row in enumerate(figure.rows):
+        for column, cell in zip(figure.columns, row, strict=True):
+            yield figure.id, "table", column.en, float(i), "", cell if isinstance(cell, str) else cell.en
+
+
+def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
+    """A run as plain data, ready for JSON: lesson, knobs, gains, poles, metrics, checks, series.
+
+    Complex numbers are [re, im]; NaN and infinity, which JSON has not, are null. `series` holds the run's time-first
+    arrays t (n_t,), x, xhat, e, u_asked, u_applied, y, yhat, w, v (n_t, …) in SI units, and is empty without a run.
+    """
+    series = {} if outcome.run is None else {name: plain(getattr(outcome.run, name)) for name in SERIES}
+    return {
+        "lesson": design.lesson,
+        "knobs": {name: plain(value) for name, value in design.values},
+        "gains": plain(outcome.gains),
+        "poles": {name: [plain(complex(p)) for p in poles] for name, poles in outcome.poles.items()},
+        "metrics": plain(outcome.metrics),
+        "checks": [{"id": c.id, "text": {"en": c.text.en, "zh": c.text.zh}, "holds": bool(c.holds),
+                    "value": plain(c.value)} for c in outcome.checks],
+        "series": series,
+    }
+
+
+def plain(value: Any) -> Any:
+    """A value as JSON can hold it: arrays as lists, complex as [re, im], what is not finite as None."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, complex):
+        return [plain(value.real), plain(value.imag)]
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value

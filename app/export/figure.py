@@ -1,0 +1,125 @@
+"""Figures as files: a page of figure records in PNG, SVG or PDF, the same bytes for the same records."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure as Page
+
+from ..figures import Figure, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, TimeFigure
+from .grids import draw_matrix, draw_table
+from .panels import draw_frequency, draw_map, draw_plane, draw_time
+from .style import INK, SMALL, TITLE, look, words
+from .wrap import wrap
+
+__all__ = ["SUFFIXES", "ExportError", "draw_page", "save_figures"]
+
+# What would differ from one run to the next is left out of each kind of file.
+SUFFIXES: dict[str, dict[str, Any]] = {
+    ".png": {"metadata": {"Software": "Observer Lab"}},
+    ".svg": {"metadata": {"Date": None, "Creator": "Observer Lab"}},
+    ".pdf": {"metadata": {"CreationDate": None, "Creator": "Observer Lab", "Producer": None}},
+}
+DPI = 200
+CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page, in inches
+LEFT, RIGHT, HEAD, FOOT = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
+CURVES, LINE, ROW = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
+COLUMN_NAMES = 0.34
+DRAW: dict[type, Any] = {TimeFigure: draw_time, FrequencyFigure: draw_frequency, PlaneFigure: draw_plane,
+                         MapFigure: draw_map, MatrixFigure: draw_matrix, TableFigure: draw_table}
+
+
+class ExportError(ValueError):
+    """A file that cannot be written as asked; the message is one sentence."""
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """What one figure needs: inches for its axes and what is around them, and its caption in lines."""
+
+    figure: Figure
+    axes: float
+    above: float
+    below: float
+    caption: tuple[str, ...]
+
+    @property
+    def height(self) -> float:
+        return HEAD + self.above + self.axes + self.below + LINE * len(self.caption) + 0.16
+
+
+def save_figures(figures: Sequence[Figure], path: str | Path, language: str = "en") -> None:
+    """Write all figures on one page: PNG (200 dpi), SVG (text as outlines) or PDF (fonts embedded), by the suffix.
+
+    `language` is "en" or "zh". The same records give the same bytes. Warns (MissingFontWarning) where Chinese is asked
+    for and no font holds it. Raises ExportError for another suffix or no figures, OSError if the file cannot be written.
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind not in SUFFIXES:
+        raise ExportError(f"A figure is written as {', '.join(SUFFIXES)}; {path.name} ends in none of these.")
+    with look(language):
+        page = _draw(figures, language)
+        page.savefig(path, format=kind[1:], dpi=DPI, **SUFFIXES[kind])
+
+
+def draw_page(figures: Sequence[Figure], language: str = "en") -> Page:
+    """The page as a matplotlib figure, for tests and notebooks. Raises ExportError without figures."""
+    with look(language):
+        return _draw(figures, language)
+
+
+def _draw(figures: Sequence[Figure], language: str) -> Page:
+    if not figures:
+        raise ExportError("There is no figure to draw.")
+    across = 1 if len(figures) == 1 else 2
+    cells = [_cell(figure, language) for figure in figures]
+    rows = [cells[i:i + across] for i in range(0, len(cells), across)]
+    heights = [max(cell.height for cell in row) for row in rows]
+    size = (across * CELL + 2 * MARGIN, sum(heights) + 2 * MARGIN)
+    page = Page(figsize=size, dpi=DPI, facecolor="white")
+    FigureCanvasAgg(page)
+    top = size[1] - MARGIN
+    for i, (row, height) in enumerate(zip(rows, heights, strict=True)):
+        for j, cell in enumerate(row):
+            letter = "" if len(cells) == 1 else f"({_letters(i * across + j)})  "
+            _place(page, size, cell, MARGIN + j * CELL, top, letter, language)
+        top -= height
+    return page
+
+
+def _cell(figure: Figure, language: str) -> _Cell:
+    caption = tuple(wrap(figure.caption(language), (CELL - 0.2) * 72 / SMALL))
+    if isinstance(figure, TableFigure):
+        return _Cell(figure, ROW * (len(figure.rows) + 1), 0.04, 0.06, caption)
+    if isinstance(figure, MatrixFigure):
+        rows, columns = figure.matrix.shape
+        wide = CELL - LEFT - RIGHT
+        return _Cell(figure, wide * min(1.0, rows / max(columns, 1)) * 0.86,
+                     COLUMN_NAMES if figure.columns else 0.04, 0.06, caption)
+    return _Cell(figure, CURVES, 0.0, FOOT, caption)
+
+
+def _place(page: Page, size: tuple[float, float], cell: _Cell, left: float, top: float, letter: str,
+           language: str) -> None:
+    """Title, axes and caption of one figure, placed in inches from the upper left corner of its cell."""
+    wide, high = size
+    title = letter + words(cell.figure.title(language))
+    page.text((left + 0.05) / wide, (top - 0.04) / high, title, fontsize=TITLE, va="top", color=INK)
+    inset = 0.1 if isinstance(cell.figure, TableFigure) else LEFT
+    bottom = top - HEAD - cell.above - cell.axes
+    axes = page.add_axes(((left + inset) / wide, bottom / high, (CELL - inset - RIGHT) / wide, cell.axes / high))
+    axes.set_gid(cell.figure.id)
+    DRAW[type(cell.figure)](axes, cell.figure, language)
+    for k, line in enumerate(cell.caption):
+        page.text((left + 0.05) / wide, (bottom - cell.below - 0.03 - k * LINE) / high, words(line), fontsize=SMALL,
+                  va="top", color=INK)
+
+
+def _letters(index: int) -> str:
+    """a … z, then aa, ab …"""
+    return (_letters(index // 26 - 1) if index >= 26 else "") + chr(ord("a") + index % 26)

@@ -1,0 +1,144 @@
+"""One figure record drawn on matplotlib axes: curves over time and frequency, planes and maps."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
+from scipy.ndimage import distance_transform_cdt
+
+from ..figures import COLOURS, FLOOR, Curve, FrequencyFigure, MapFigure, PlaneFigure, TimeFigure, axis_range, finite
+from .labels import label_curves
+from .style import GRID, INK, RULE, SMALL, pen, words
+
+__all__ = ["draw_frequency", "draw_map", "draw_plane", "draw_time"]
+
+MARKS = {
+    "cross": {"marker": "x", "markersize": 5.0, "markeredgewidth": 1.3},
+    "circle": {"marker": "o", "markersize": 5.5, "markerfacecolor": "none", "markeredgewidth": 1.0},
+    "dot": {"marker": "o", "markersize": 3.6, "markeredgewidth": 0.0},
+    "bolt": {"marker": "h", "markersize": 6.0, "markeredgewidth": 0.0},
+}
+BOLT = "#282C34"
+MAP_STRENGTH = 0.75  # opacity of a map's colours on white paper
+
+
+def draw_time(axes: Axes, figure: TimeFigure, language: str) -> None:
+    """Curves over time; magnitudes on a logarithmic axis where the record says so."""
+    axes.set_xlabel("$t$ [s]")
+    _span(axes, figure.t)
+    _curves(axes, figure, figure.t, figure.log, language)
+
+
+def draw_frequency(axes: Axes, figure: FrequencyFigure, language: str) -> None:
+    """Curves over frequency, both axes logarithmic."""
+    axes.set_xscale("log")
+    axes.set_xlabel("$f$ [Hz]")
+    _span(axes, figure.f[figure.f > 0])
+    _curves(axes, figure, figure.f, True, language)
+
+
+def _span(axes: Axes, x: np.ndarray) -> None:
+    if len(x) > 1 and x[-1] > x[0]:
+        axes.set_xlim(float(x[0]), float(x[-1]))
+
+
+def _curves(axes: Axes, figure: TimeFigure | FrequencyFigure, x: np.ndarray, log: bool, language: str) -> None:
+    low, high = axis_range(figure)
+    if log:
+        axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(numticks=6))
+        axes.yaxis.set_minor_formatter(NullFormatter())
+    else:
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+        if low < 0 < high:
+            axes.axhline(0.0, color=GRID, linewidth=0.6, zorder=0)
+    axes.set_ylim(low, high)
+    axes.set_ylabel(words(figure.y_label))
+    lines = [_plot(axes, curve, x, np.maximum(np.abs(finite(curve.y)), FLOOR) if log else finite(curve.y),
+                   language, figure.curves[:k]) for k, curve in enumerate(figure.curves)]
+    label_curves(axes, lines)
+
+
+def _plot(axes: Axes, curve: Curve, x: np.ndarray, y: np.ndarray, language: str, before: tuple[Curve, ...]) -> Line2D:
+    """Draw a curve; only the first of several curves with one name carries it."""
+    name = curve.name(language)
+    told = not name or any(other.name == curve.name and other.role == curve.role for other in before)
+    line, = axes.plot(x, y, label="_" if told else words(name), **pen(curve))
+    return line
+
+
+def draw_plane(axes: Axes, figure: PlaneFigure, language: str) -> None:
+    """Curves and marks in a plane; a mark beyond the range stands on its edge, as on the screen."""
+    if figure.equal:
+        axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlim(*figure.x_range)
+    axes.set_ylim(*figure.y_range)
+    axes.set_xlabel(words(figure.x_label))
+    axes.set_ylabel(words(figure.y_label))
+    for draw, (low, high) in ((axes.axvline, figure.x_range), (axes.axhline, figure.y_range)):
+        if low < 0 < high:
+            draw(0.0, color=RULE, linewidth=0.5, zorder=0.5)
+    if figure.unstable and figure.x_range[1] > 0:
+        axes.axvspan(max(0.0, figure.x_range[0]), figure.x_range[1], color=COLOURS["unstable"], linewidth=0, zorder=0)
+    lines = [_plot(axes, c, np.arange(len(c.y), dtype=float) if c.x is None else finite(c.x), finite(c.y), language,
+                   figure.curves[:k]) for k, c in enumerate(figure.curves)]
+    _marks(axes, figure, language)
+    label_curves(axes, lines)
+
+
+def _marks(axes: Axes, figure: PlaneFigure, language: str) -> None:
+    groups = dict.fromkeys((point.role, point.mark) for point in figure.points)
+    for role, mark in groups:
+        members = [p for p in figure.points if (p.role, p.mark) == (role, mark)]
+        at = finite(np.array([(p.x, p.y) for p in members]))
+        at = np.clip(at, (figure.x_range[0], figure.y_range[0]), (figure.x_range[1], figure.y_range[1]))
+        axes.plot(at[:, 0], at[:, 1], linestyle="none", color=BOLT if mark == "bolt" else COLOURS[role], clip_on=False,
+                  zorder=4, label="_", gid=f"{role}-{mark}", **MARKS[mark])
+        for (x, y), point in zip(at, members, strict=True):
+            if point.name(language):
+                axes.annotate(words(point.name(language)), (x, y), (4, 3), textcoords="offset points", fontsize=SMALL)
+
+
+def draw_map(axes: Axes, figure: MapFigure, language: str) -> None:
+    """Categories over a grid; a cell that holds −1 stays white. Names stand in their regions where these are large."""
+    values = np.asarray(figure.values)
+    image = np.ones((*values.shape, 3))
+    for k, (_, role) in enumerate(figure.categories):
+        image[values == k] = 1 - MAP_STRENGTH * (1 - np.array(to_rgb(COLOURS[role])))
+    extent = (*_edges(figure.x), *_edges(figure.y))
+    axes.imshow(image, origin="lower", extent=extent, interpolation="nearest", aspect="auto", zorder=0)
+    axes.set_xlabel(words(figure.x_label))
+    axes.set_ylabel(words(figure.y_label))
+    if figure.marked is not None:
+        axes.plot(*figure.marked, linestyle="none", color=COLOURS["reference"], clip_on=False, zorder=5, label="_",
+                  **MARKS["circle"])
+    homeless = [Patch(color=image[values == k][0], label=words(name(language)))
+                for k, (name, _) in enumerate(figure.categories)
+                if (values == k).any() and not _name_region(axes, figure, values == k, name(language))]
+    if homeless:
+        axes.legend(handles=homeless, loc="upper right", frameon=True, framealpha=0.9, edgecolor="none", borderpad=0.3)
+
+
+def _name_region(axes: Axes, figure: MapFigure, region: np.ndarray, name: str) -> bool:
+    """Write the name of a region at its innermost cell; False if it would not fit inside."""
+    depth = distance_transform_cdt(np.pad(region, 1))[1:-1, 1:-1]
+    i, j = np.unravel_index(int(np.argmax(depth)), depth.shape)
+    text = axes.text(float(figure.x[j]), float(figure.y[i]), words(name), fontsize=SMALL, ha="center", va="center",
+                     color=INK, zorder=5)
+    box = text.get_window_extent().transformed(axes.transData.inverted())
+    columns = (figure.x >= box.x0) & (figure.x <= box.x1)
+    rows = (figure.y >= box.y0) & (figure.y <= box.y1)
+    left, right = _edges(figure.x)
+    if region[np.ix_(rows, columns)].all() and left < box.x0 and box.x1 < right:
+        return True
+    text.remove()
+    return False
+
+
+def _edges(values: np.ndarray) -> tuple[float, float]:
+    half = float(values[1] - values[0]) / 2 if len(values) > 1 else 0.5
+    return float(values[0]) - half, float(values[-1]) + half

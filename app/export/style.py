@@ -1,0 +1,55 @@
+"""The look of exported figures: a textbook's thin axes and serif mathematics, the screen's colours and dashes."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import matplotlib
+
+from ..figures import COLOURS, Curve, Dash
+from .fonts import families
+
+INK, RULE, GRID = "#20242b", "#5b626d", "#e6e9ee"
+BODY, SMALL, TITLE = 8.0, 7.0, 9.0  # pt
+PRINT = 0.6  # points of a printed line for each pixel of a line on the screen
+DASHES: dict[Dash, Any] = {"solid": "-", "dash": (0, (4.5, 2.5)), "dot": (0, (1.0, 2.0))}  # in line widths
+HAT, DOT = "\u0302", "\u0307"
+
+_LOCK = threading.Lock()  # matplotlib's settings belong to the process: one drawing at a time
+
+
+@contextmanager
+def look(language: str) -> Iterator[None]:
+    """matplotlib set to our look for the time of one drawing; other threads wait."""
+    settings: dict[str, Any] = {
+        "font.family": families(language), "font.size": BODY, "mathtext.fontset": "stix", "axes.unicode_minus": True,
+        "axes.linewidth": 0.5, "axes.edgecolor": RULE, "axes.labelcolor": INK, "text.color": INK,
+        "axes.labelsize": BODY, "axes.titlesize": TITLE, "axes.titlelocation": "left", "axes.labelpad": 2.5,
+        "axes.spines.top": False, "axes.spines.right": False, "axes.grid": False,
+        "xtick.color": RULE, "ytick.color": RULE, "xtick.labelcolor": INK, "ytick.labelcolor": INK,
+        "xtick.labelsize": SMALL, "ytick.labelsize": SMALL, "xtick.direction": "in", "ytick.direction": "in",
+        "xtick.major.width": 0.5, "ytick.major.width": 0.5, "xtick.minor.width": 0.35, "ytick.minor.width": 0.35,
+        "xtick.major.size": 3.0, "ytick.major.size": 3.0, "xtick.minor.size": 1.6, "ytick.minor.size": 1.6,
+        "lines.scale_dashes": True, "lines.solid_capstyle": "round", "legend.frameon": False, "legend.fontsize": SMALL,
+        "legend.handlelength": 2.4, "path.simplify_threshold": 0.05,
+        "svg.hashsalt": "observer-lab", "svg.fonttype": "path", "pdf.fonttype": 42, "pdf.compression": 9,
+    }
+    with _LOCK, matplotlib.rc_context(settings):
+        yield
+
+
+def pen(curve: Curve) -> dict[str, Any]:
+    """Colour, dashes and width of a curve, as keywords of `Axes.plot`."""
+    return {"color": COLOURS[curve.role], "linestyle": DASHES[curve.dash], "linewidth": PRINT * curve.width}
+
+
+def words(text: str) -> str:
+    """A text with hats and dots above letters as mathematics, everything else as it stands."""
+    text = text.replace("$", r"\$")
+    for mark, command in ((HAT, "hat"), (DOT, "dot")):
+        text = re.sub(rf"(\w){mark}", rf"$\\{command}{{\1}}$", text)
+    return text
