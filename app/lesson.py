@@ -147,7 +147,9 @@ class Lesson:
     """One lesson: data and pure functions; its words are in `en.md` and `zh.md` beside it.
 
     `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
-    on the lesson's map into changed knob values. `answer` is the index of the right prediction.
+    on the lesson's map into changed knob values. `carry(before, after)` hands what the job found for one design over
+    to the next where it still holds, and returns `after` itself where it does not. `answer` is the index of the right
+    prediction.
     """
 
     id: str
@@ -163,6 +165,7 @@ class Lesson:
     kick: bool = True
     job: Job | None = None
     pick: Callable[[Outcome, float, float], Mapping[str, Any]] | None = None
+    carry: Callable[[Outcome, Outcome], Outcome] | None = None
 
     def knob(self, name: str) -> Knob:
         """The knob of that name. Raises KnobError with the names that exist."""

@@ -59,9 +59,14 @@ def method_knobs() -> tuple[Choice, Number, Number, Number, Number]:
     )
 
 
+def by_hand(design: Design) -> bool:
+    """Whether poles are chosen by hand: the method says so, or the lesson knows no other."""
+    return dict(design.values).get("method", BY_POLES) == BY_POLES
+
+
 def gains(design: Design, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
     """K and L of a design: by placement, or by LQR and LQE from the weights."""
-    if design["method"] == BY_POLES:
+    if by_hand(design):
         return (place(plant.A, plant.B, design["controller_poles"]).gain,
                 observer_gain(plant.A, plant.C, design["observer_poles"]).gain)
     Q, R = design["q"] * plant.C.T @ plant.C, design["r"] * np.eye(plant.m)
@@ -76,15 +81,15 @@ def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: 
     Poles chosen by hand stand exactly where the hand put them; poles that weights choose can be dragged too, which
     turns the method to poles. `error_matrix` A − LC gives the landscape of |det(sI − A + LC)|⁻¹.
     """
-    by_hand = design["method"] == BY_POLES
-    take = (("method", BY_POLES),)
+    chosen = by_hand(design)
+    take = (("method", BY_POLES),) if "method" in dict(design.values) else ()
     c, o = model.controller_window, model.observer_window
     return (
         Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"),
-              design["controller_poles"] if by_hand else on_board(controller, c), "controller_poles", role="plant",
+              design["controller_poles"] if chosen else on_board(controller, c), "controller_poles", role="plant",
               side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, also=take),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
-              design["observer_poles"] if by_hand else on_board(observer, o), "observer_poles", role="estimate",
+              design["observer_poles"] if chosen else on_board(observer, o), "observer_poles", role="estimate",
               side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, also=take,
               landscape=error_matrix),
     )
@@ -188,5 +193,5 @@ def pole_words(poles: Sequence[complex]) -> str:
     return ", ".join(names).replace("-", "−")
 
 
-__all__ = ["EngineError", "error_figure", "gains", "input_figure", "kicks", "matrix", "method_knobs", "number", "on_board",
+__all__ = ["EngineError", "by_hand", "error_figure", "gains", "input_figure", "kicks", "matrix", "method_knobs", "number", "on_board",
            "pole_boards", "pole_knobs", "pole_words", "run_knobs", "settle_time", "stage", "state_figures"]
