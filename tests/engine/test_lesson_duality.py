@@ -1,0 +1,113 @@
+"""Duality: what is worked out on the observer's side must equal the controller of the transposed plant."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import solve_continuous_are
+
+from app.engine import observer_gain
+from lessons.duality.lesson import LESSON, turned
+from lessons.duality.proofs import filter_riccati, observer_by_polynomial, output_energy
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+POLE_SETS = [(-1, -1), (-5, 1.5), (-0.8 - 0.8j, -0.8 + 0.8j), (-5 - 3j, -5 + 3j), (-3j, 3j)]
+
+
+@pytest.mark.parametrize("poles", POLE_SETS)
+@pytest.mark.parametrize("sensor", [0.0, 37.0, 90.0])
+def test_observer_gain_is_the_transposed_feedback_of_the_transposed_plant(sensor, poles):
+    o = outcome(sensor=sensor, poles=poles)
+    np.testing.assert_allclose(o.gains["K_dual"].T, o.extra.L, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.gains["L"], o.extra.L, rtol=1e-11, atol=1e-13)
+    p = turned(sensor)
+    np.testing.assert_allclose(np.poly(p.A - o.extra.L @ p.C), np.real(np.poly(poles)), atol=1e-10)
+
+
+def test_published_gain_of_the_spring_damper_without_the_slip():
+    o = outcome(poles=(-1, -1))
+    np.testing.assert_allclose(o.extra.L, [[1.5], [-0.75]], atol=1e-12)
+    np.testing.assert_allclose(o.gains["K_dual"], [[1.5, -0.75]], atol=1e-12)
+
+
+@pytest.mark.parametrize("sensor", [0.0, 37.0, 90.0])
+@pytest.mark.parametrize("w, v", [(1.0, 1.0), (1e3, 1e-3), (1e-3, 1e3)])
+def test_riccati_solutions_are_equal_under_the_swap(sensor, w, v):
+    o = outcome(method="weights", mirror=False, sensor=sensor, w=w, v=v)
+    np.testing.assert_allclose(o.extra.S_dual, o.extra.P, rtol=1e-8, atol=1e-10 * np.abs(o.extra.P).max())
+    p = turned(sensor)
+    peer = solve_continuous_are(p.A.T, p.C.T, w * np.eye(2), [[v]])
+    np.testing.assert_allclose(o.extra.P, peer, rtol=1e-7, atol=1e-9 * np.abs(peer).max())
+    np.testing.assert_allclose(o.gains["L"], peer @ p.C.T / v, rtol=1e-7, atol=1e-9 * np.abs(peer).max() / v)
+
+
+def test_filter_solution_is_what_the_covariance_settles_at():
+    p, W, V = turned(20.0), np.diag([0.5, 2.0]), np.array([[0.3]])
+
+    def rate(_, flat):
+        P = flat.reshape(2, 2)
+        return (p.A @ P + P @ p.A.T - P @ p.C.T @ p.C @ P / V[0, 0] + W).ravel()
+    settled = solve_ivp(rate, (0, 40), np.zeros(4), rtol=1e-10, atol=1e-12).y[:, -1].reshape(2, 2)
+    np.testing.assert_allclose(filter_riccati(p.A, p.C, W, V), settled, atol=1e-7)
+
+
+@pytest.mark.parametrize("window", [0.5, 4.0, 12.0])
+def test_energy_heard_is_the_gramian_reached_by_the_twin(window):
+    o = outcome(sensor=30.0, window=window)
+    np.testing.assert_allclose(o.extra.seen, o.extra.seen_twin, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.extra.reach, o.extra.reach_twin, rtol=1e-11, atol=1e-13)
+
+
+def test_output_energy_of_a_scalar_decay():
+    energy = output_energy(np.array([[-2.0]]), np.array([[3.0]]), 1.5)
+    assert energy[0, 0] == pytest.approx(9 / 4 * (1 - np.exp(-6.0)), rel=1e-13)
+
+
+def test_pairing_of_observer_and_dual_loop_is_constant():
+    for poles in POLE_SETS:
+        o = outcome(poles=poles, sensor=15.0)
+        assert abs(o.extra.pairing[0]) > 0
+        assert o.metrics["pairing_gap"] < 1e-10
+        assert o.extra.pairing[0] == pytest.approx(float(o.extra.z[0] @ o.extra.e[0]), rel=1e-12)
+
+
+def test_a_wrong_gain_is_found_out():
+    """The proof is no tautology: with a gain that is not the twin's, gap and pairing both show it."""
+    from lessons.duality import lesson
+    p = turned(0.0)
+    L = observer_by_polynomial(p.A, p.C, (-1, -2))
+    _, e, z = lesson._pair(p, L, L.T * 1.1)
+    product = np.sum(e * z, axis=1)
+    assert np.ptp(product) > 1e-3
+    assert lesson.gap(L * 1.1, L) > 0.09
+
+
+def test_velocity_sensor_mirrors_the_ellipses():
+    assert outcome(sensor=90.0).metrics["mirror_gap"] < 1e-12
+    assert outcome(sensor=80.0).metrics["mirror_gap"] > 0.02
+
+
+def test_both_boards_are_moved_by_one_knob():
+    boards = outcome(poles=(-2 - 1j, -2 + 1j)).boards
+    assert [b.knob for b in boards] == ["poles", "poles"]
+    assert boards[0].poles == boards[1].poles == (-2 - 1j, -2 + 1j)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_exam_answer_is_the_engines_gain(seed):
+    item = LESSON.exam(seed)
+    b, k = float(item.numbers["b"]), float(item.numbers["k"])
+    L = observer_gain([[0, 1], [-k, -b]], [[1, 0]], [float(item.numbers["p1"]), float(item.numbers["p2"])]).gain
+    assert L[1, 0] == pytest.approx(item.answer, abs=1e-9)
+    assert L[0, 0] == pytest.approx(float(item.numbers["first"]), abs=1e-9)
+
+
+def test_tasks_fail_at_the_start_and_pass_at_their_solution():
+    for task in LESSON.tasks:
+        assert not task.check(outcome()).solved, task.id
+        assert task.check(outcome(**task.solution)).solved, task.id
