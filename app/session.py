@@ -12,23 +12,25 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
+from .edits import Do, Mailbox, SetKnobs
 from .engine.errors import EngineError
 from .figures import Figure
+from .history import History
 from .knobs import KnobError, Track
 from .lesson import Design, Lesson, Outcome, Verdict
+from .picture import Picture, State, TaskState, View
+from .state import read_tab, write_tab
 from .words import Text
 
 log = logging.getLogger(__name__)
 
 FRAME = 1 / 30  # s between poses while playing
 REST = 0.25  # s without an edit after which the final picture is drawn
-MERGE = 0.8  # s within which changes of the same knobs are one step of undo
 SLICE = 0.015  # s of a long job between two looks at the mailbox
-DEPTH = 500  # designs that undo remembers
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 PREDICT_FIRST = Text("Choose a prediction first; then the run unlocks.", "请先作出预测，之后才能播放。")
@@ -37,204 +39,6 @@ NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
 CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
 BROKEN = Text("The lesson could not compute this design ({0}); the last good picture stays. Undo or change a knob.",
               "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
-
-
-@dataclass(frozen=True)
-class TaskState:
-    """What a person has seen and reached of one task."""
-
-    verdict: Verdict | None = None
-    hints: int = 0
-    solution: bool = False
-
-
-@dataclass(frozen=True)
-class State:
-    """What belongs to the tab and not to the design."""
-
-    language: str = "en"
-    lecture: bool = False
-    playing: bool = False
-    t: float = 0.0
-    speed: float = 1.0
-    predicted: int | None = None  # index of the option; −1 when skipped
-    revealed: bool = False
-    tasks: Mapping[str, TaskState] = field(default_factory=dict)
-    exam: Verdict | None = None
-    exam_seed: int = 1
-    landscape: bool = False
-    can_undo: bool = False
-    can_redo: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """All that a view shows: `resting` is False while a knob moves."""
-
-    lesson: Lesson
-    design: Design
-    outcome: Outcome
-    figures: tuple[Figure, ...]
-    state: State
-    resting: bool
-    catalogue: tuple[Lesson, ...] = ()
-
-    @property
-    def horizon(self) -> float:
-        """Length of the run in seconds, 0 without one."""
-        return float(self.outcome.stage.t[-1]) if self.outcome.stage is not None else 0.0
-
-
-class View(Protocol):
-    """What a session needs of a screen."""
-
-    def build(self, picture: Picture) -> None:
-        """Lay the screen out for a lesson or a language."""
-
-    def show(self, picture: Picture) -> None:
-        """Show a picture; only what changed since the last one is sent."""
-
-    def pose(self, t: float) -> None:
-        """Move the stage and the cursors to time t of the last picture."""
-
-    def progress(self, fraction: float | None, label: Text | None) -> None:
-        """Show how far a long job is; None when there is none."""
-
-    def say(self, text: Text, bad: bool) -> None:
-        """Tell the person one sentence."""
-
-    def open_help(self) -> None:
-        """Show the list of keyboard commands."""
-
-
-@dataclass(frozen=True)
-class Command:
-    """A command that buttons, keys and scripts share; `key` and `modifier` are what the browser listens to."""
-
-    name: str
-    label: Text
-    key: str | None = None
-    modifier: str | None = None
-    argument: Any = None
-
-
-COMMANDS: tuple[Command, ...] = (
-    Command("play", Text("Play or pause", "播放或暂停"), "space"),
-    Command("kick", Text("Kick the plant", "给对象一次冲击"), "K"),
-    Command("rewind", Text("Back to the start of the run", "回到运行起点"), "0"),
-    Command("slower", Text("Slower", "放慢"), "S"),
-    Command("faster", Text("Faster", "加快"), "F"),
-    Command("undo", Text("Undo", "撤销"), "Z"),
-    Command("redo", Text("Redo", "重做"), "Y"),
-    Command("reset", Text("Reset the lesson's knobs", "恢复课程的初始设置"), "R"),
-    Command("next", Text("Next lesson", "下一课"), "N"),
-    Command("previous", Text("Previous lesson", "上一课"), "P"),
-    Command("language", Text("Chinese / English", "中文 / 英文"), "L"),
-    Command("lecture", Text("Lecture mode: large print", "讲堂模式：大字号"), "M"),
-    Command("landscape", Text("Landscape of |det(sI − A + LC)|⁻¹", "|det(sI − A + LC)|⁻¹ 的曲面"), "G"),
-    Command("camera", Text("View everything", "全景"), "1", None, "all"),
-    Command("camera", Text("View the plant", "看对象"), "2", None, "plant"),
-    Command("camera", Text("View the boards", "看极点板"), "3", None, "boards"),
-    Command("run_job", Text("Start or cancel the long computation", "开始或取消长计算"), "J"),
-    Command("check_next", Text("Check the first unsolved task", "检查第一个未完成的任务"), "T"),
-    Command("help", Text("This list", "显示本列表"), "H"),
-)
-
-
-@dataclass(frozen=True)
-class SetKnobs:
-    """New values for knobs, as they came in."""
-
-    values: Mapping[str, Any]
-
-
-@dataclass(frozen=True)
-class Do:
-    """A command by name, with an argument if it takes one."""
-
-    name: str
-    argument: Any = None
-
-
-class Mailbox:
-    """Edits in order: neighbouring knob changes merge into one, commands stay."""
-
-    def __init__(self) -> None:
-        self._edits: list[SetKnobs | Do] = []
-        self._ready = threading.Condition()
-        self.closed = False
-
-    def post(self, edit: SetKnobs | Do) -> None:
-        """Put an edit in; cheap enough for the event loop."""
-        with self._ready:
-            if isinstance(edit, SetKnobs) and self._edits and isinstance(self._edits[-1], SetKnobs):
-                self._edits[-1] = SetKnobs({**self._edits[-1].values, **edit.values})
-            else:
-                self._edits.append(edit)
-            self._ready.notify()
-
-    def take(self, wait: float | None) -> list[SetKnobs | Do]:
-        """All edits; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""
-        with self._ready:
-            if not self._edits and not self.closed and (wait is None or wait > 0):
-                self._ready.wait(wait)
-            edits, self._edits = self._edits, []
-            return edits
-
-    def empty(self) -> bool:
-        """Whether nothing waits."""
-        return not self._edits
-
-    def close(self) -> None:
-        """Wake the worker up to end."""
-        with self._ready:
-            self.closed = True
-            self._ready.notify()
-
-
-class History:
-    """Designs that undo and redo walk along."""
-
-    def __init__(self, design: Design) -> None:
-        self._designs = [design]
-        self._at = 0
-        self._key: frozenset[str] | None = None
-        self._time = -1e9
-
-    @property
-    def design(self) -> Design:
-        """The present design."""
-        return self._designs[self._at]
-
-    def push(self, design: Design, key: frozenset[str] | None, now: float) -> None:
-        """A new present; a quick change of the same knobs replaces the last one."""
-        if design == self.design:
-            return
-        merge = key is not None and key == self._key and now - self._time < MERGE and self._at == len(self._designs) - 1
-        if merge and self._at > 0:
-            self._designs[self._at] = design
-        else:
-            self._designs = [*self._designs[: self._at + 1], design][-DEPTH:]
-            self._at = len(self._designs) - 1
-        self._key, self._time = key, now
-
-    def move(self, step: int) -> bool:
-        """Walk by −1 or +1; False at an end."""
-        if not 0 <= self._at + step < len(self._designs):
-            return False
-        self._at += step
-        self._key = None
-        return True
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is something before."""
-        return self._at > 0
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is something after."""
-        return self._at < len(self._designs) - 1
 
 
 @dataclass
@@ -290,6 +94,7 @@ class Session:
 
     def _work(self) -> None:
         try:
+            self.restore(self._view.recall())
             self.open()
             while not self._mailbox.closed:
                 self.step(self._wait())
@@ -321,6 +126,16 @@ class Session:
         self._view.build(self._picture)
         self._view.show(self._picture)
         self._view.pose(0.0)
+        self._remember()
+
+    def restore(self, text: str | None) -> None:
+        """Go on where this tab was before a reload; what cannot be read is left at its start."""
+        tab = read_tab(text, self._lessons)
+        if tab is None:
+            return
+        self._lesson = self._lessons[tab.design.lesson]
+        self._state = replace(self._state, language=tab.language, lecture=tab.lecture)
+        self._desks[self._lesson.id] = _Desk(History(tab.design), tab.predicted, tab.revealed)
 
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due."""
@@ -339,6 +154,7 @@ class Session:
         if not self._resting and now - self._last_edit >= REST:
             self._resting = True
             self._redraw()
+            self._remember()
         if self._job is not None:
             self._work_on_job()
         if self._state.playing and now - self._last_tick >= FRAME * 0.9:
@@ -350,15 +166,21 @@ class Session:
         return self._desks[self._lesson.id]
 
     def _compute(self, design: Design) -> tuple[Outcome, tuple[Figure, ...]]:
-        if design in self._cache:
-            self._cache.move_to_end(design)
-            return self._cache[design]
-        outcome = self._lesson.compute(design)
-        result = outcome, tuple(self._lesson.figures(outcome))
+        known = self._cache.get(design)
+        outcome = self._carried(self._lesson.compute(design) if known is None else known[0])
+        result = known if known is not None and outcome is known[0] else (outcome, tuple(self._lesson.figures(outcome)))
         self._cache[design] = result
+        self._cache.move_to_end(design)
         while len(self._cache) > 32:
             self._cache.popitem(last=False)
         return result
+
+    def _carried(self, outcome: Outcome) -> Outcome:
+        """The outcome with what the job found for the design on the screen, where the lesson says that it still holds."""
+        shown = self._picture
+        if self._lesson.carry is None or shown is None or shown.lesson is not self._lesson:
+            return outcome
+        return self._lesson.carry(shown.outcome, outcome)
 
     def _make(self, design: Design, outcome: Outcome, figures: tuple[Figure, ...]) -> Picture:
         history = self._desk().history
@@ -379,6 +201,10 @@ class Session:
         if self._picture is not None:
             self._picture = self._make(self._picture.design, self._picture.outcome, self._picture.figures)
             self._view.show(self._picture)
+
+    def _remember(self) -> None:
+        """Keep in the browser's tab what a reload should bring back."""
+        self._view.remember(write_tab(self._lesson, self._desk().history.design, self._state))
 
     def _set(self, values: Mapping[str, Any]) -> None:
         """Change knobs: validate, remember, compute, show."""
@@ -432,7 +258,7 @@ class Session:
             self._view.progress(None, None)
             self._refuse(problem)
             return
-        if outcome is not None:
+        if outcome is not None and outcome is not self._picture.outcome:
             self._keep(outcome)
         self._view.progress(fraction if self._job is not None else None, self._lesson.job.label)
 
@@ -463,6 +289,8 @@ class Session:
         desk.predicted, desk.revealed = self._state.predicted, self._state.revealed
         desk.tasks, desk.exam = self._state.tasks, self._state.exam
         self._redraw()
+        if not changes.keys() <= {"playing", "t"}:
+            self._remember()
 
     def _do_play(self, _: Any) -> None:
         if self._state.predicted is None:
@@ -489,13 +317,6 @@ class Session:
             raise KnobError(Text("The time must be a finite number.", "时间必须是有限的数。"))
         self._change(t=min(max(moment, 0.0), self._picture.horizon))
         self._view.pose(self._state.t)
-
-    def _do_speed(self, speed: Any) -> None:
-        value = float(speed)
-        if value not in SPEEDS:
-            raise KnobError(Text(f"Speeds are {', '.join(f'{s:g}' for s in SPEEDS)}.",
-                                 f"可选速度：{'、'.join(f'{s:g}' for s in SPEEDS)}。"))
-        self._change(speed=value)
 
     def _do_faster(self, _: Any) -> None:
         self._change(speed=SPEEDS[min(SPEEDS.index(self._state.speed) + 1, len(SPEEDS) - 1)])
@@ -584,22 +405,26 @@ class Session:
         self._do_lesson(ids[(ids.index(self._lesson.id) + step) % len(ids)])
 
     def _do_language(self, language: Any) -> None:
-        chosen = language if language in ("en", "zh") else ("zh" if self._state.language == "en" else "en")
-        self._state = replace(self._state, language=chosen)
+        self._rebuild(language=language if language in ("en", "zh") else ("zh" if self._state.language == "en" else "en"))
+
+    def _do_lecture(self, _: Any) -> None:
+        self._rebuild(lecture=not self._state.lecture)
+
+    def _rebuild(self, **changes: Any) -> None:
+        """Lay the screen out anew: the language or the size of the print has changed."""
+        self._state = replace(self._state, **changes)
         assert self._picture is not None
         self._picture = self._make(self._picture.design, self._picture.outcome, self._picture.figures)
         self._view.build(self._picture)
         self._view.show(self._picture)
         self._view.pose(self._state.t)
-
-    def _do_lecture(self, _: Any) -> None:
-        self._change(lecture=not self._state.lecture)
+        self._remember()
 
     def _do_landscape(self, _: Any) -> None:
         self._change(landscape=not self._state.landscape)
 
     def _do_camera(self, preset: Any) -> None:
-        getattr(self._view, "camera", lambda _: None)(preset)
+        self._view.camera(preset)
 
     def _do_help(self, _: Any) -> None:
         self._view.open_help()

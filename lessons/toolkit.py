@@ -122,9 +122,16 @@ def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, .
             f"state{i}", signal.name, run.t,
             (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
             f"{signal.name.en.split()[-1]} [{signal.unit}]", tab=TIME_TAB,
-            caption=Text(f"At the end they differ by at most {gap:.2g} {signal.unit}.",
-                         f"末段二者相差不超过 {gap:.2g} {signal.unit}。")))
+            caption=_agreement(gap, float(np.max(np.abs(true), initial=0.0)), signal.unit)))
     return tuple(figures)
+
+
+def _agreement(gap: float, size: float, unit: str) -> Text:
+    """How well an estimate agrees with the truth in the last tenth of a run."""
+    if gap <= 1e-3 * size:
+        return Text("The estimate has caught up with the truth.", "估计已经追上真实值。")
+    return Text(f"In the last tenth of the run they differ by up to {gap:.2g} {unit}.",
+                f"在运行的最后十分之一，二者最多相差 {gap:.2g} {unit}。")
 
 
 def error_figure(run: Run, promised: np.ndarray | None = None) -> TimeFigure:

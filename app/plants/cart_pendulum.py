@@ -162,7 +162,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
 
     return Body(PARTS, pose, arrows, anchors, 1.0, Text(
         "A pole balanced on a cart; the green arrow is the force on the cart",
-        "小车上的倒立摆;绿色箭头为作用在小车上的力"))
+        "小车上的倒立摆；绿色箭头为作用在小车上的力"))
 
 
 MODEL = Model(

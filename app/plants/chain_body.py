@@ -117,4 +117,4 @@ def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]])
 
     return Body(parts, pose, arrows, anchors, 1.0, Text(
         "Two blocks on a rail; the green arrows are the forces",
-        "导轨上的两个滑块;绿色箭头为作用力"))
+        "导轨上的两个滑块；绿色箭头为作用力"))

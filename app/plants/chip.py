@@ -137,7 +137,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
 
     return Body(_parts(), pose, arrows, anchors, 1.0, Text(
         "Left column: core; right column: case, the only one measured; a tick every 20 K",
-        "左柱为芯片内核温度,右柱为外壳温度(唯一可测);刻度间隔 20 K"))
+        "左柱为芯片内核温度，右柱为外壳温度（唯一可测）；刻度间隔 20 K"))
 
 
 WATCHED = (
@@ -147,7 +147,7 @@ WATCHED = (
 
 MODEL = Model(
     id="chip",
-    label=Text("Chip: core and case", "芯片:内核与外壳"),
+    label=Text("Chip: core and case", "芯片：内核与外壳"),
     plant=plant(),
     body=body(),
     x0=(45.0, 20.0),

@@ -158,7 +158,7 @@ def _body(a: float, b: float, s: float, h: float, masses: bool) -> Body:
 
     return Body(_parts(), _poser(a, b, s, h, masses), arrows, anchors, GAIN, Text(
         "Deck on two springs and a side spring; green arrows are the coil forces",
-        "平台由两个竖直弹簧和一个水平弹簧支承,绿色箭头为音圈电机出力"))
+        "平台由两个竖直弹簧和一个水平弹簧支承，绿色箭头为音圈电机出力"))
 
 
 def deck_body(a: float, b: float, s: float, h: float) -> Body:

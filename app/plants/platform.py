@@ -159,7 +159,7 @@ START = (0.0015, 0.002, -0.009)
 
 DECK = Model(
     id="deck",
-    label=Text("Platform, rigid deck", "隔振平台(刚体模型)"),
+    label=Text("Platform, rigid deck", "隔振平台（刚体模型）"),
     plant=deck(),
     body=rigid_body(),
     x0=(*START, 0.0, 0.0, 0.0),
@@ -185,7 +185,7 @@ def _platform_poles(of_deck: tuple[complex, ...]) -> tuple[complex, ...]:
 
 PLATFORM = Model(
     id="platform",
-    label=Text("Platform with its sensors' test masses", "隔振平台(含传感器测试质量)"),
+    label=Text("Platform with its sensors' test masses", "隔振平台（含传感器测试质量）"),
     plant=plant(),
     body=body(),
     x0=(*START, START[1] - Parameters.s * START[2], START[1] + Parameters.s * START[2], *(0.0,) * 5),

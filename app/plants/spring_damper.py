@@ -101,7 +101,7 @@ def body(parameters: Parameters = Parameters()) -> Body:
 
     return Body(PARTS, pose, arrows, anchors, 1.0, Text(
         "A block on a rail between a spring and a damper; the green arrow is the force",
-        "导轨上的滑块,左侧并联弹簧与阻尼器;绿色箭头为外力"))
+        "导轨上的滑块，左侧并联弹簧与阻尼器；绿色箭头为外力"))
 
 
 MODEL = Model(

@@ -123,21 +123,21 @@ SETTLES = Parameters(left=0.3, right=0.3, left_damping=0.5, right_damping=0.5)
 DEPARTS = replace(SETTLES, left=-0.5, right=-0.5)
 LABELS: dict[Case, tuple[Text, Text]] = {
     "unseen-stable": (
-        Text("Distance sensor, blocks on soft springs", "间距传感器,软弹簧支承"),
+        Text("Distance sensor, blocks on soft springs", "间距传感器，软弹簧支承"),
         Text("both blocks drifting together, unseen by the sensor of their distance",
-             "两滑块同向同步的运动,间距传感器看不到")),
+             "两滑块同向同步的运动，间距传感器看不到")),
     "unseen-unstable": (
-        Text("Distance sensor, blocks between magnets", "间距传感器,磁铁吸引"),
+        Text("Distance sensor, blocks between magnets", "间距传感器，磁铁吸引"),
         Text("both blocks pulled away together by the magnets, unseen by the sensor of their distance",
-             "两滑块一同被磁铁吸走的运动,间距传感器看不到")),
+             "两滑块一同被磁铁吸走的运动，间距传感器看不到")),
     "unmoved-stable": (
-        Text("Actuator between the blocks, on soft springs", "内力作动器,软弹簧支承"),
+        Text("Actuator between the blocks, on soft springs", "内力作动器，软弹簧支承"),
         Text("both blocks drifting together, unmoved by a force that acts between them",
-             "两滑块同向同步的运动,滑块间的内力推不动")),
+             "两滑块同向同步的运动，滑块间的内力推不动")),
     "unmoved-unstable": (
-        Text("Actuator between the blocks, between magnets", "内力作动器,磁铁吸引"),
+        Text("Actuator between the blocks, between magnets", "内力作动器，磁铁吸引"),
         Text("both blocks pulled away together by the magnets, unmoved by a force that acts between them",
-             "两滑块一同被磁铁吸走的运动,滑块间的内力推不动")),
+             "两滑块一同被磁铁吸走的运动，滑块间的内力推不动")),
 }
 
 

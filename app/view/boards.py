@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -26,10 +27,10 @@ GLASS, UNSTABLE, INK = (236, 240, 246), (246, 214, 214), (40, 44, 52)
 class BoardView:
     """One board: drawn once, then only its poles move."""
 
-    def __init__(self, client: viser.ClientHandle, board: Board, language: str,
+    def __init__(self, client: viser.ClientHandle, board: Board, language: str, size: float,
                  drag: Callable[[dict[str, Any]], None]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
-        self._board = board
+        self._board, self._size = board, size
         self._root = f"/board/{board.id}"
         (x, y), turn = PLACES[board.side]
         self._origin = np.array([x, y, FOOT + HEIGHT / 2])
@@ -83,7 +84,7 @@ class BoardView:
                           position=(side * WIDTH * 0.42, 0.02, -HEIGHT / 2 - FOOT / 2))
         self._draw_grid()
         scene.add_label(f"{root}/title", b.title(language), position=(0.0, -0.06, HEIGHT / 2 + 0.33),
-                        anchor="bottom-center", font_screen_scale=1.25)
+                        anchor="bottom-center", font_screen_scale=1.25 * self._size)
 
     def _draw_grid(self) -> None:
         scene, root, b = self._scene, self._root, self._board
@@ -92,13 +93,13 @@ class BoardView:
             fine.append((self.local(complex(re, -b.im_high)), self.local(complex(re, b.im_high))))
             x, y, _ = self.local(complex(re, 0))
             scene.add_label(f"{root}/re{re:g}", f"{re:g}".replace("-", "−"), position=(x, y, -HEIGHT / 2 - 0.02),
-                            anchor="top-center", font_screen_scale=0.8)
+                            anchor="top-center", font_screen_scale=0.8 * self._size)
         for im in ticks(-b.im_high, b.im_high, 4):
             fine.append((self.local(complex(b.re_low, im)), self.local(complex(b.re_high, im))))
             if im != 0:
                 x, y, z = self.local(complex(b.re_high, im))
                 scene.add_label(f"{root}/im{im:g}", f"{im:g}j".replace("-", "−"), position=(x + 0.04, y, z),
-                                anchor="center-left", font_screen_scale=0.8)
+                                anchor="center-left", font_screen_scale=0.8 * self._size)
         axes.append((self.local(complex(b.re_low, 0)), self.local(complex(b.re_high, 0))))
         if b.re_low < 0 < b.re_high:
             axes.append((self.local(complex(0, -b.im_high)), self.local(complex(0, b.im_high))))
@@ -106,7 +107,7 @@ class BoardView:
         for radius in ticks(0, abs(b.re_low), 4)[1:]:
             angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 48)
             points = [radius * complex(math.cos(a), math.sin(a)) for a in angle]
-            arcs += [(self.local(p), self.local(q)) for p, q in zip(points, points[1:], strict=False)
+            arcs += [(self.local(p), self.local(q)) for p, q in pairwise(points)
                      if max(abs(p.imag), abs(q.imag)) <= b.im_high and min(p.real, q.real) >= b.re_low]
         for zeta in (0.2, 0.5, 0.8):
             for sign in (-1, 1):
@@ -166,7 +167,7 @@ class BoardView:
                 handle.on_drag("left")(self._dragger(i))
             self._poles.append(handle)
             self._labels.append(self._scene.add_label(f"{self._root}/name{i}", "", anchor="center-center",
-                                                      font_screen_scale=0.85))
+                                                      font_screen_scale=0.85 * self._size))
         head, head_faces = bolt()
         for i, pole in enumerate(board.fixed):
             self._stems.append(self._scene.add_mesh_simple(

@@ -79,16 +79,16 @@ class Chart:
         xs: dict[str, Any] = {"time": False, "range": (float(x[0]), float(x[-1]))}
         if not time:
             xs["distr"] = 3
-        size = 15 if self._bold > 1 else 12
+        size = 18 if self._bold > 1 else 12
         font = f"{size}px sans-serif"
         look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
                 "ticks": {"stroke": "#c9ced6", "width": 1}}
         return {
-            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": HEIGHT,
+            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": round(HEIGHT * (1.25 if self._bold > 1 else 1.0)),
             "axes": ({**look, "label": "t [s]" if time else "f [Hz]", "labelSize": size + 6, "size": size + 16},
                      {**look, "label": figure.y_label, "labelSize": size + 6, "size": 4 * size + 8}),
             "legend": {"show": True, "live": False}, "cursor": {"drag": {"x": False, "y": False}},
-            "padding": (4, 14, 0, 0),
+            "padding": (10, 14, 0, 0),
         }
 
     def show(self, figure: Figure, resting: bool) -> None:

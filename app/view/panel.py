@@ -7,8 +7,9 @@ from typing import Any
 
 import viser
 
+from ..edits import Do, SetKnobs
 from ..knobs import Knob, Poles
-from ..session import Do, Picture, SetKnobs, TaskState
+from ..picture import Picture, TaskState
 from . import phrases
 from .knobs import Widget, make_widget
 from .prose import mathml, render

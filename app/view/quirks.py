@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import secrets
 from urllib.parse import urlsplit
 
 import viser
 from viser import _messages
+
+STORAGE = "observer-lab"
 
 
 def close_share_tunnel(server: viser.ViserServer) -> None:
@@ -33,6 +37,24 @@ def disconnect(server: viser.ViserServer, client: viser.ClientHandle) -> None:
         server.get_event_loop().create_task(connection.close(1008, "this server answers its own page only"))
 
 
-def run_javascript(client: viser.ClientHandle, source: str) -> None:
-    """Run a script in one browser: used only for what viser has no call for."""
+def _run(client: viser.ClientHandle, source: str) -> None:
+    """Run a script in one browser: only for the two calls below, for which viser has none."""
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))
+
+
+def write_tab_storage(client: viser.ClientHandle, text: str) -> None:
+    """Keep a text in the browser's sessionStorage: it belongs to one tab and survives a reload."""
+    _run(client, f"sessionStorage.setItem({json.dumps(STORAGE)}, {json.dumps(text)})")
+
+
+def read_tab_storage(client: viser.ClientHandle, timeout: float = 3.0) -> str | None:
+    """The text that this tab kept, by way of localStorage, the only storage that viser reads. Blocks; not for the loop."""
+    passage = f"{STORAGE}-{secrets.token_hex(8)}"
+    _run(client, f"localStorage.setItem({json.dumps(passage)}, sessionStorage.getItem({json.dumps(STORAGE)}) || '')")
+    client.flush()
+    try:
+        return client.local_storage.get_item(passage, timeout=timeout) or None
+    except (TimeoutError, RuntimeError):  # a script as client, a browser without storage, or a tab already gone
+        return None
+    finally:
+        client.local_storage.remove_item(passage)

@@ -9,11 +9,12 @@ from typing import Any
 
 import viser
 
+from ..edits import COMMANDS, Do, SetKnobs
 from ..figures import MapFigure, tabs
 from ..lesson import Board
-from ..session import COMMANDS, Do, Picture, SetKnobs
+from ..picture import Picture
 from ..words import Text
-from . import phrases
+from . import phrases, quirks
 from .boards import BoardView
 from .charts import Chart
 from .mapboard import MapBoard
@@ -24,6 +25,12 @@ from .transport import Transport
 
 Post = Callable[[SetKnobs | Do], None]
 LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
+LECTURE = 1.28  # how much wider the panels are in lecture mode
+
+
+def print_size(picture: Picture) -> float:
+    """How large the letters in the scene are."""
+    return 1.45 if picture.state.lecture else 1.0
 
 
 class Screen:
@@ -43,6 +50,7 @@ class Screen:
         self._lock = threading.Lock()
         self._notes: list[Any] = []
         self._looked = False
+        self._help: Any = None
 
     def attach(self, post: Post) -> None:
         """Where edits go."""
@@ -55,7 +63,7 @@ class Screen:
         with self._client.atomic():
             gui.reset()
             self._client.scene.reset()
-            self._boards, self._charts, self._map = {}, {}, None
+            self._boards, self._charts, self._map, self._help = {}, {}, None, None
             gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178))
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet(picture.state.lecture, picture.state.predicted is None), order=-1e9)
@@ -63,12 +71,13 @@ class Screen:
             self._right_panel(picture)
             self._transport = Transport(gui, picture, self._post)
             gui.main_panel.dock_left()
-            gui.main_panel.set_width(LEFT_WIDTH)
+            gui.main_panel.set_width(LEFT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
             self._commands(language)
             self._stage.furnish()
-            self._stage.build(picture.outcome.stage, language)
+            self._stage.build(picture.outcome.stage, language, print_size(picture))
             if not self._looked:
                 self._stage.camera("all")
+                self._stage.follow_window()
                 self._looked = True
         self._picture = None
 
@@ -129,10 +138,13 @@ class Screen:
         self._client.flush()
 
     def open_help(self) -> None:
-        """The list of keys, made from the table that binds them."""
+        """The list of keys, made from the table that binds them; the same key closes it."""
+        if self._help is not None:
+            self._close_help()
+            return
         language = self._picture.state.language if self._picture is not None else "en"
         gui = self._client.gui
-        modal = gui.add_modal(phrases.KEYS_TITLE(language))
+        modal = self._help = gui.add_modal(phrases.KEYS_TITLE(language))
         rows = "".join(f"<tr><td><kbd>{html.escape(c.key or '')}</kbd></td><td>{html.escape(c.label(language))}</td></tr>"
                        for c in COMMANDS)
         with modal:
@@ -141,8 +153,22 @@ class Screen:
 
         @button.on_click
         async def _(_: viser.GuiEvent) -> None:
-            modal.close()
+            self._close_help()
         self._client.flush()
+
+    def _close_help(self) -> None:
+        if self._help is not None:
+            self._help.close()
+            self._help = None
+            self._client.flush()
+
+    def recall(self) -> str | None:
+        """What this tab's own storage kept through a reload."""
+        return quirks.read_tab_storage(self._client)
+
+    def remember(self, text: str) -> None:
+        """Keep a text in this tab's own storage."""
+        quirks.write_tab_storage(self._client, text)
 
     # --- parts -----------------------------------------------------------------------------------------------------
     def _right_panel(self, picture: Picture) -> None:
@@ -151,7 +177,7 @@ class Screen:
         language = picture.state.language
         panel = self._client.gui.add_panel()
         panel.dock_right()
-        panel.set_width(RIGHT_WIDTH)
+        panel.set_width(RIGHT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
         for tab in tabs(picture.figures):
             with panel.add_tab(tab(language)):
                 for figure in picture.figures:
@@ -177,7 +203,7 @@ class Screen:
     def _board(self, board: Board, picture: Picture) -> BoardView:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
-                self._client, board, picture.state.language,
+                self._client, board, picture.state.language, print_size(picture),
                 lambda values: self._post(SetKnobs(values)))
         return self._boards[board.id]
 

@@ -11,16 +11,16 @@ import viser
 from ..figures import COLOURS
 from ..lesson import Stage
 from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Rod, Spring, Vector
-from ..words import Text
 from . import phrases
 from .meshes import helix
 
+NARROW = 0.90  # width over height of a canvas that just shows both boards
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
 CAMERAS = {
-    "all": ((0.0, -13.4, 3.9), (0.0, 0.6, 1.95)),
+    "all": ((0.0, -13.4, 3.4), (0.0, 0.6, 1.38)),
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
     "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
 }
@@ -44,6 +44,7 @@ class StageView:
         self._forces: viser.ArrowsHandle | None = None
         self._errors: viser.LineSegmentsHandle | None = None
         self._stage: Stage | None = None
+        self._preset, self._aspect = "all", 1.0
 
     def furnish(self) -> None:
         """Floor, light, background and the default camera of an empty stage."""
@@ -62,16 +63,27 @@ class StageView:
         scene.set_background_image(_sky(), format="png")
         scene.configure_fog(22.0, 46.0, color=(255, 255, 255))
 
+    def follow_window(self) -> None:
+        """Look again from the last named place whenever the window or a panel changes its shape."""
+        @self._client.camera.on_update
+        async def _(camera: viser.CameraHandle) -> None:
+            if abs(camera.aspect - self._aspect) > 0.03 * self._aspect:
+                self.camera(self._preset)
+                self._client.flush()
+
     def camera(self, preset: str) -> None:
         """Look from one of the named places."""
-        position, target = CAMERAS[preset if preset in CAMERAS else "all"]
+        self._preset = preset if preset in CAMERAS else "all"
+        position, target = CAMERAS[self._preset]
+        self._aspect = self._client.camera.aspect
+        back = max(1.0, NARROW / max(self._aspect, 0.2))  # a narrow window looks from farther away
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)
-            self._client.camera.position = position
+            self._client.camera.position = tuple(b + back * (a - b) for a, b in zip(position, target, strict=True))
             self._client.camera.look_at = target
             self._client.camera.fov = 0.62
 
-    def build(self, stage: Stage | None, language: str) -> None:
+    def build(self, stage: Stage | None, language: str, size: float = 1.0) -> None:
         """Put a plant on the stage, instead of the last one."""
         self._last, self._solid, self._ghost = {}, {}, {}
         self._forces = self._errors = None
@@ -86,13 +98,13 @@ class StageView:
         none = _segments([])
         self._forces = self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                               head_radius=0.09, head_length=0.16)
-        self._errors = self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.018)
-        self._caption(body, language)
+        self._errors = self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.028)
+        self._caption(body, language, size)
 
-    def _caption(self, body: Body, language: str) -> None:
+    def _caption(self, body: Body, language: str, size: float) -> None:
         words = [body.caption(language), phrases.EXAGGERATED.format(body.gain)(language) if body.gain != 1 else ""]
         self._scene.add_label("/caption", "  ·  ".join(w for w in words if w), position=(0.0, -1.45, 0.02),
-                              anchor="center-center", font_screen_scale=0.95)
+                              anchor="center-center", font_screen_scale=0.95 * size)
 
     def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
         scene, shape, tint = self._scene, part.shape, rgb(colour)
@@ -176,7 +188,3 @@ def _rod(radius: float, sides: int = 16) -> tuple[np.ndarray, np.ndarray]:
         faces += [(i, j, sides + j), (i, sides + j, sides + i), (j, i, 2 * sides), (sides + i, sides + j, 2 * sides + 1)]
     return vertices, np.array(faces, dtype=np.uint32)
 
-
-def legend(language: str) -> str:
-    """One line that says which is the plant and which its estimate."""
-    return "  ·  ".join(t(language) for t in (phrases.TRUE_BODY, phrases.GHOST)) if language else Text("", "").en

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 SHEET = """
 :root{--mantine-scale:%(scale)s}
-.ol-caption{font-size:.8rem;line-height:1.35;margin:.1rem .6rem .5rem;color:#3a404a}
-.ol-question{font-size:1.28rem;line-height:1.25;font-weight:700;margin:.2rem .6rem .3rem;color:#1c2430}
-.ol-veil{font-size:.85rem;margin:.4rem .6rem;padding:.4rem .6rem;border-left:4px solid #E69F00;background:#fff7e6}
-.ol-note{font-size:.85rem;margin:.2rem .6rem .4rem;color:#3a404a}
+.ol-caption{font-size:calc(.8rem*var(--mantine-scale));line-height:1.35;margin:.1rem .6rem .5rem;color:#3a404a}
+.ol-question{font-size:calc(1.28rem*var(--mantine-scale));line-height:1.25;font-weight:700;margin:.2rem .6rem .3rem;color:#1c2430}
+
+.ol-veil{font-size:calc(.85rem*var(--mantine-scale));margin:.4rem .6rem;padding:.4rem .6rem;
+ border-left:4px solid #E69F00;background:#fff7e6}
+.ol-note{font-size:calc(.85rem*var(--mantine-scale));margin:.2rem .6rem .4rem;color:#3a404a}
 .ol-right{border-left:4px solid #009E73;padding-left:.5rem}.ol-wrong{border-left:4px solid #D55E00;padding-left:.5rem}
-.ol-formula{margin:.15rem .6rem;overflow-x:auto;font-size:.95rem}
+.ol-formula{margin:.15rem .4rem;overflow-x:auto;font-size:calc(.95rem*var(--mantine-scale))}
+.ol-formula:has(mtd:nth-child(5)){font-size:calc(.78rem*var(--mantine-scale))}
 .ol-formula math{font-size:1.02em}
 .ol-figure{margin:.2rem .4rem;border:1px solid #e4e7ec;border-radius:4px}
 .ol-figure svg{width:100%%;height:auto;display:block}
-.ol-table{width:100%%;border-collapse:collapse;font-size:.8rem}.ol-table caption{font-weight:600;padding:.3rem}
+.ol-table{width:100%%;border-collapse:collapse;font-size:calc(.8rem*var(--mantine-scale))}.ol-table caption{font-weight:600;padding:.3rem}
 .ol-table td,.ol-table th{padding:.15rem .4rem;text-align:right;border-top:1px solid #e8ebf0}
-.ol-table td:first-child,.ol-table th:first-child{text-align:left}
+.ol-keys td{text-align:left}.ol-table td:first-child,.ol-table th:first-child{text-align:left}
 .uplot .u-legend{font-size:.78em;margin-top:-.4em}
 .uplot .u-legend .ol-x{display:none}
 .uplot:has(.ol-time) .u-over::after{content:"";position:absolute;top:0;bottom:0;width:2px;margin-left:-1px;
@@ -23,7 +26,7 @@ SHEET = """
 math mtable{--b:linear-gradient(currentColor,currentColor);padding:.15em .3em;border-left:1.4px solid;border-right:1.4px solid;
  background:var(--b) top left/.4em 1.4px no-repeat,var(--b) bottom left/.4em 1.4px no-repeat,
  var(--b) top right/.4em 1.4px no-repeat,var(--b) bottom right/.4em 1.4px no-repeat}
-math mtd{padding:.12em .35em}
+math mtd{padding:.16em .3em}
 %(veil)s
 """
 VEIL = ".uplot canvas,.ol-figure svg{filter:blur(9px);opacity:.65}"

@@ -7,7 +7,8 @@ from typing import Any
 
 import viser
 
-from ..session import Do, Picture, SetKnobs
+from ..edits import Do, SetKnobs
+from ..picture import Picture
 from . import phrases
 from .style import clock
 

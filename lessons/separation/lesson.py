@@ -85,7 +85,8 @@ def compute(design: Design) -> Outcome:
         design, {"K": K, "L": L},
         {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles,
          "compensator": loop.compensator_poles},
-        metrics, checks, run, pole_boards(MODEL, design, loop.controller_poles, loop.observer_poles),
+        metrics, checks, run, pole_boards(MODEL, design, loop.controller_poles, loop.observer_poles,
+                                          model.A - L @ model.C),
         stage(MODEL, run), _formulas(K, L), _live(loop, meter), loop)
 
 

@@ -1,0 +1,95 @@
+"""Edits and commands: the one table that keys, buttons, the palette and the help list are made from."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from .words import Text
+
+
+@dataclass(frozen=True)
+class Command:
+    """A command that buttons, keys and scripts share; `key` and `modifier` are what the browser listens to."""
+
+    name: str
+    label: Text
+    key: str | None = None
+    modifier: str | None = None
+    argument: Any = None
+
+
+COMMANDS: tuple[Command, ...] = (
+    Command("play", Text("Play or pause", "播放或暂停"), "space"),
+    Command("kick", Text("Kick the plant", "给对象一次冲击"), "K"),
+    Command("rewind", Text("Back to the start of the run", "回到运行起点"), "0"),
+    Command("slower", Text("Slower", "放慢"), "S"),
+    Command("faster", Text("Faster", "加快"), "F"),
+    Command("undo", Text("Undo", "撤销"), "Z"),
+    Command("redo", Text("Redo", "重做"), "Y"),
+    Command("reset", Text("Reset the lesson's knobs", "恢复课程的初始设置"), "R"),
+    Command("next", Text("Next lesson", "下一课"), "N"),
+    Command("previous", Text("Previous lesson", "上一课"), "P"),
+    Command("language", Text("Chinese / English", "中文 / 英文"), "L"),
+    Command("lecture", Text("Lecture mode: large print", "讲堂模式：大字号"), "M"),
+    Command("landscape", Text("Landscape of |det(sI − A + LC)|⁻¹", "|det(sI − A + LC)|⁻¹ 的曲面"), "G"),
+    Command("camera", Text("View everything", "全景"), "1", None, "all"),
+    Command("camera", Text("View the plant", "看对象"), "2", None, "plant"),
+    Command("camera", Text("View the boards", "看极点板"), "3", None, "boards"),
+    Command("run_job", Text("Start or cancel the long computation", "开始或取消长计算"), "J"),
+    Command("check_next", Text("Check the first unsolved task", "检查第一个未完成的任务"), "T"),
+    Command("help", Text("This list", "显示本列表"), "H"),
+)
+
+
+@dataclass(frozen=True)
+class SetKnobs:
+    """New values for knobs, as they came in."""
+
+    values: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Do:
+    """A command by name, with an argument if it takes one."""
+
+    name: str
+    argument: Any = None
+
+
+class Mailbox:
+    """Edits in order: neighbouring knob changes merge into one, commands stay."""
+
+    def __init__(self) -> None:
+        self._edits: list[SetKnobs | Do] = []
+        self._ready = threading.Condition()
+        self.closed = False
+
+    def post(self, edit: SetKnobs | Do) -> None:
+        """Put an edit in; cheap enough for the event loop."""
+        with self._ready:
+            if isinstance(edit, SetKnobs) and self._edits and isinstance(self._edits[-1], SetKnobs):
+                self._edits[-1] = SetKnobs({**self._edits[-1].values, **edit.values})
+            else:
+                self._edits.append(edit)
+            self._ready.notify()
+
+    def take(self, wait: float | None) -> list[SetKnobs | Do]:
+        """All edits; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""
+        with self._ready:
+            if not self._edits and not self.closed and (wait is None or wait > 0):
+                self._ready.wait(wait)
+            edits, self._edits = self._edits, []
+            return edits
+
+    def empty(self) -> bool:
+        """Whether nothing waits."""
+        return not self._edits
+
+    def close(self) -> None:
+        """Wake the worker up to end."""
+        with self._ready:
+            self.closed = True
+            self._ready.notify()

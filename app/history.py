@@ -1,0 +1,53 @@
+"""The history of designs that undo and redo walk along."""
+
+from __future__ import annotations
+
+from .lesson import Design
+
+MERGE = 0.8  # s within which changes of the same knobs are one step of undo
+DEPTH = 500  # designs that undo remembers
+
+
+class History:
+    """Designs that undo and redo walk along."""
+
+    def __init__(self, design: Design) -> None:
+        self._designs = [design]
+        self._at = 0
+        self._key: frozenset[str] | None = None
+        self._time = -1e9
+
+    @property
+    def design(self) -> Design:
+        """The present design."""
+        return self._designs[self._at]
+
+    def push(self, design: Design, key: frozenset[str] | None, now: float) -> None:
+        """A new present; a quick change of the same knobs replaces the last one."""
+        if design == self.design:
+            return
+        merge = key is not None and key == self._key and now - self._time < MERGE and self._at == len(self._designs) - 1
+        if merge and self._at > 0:
+            self._designs[self._at] = design
+        else:
+            self._designs = [*self._designs[: self._at + 1], design][-DEPTH:]
+            self._at = len(self._designs) - 1
+        self._key, self._time = key, now
+
+    def move(self, step: int) -> bool:
+        """Walk by −1 or +1; False at an end."""
+        if not 0 <= self._at + step < len(self._designs):
+            return False
+        self._at += step
+        self._key = None
+        return True
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something before."""
+        return self._at > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is something after."""
+        return self._at < len(self._designs) - 1

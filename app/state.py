@@ -1,0 +1,77 @@
+"""How a design is written down, so that it can travel: to a file, through a reload, and back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from .knobs import KnobError
+from .lesson import Design, Lesson
+from .picture import State
+from .words import LANGUAGES, Text
+
+VERSION = 1
+LONGEST = 200_000  # characters of a written design that are read at all
+
+
+def write_design(lesson: Lesson, design: Design) -> str:
+    """The design as JSON: {"version", "lesson", "knobs": {name: text}}; the texts are what `--set` takes."""
+    return json.dumps(_plain(lesson, design), ensure_ascii=False)
+
+
+def read_design(text: str, lessons: Mapping[str, Lesson]) -> Design:
+    """The design that `write_design` wrote; knobs it does not name stay at their defaults. Raises KnobError."""
+    try:
+        data = json.loads(text) if len(text) <= LONGEST else None
+    except ValueError:
+        data = None
+    if not isinstance(data, dict) or not isinstance(data.get("knobs"), dict):
+        raise KnobError(Text("This is not a design of Observer Lab; save one with the app and give that.",
+                             "这不是 Observer Lab 的设计文件，请使用本应用保存的文件。"))
+    if data.get("version") != VERSION:
+        raise KnobError(Text(f"This design has version {data.get('version')}; this Observer Lab reads version {VERSION}.",
+                             f"该设计的版本为 {data.get('version')}，本程序只能读取版本 {VERSION}。"))
+    lesson = lessons.get(str(data.get("lesson")))
+    if lesson is None:
+        name = str(data.get("lesson"))[:40]
+        raise KnobError(Text(f"There is no lesson {name}; there are {', '.join(lessons)}.",
+                             f"没有课程 {name}；现有：{'、'.join(lessons)}。"))
+    return lesson.apply(lesson.start(), {name: lesson.knob(name).parse(str(value)) for name, value in
+                                         data["knobs"].items()})
+
+
+def _plain(lesson: Lesson, design: Design) -> dict[str, object]:
+    return {"version": VERSION, "lesson": lesson.id,
+            "knobs": {name: lesson.knob(name).show(value) for name, value in design.values}}
+
+
+@dataclass(frozen=True)
+class Tab:
+    """What a reload brings back."""
+
+    design: Design
+    language: str
+    lecture: bool
+    predicted: int | None
+    revealed: bool
+
+
+def write_tab(lesson: Lesson, design: Design, state: State) -> str:
+    """The tab as JSON: the design and what the person has chosen around it."""
+    return json.dumps({**_plain(lesson, design), "language": state.language, "lecture": state.lecture,
+                       "predicted": state.predicted, "revealed": state.revealed}, ensure_ascii=False)
+
+
+def read_tab(text: str | None, lessons: Mapping[str, Lesson]) -> Tab | None:
+    """The tab that `write_tab` wrote, None if there is none that can be read."""
+    try:
+        design = read_design(text or "", lessons)
+        data = json.loads(text or "")
+    except (KnobError, ValueError):
+        return None
+    options = len(lessons[design.lesson].words["en"].options)
+    predicted = data.get("predicted")
+    return Tab(design, data.get("language") if data.get("language") in LANGUAGES else "en", data.get("lecture") is True,
+               predicted if isinstance(predicted, int) and -1 <= predicted < options else None,
+               data.get("revealed") is True)
