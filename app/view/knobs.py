@@ -68,7 +68,7 @@ class NumberWidget:
 
     def _label(self, value: float) -> str:
         name = label_of(self._knob, self._language)
-        return f"{name}: lg" if self._log else name
+        return f"{name} = {value:.3g}" if self._log else name
 
     def show(self, value: Any, visible: bool, resting: bool) -> None:
         if self._handle.visible != visible:
@@ -76,6 +76,9 @@ class NumberWidget:
         shown = self._to(value)
         if self._handle.value != shown and self._echo.may_write(resting):
             self._handle.value = shown
+        words = self._label(value)
+        if self._log and self._handle.label != words:
+            self._handle.label = words
 
 
 class ChoiceWidget:

@@ -23,7 +23,6 @@ from ..toolkit import (
     kicks,
     matrix,
     method_knobs,
-    number,
     pole_boards,
     pole_knobs,
     run_knobs,
@@ -184,7 +183,7 @@ def _unstable_compensator(outcome: Outcome) -> Verdict:
 
 
 def exam(seed: int) -> ExamItem:
-    """A second-order double integrator: K and L from two poles each; what is the slowest pole of the 4-state loop?"""
+    """A double integrator, two poles on each board: the trace of the loop's matrix is the sum of all four."""
     rng = np.random.default_rng(seed)
     c = sorted(float(v) for v in rng.choice(np.arange(2, 9), 2, replace=False))
     o = sorted(float(v) for v in rng.choice(np.arange(10, 20), 2, replace=False))
@@ -192,15 +191,19 @@ def exam(seed: int) -> ExamItem:
     return ExamItem({"c1": f"-{c[0]:g}", "c2": f"-{c[1]:g}", "o1": f"-{o[0]:g}", "o2": f"-{o[1]:g}"}, answer, 1e-6)
 
 
+def _pairs(*upper: complex) -> tuple[complex, ...]:
+    return tuple(pole for p in upper for pole in (p, p.conjugate()))
+
+
 FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
+EAGER = {"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
+         "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)}
 LESSON = Lesson(
     "separation", 4, KNOBS, compute, figures, answer=1,
     tasks=(
         Task("fast-observer", _fast_observer, {"method": "poles", "observer_poles": FAST}),
         Task("break-the-wall", _break_the_wall, {"stiffness_error": 15.0}),
-        Task("unstable-compensator", _unstable_compensator, {"method": "poles"}),
+        Task("unstable-compensator", _unstable_compensator, EAGER),
     ),
     exam=exam, source="Tutorial (000), separation section, equations of the augmented loop",
     words=read_prose(Path(__file__).parent))
-
-__all__ = ["LESSON", "number"]
