@@ -7,10 +7,11 @@ from types import MappingProxyType
 from app.lesson import Lesson
 
 from .duality.lesson import LESSON as duality
+from .saturation.lesson import LESSON as saturation
 from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
 
 LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (
-    virtual_sensor, separation, duality,
+    virtual_sensor, separation, duality, saturation,
 )})
 OPENING = "separation"  # the lesson that the page opens on
