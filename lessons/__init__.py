@@ -7,11 +7,12 @@ from types import MappingProxyType
 from app.lesson import Lesson
 
 from .duality.lesson import LESSON as duality
+from .error_dynamics.lesson import LESSON as error_dynamics
 from .saturation.lesson import LESSON as saturation
 from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
 
 LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (
-    virtual_sensor, separation, duality, saturation,
+    virtual_sensor, error_dynamics, separation, duality, saturation,
 )})
 OPENING = "separation"  # the lesson that the page opens on

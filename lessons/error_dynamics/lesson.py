@@ -1,0 +1,245 @@
+"""Error dynamics: steer a block on a spring as you like; the error of its observer does not notice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from app.engine import Run, Scenario, observer_gain, simulate
+from app.figures import Curve, Dash, Figure, TableFigure, TimeFigure
+from app.knobs import Choice, Number, Poles, Track
+from app.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
+from app.plants import MODELS
+from app.prose import read_prose
+from app.words import Text, same
+
+from ..toolkit import TIME_TAB, kicks, matrix, on_board, run_knobs, settle_time, stage, state_figures
+from .notes import FIRST, LINES, NONE, PLANT, PRINTED_GAIN, notes_figures, poles_of, printed_model
+from .tasks import PRINTED, QUIET, confused, double_pole, exam, first_slip, mixed_matrix
+
+MODEL = MODELS["spring-damper"]
+WINDOW = MODEL.observer_window
+HORIZON, DT = 15.0, 0.03
+HOLD = 20  # steps for which a random force is held
+MOST_FORCE = 2.0
+ROUNDING = 1e-9  # an error moved by less than this share of the state is moved by rounding alone
+NOTHING = 1e-12  # a state moved by less has not been pushed at all
+POLES, NUMBERS = "poles", "numbers"
+ERROR_TAB = Text("Error", "误差")
+PRINTED_MODEL = printed_model()
+
+KNOBS = (
+    Choice("input", "u", Text("force", "力"), default="sine", options=(
+        (QUIET, Text("none", "无")), ("step", Text("step", "阶跃")), ("sine", Text("sine", "正弦")),
+        ("square", Text("square wave", "方波")), ("random", Text("random", "随机")), ("hand", Text("your own hand", "手动"))),
+        hint=Text("The plant and the observer get the same force.", "对象和观测器得到同一个力。")),
+    Number("amplitude", r"u_0", Text("amplitude", "幅值"), "N", low=0.0, high=MOST_FORCE, default=1.0, step=0.05,
+           when=("input", ("step", "sine", "square", "random"))),
+    Number("frequency", "f", Text("frequency", "频率"), "Hz", low=0.02, high=1.0, default=0.15, step=0.01,
+           when=("input", ("sine", "square"))),
+    Number("seed", r"s_0", Text("random seed", "随机种子"), low=0, high=9999, default=1, scale="integer",
+           when=("input", ("random",)), hint=Text("The same seed gives the same force.", "同一种子给出同一串力。")),
+    Track("hand", "u", Text("force by hand", "手动施力"), "N", low=-MOST_FORCE, high=MOST_FORCE, when=("input", ("hand",)),
+          hint=Text("Press play and move this: your hand is recorded.", "按下播放，再移动它：你的手法会被记录下来。")),
+    Choice("method", "L", Text("gain by", "增益由"), default=POLES, options=(
+        (POLES, Text("dragging poles", "拖动极点")), (NUMBERS, Text("typing numbers", "输入数值")),
+        (PRINTED, Text("the notes, as printed", "照讲义所印")))),
+    Poles("observer_poles", "q", Text("Observer poles", "观测器极点"), "rad/s", default=MODEL.observer_poles,
+          re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high, role="estimate",
+          when=("method", (POLES,))),
+    Number("l1", r"l_1", same("l₁"), "1/s", low=-5.0, high=10.0, default=1.0, step=0.05, when=("method", (NUMBERS,))),
+    Number("l2", r"l_2", same("l₂"), "1/s²", low=-10.0, high=20.0, default=0.0, step=0.05, when=("method", (NUMBERS,))),
+    Number("guess_q", r"\hat q(0)", Text("guessed position", "猜测的位置"), "m", low=-2.0, high=2.0, default=0.0, step=0.05,
+           hint=Text("The block really starts at 1 m.", "滑块实际从 1 m 处开始。")),
+    Number("guess_v", r"\hat v(0)", Text("guessed velocity", "猜测的速度"), "m/s", low=-2.0, high=2.0, default=0.0, step=0.05,
+           hint=Text("The block really starts at rest.", "滑块实际从静止开始。")),
+    Choice("line", "", Text("line of the notes in doubt", "讲义中可疑的一行"), default=NONE, options=LINES,
+           hint=Text("The tab Notes shows where this line leads.", "“讲义”标签页显示照这一行会得到什么。")),
+    run_knobs(HORIZON)[1],
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """The same run without any input, and the matrix that drives the error."""
+
+    quiet: Run
+    error: np.ndarray
+
+
+def force(design: Design) -> np.ndarray:
+    """The force over the run (n_t,) in N, held between grid points."""
+    t = DT * np.arange(round(HORIZON / DT) + 1)
+    kind, size = design["input"], design["amplitude"]
+    if kind == "step":
+        return np.full(len(t), size)
+    if kind == "sine":
+        return size * np.sin(2 * np.pi * design["frequency"] * t)
+    if kind == "square":
+        return np.where((t * design["frequency"]) % 1.0 < 0.5, size, -size)
+    if kind == "random":
+        rng = np.random.default_rng(int(design["seed"]))
+        return np.repeat(rng.uniform(-size, size, len(t) // HOLD + 1), HOLD)[:len(t)]
+    if kind == "hand" and design["hand"]:
+        times, values = np.array(design["hand"]).T
+        return np.concatenate([[0.0], values])[np.searchsorted(times, t + 1e-9, side="right")]
+    return np.zeros(len(t))
+
+
+def gain(design: Design) -> np.ndarray:
+    """L (2×1): from the poles, typed, or as the notes print it."""
+    if design["method"] == PRINTED:
+        return PRINTED_GAIN
+    if design["method"] == NUMBERS:
+        return np.array([[design["l1"]], [design["l2"]]])
+    return observer_gain(PLANT.A, PLANT.C, design["observer_poles"]).gain
+
+
+def compute(design: Design) -> Outcome:
+    """One run with the chosen force and one without any, from the same start and with the same kick."""
+    L = gain(design)
+    belief = PRINTED_MODEL if design["method"] == PRINTED else PLANT
+    error = belief.A - L @ belief.C
+    steered = Scenario(PLANT, None, L, model=belief, x0=MODEL.x0, xhat0=(design["guess_q"], design["guess_v"]),
+                       horizon=HORIZON, dt=DT, reference=force(design)[:, None], impulses=kicks(design, MODEL))
+    run, quiet = simulate(steered), simulate(replace(steered, reference=None))
+    poles = poles_of(error)
+    metrics = _metrics(run, quiet) | {"slowest_observer": float(np.max(np.real(poles)))}
+    checks = (
+        Check("independent", Text("the error does not depend on the input", "误差与输入无关"),
+              _left_alone(metrics), metrics["error_moved"]),
+        Check("observer", Text("the error dies out by itself", "误差会自行消失"), metrics["slowest_observer"] < 0,
+              metrics["slowest_observer"]),
+    )
+    return Outcome(design, {"L": L}, {"observer": poles, "plant": PLANT.poles}, metrics, checks, run,
+                   _boards(design, poles, error), stage(MODEL, run), _formulas(design, L, error), _live(metrics),
+                   Twin(quiet, error))
+
+
+def _metrics(run: Run, quiet: Run) -> dict[str, float]:
+    count = min(len(run.t), len(quiet.t))
+    size = np.linalg.norm(run.e, axis=1)
+    settled = settle_time(run.t, size)
+    return {
+        "error_moved": float(np.max(np.abs(run.e[:count] - quiet.e[:count]))),
+        "state_moved": float(np.max(np.abs(run.x[:count] - quiet.x[:count]))),
+        "largest": float(max(np.max(np.abs(run.x)), np.max(np.abs(run.xhat)))),
+        "final_error": float(np.max(size[-max(len(size) // 10, 1):])), "largest_error": float(np.max(size)),
+        "settled_after": HORIZON + DT if settled is None else settled}
+
+
+def _boards(design: Design, poles: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
+    shown = design["observer_poles"] if design["method"] == POLES else on_board(poles, WINDOW)
+    return (
+        Board("plant", Text("the block's own poles  eig(A)", "滑块自身的极点  eig(A)"), on_board(PLANT.poles, WINDOW),
+              side="left", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), shown, "observer_poles",
+              role="estimate", side="right", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high,
+              also=(("method", POLES),), landscape=error),
+    )
+
+
+def _formulas(design: Design, L: np.ndarray, error: np.ndarray) -> tuple[Formula, ...]:
+    gain_now = Formula("L", rf"L = {matrix(L)}")
+    if design["method"] != PRINTED:
+        return (Formula("law", r"\dot e = (A - LC)\,e"), gain_now, Formula("error", rf"A - LC = {matrix(error)}"))
+    leak = PLANT.A - L @ PLANT.C - error
+    return (Formula("law", r"\dot e = M e + (A - LC - M)\,x"), gain_now, Formula("error", rf"M = {matrix(error)}"),
+            Formula("leak", rf"A - LC - M = {matrix(leak)}"))
+
+
+def _live(m: dict[str, float]) -> Text:
+    if m["state_moved"] <= NOTHING:
+        return Text("No force acts: block and error are left to themselves.", "没有施力：滑块和误差都各行其是。")
+    moved = f"{m['state_moved']:.2g}"
+    if not _left_alone(m):
+        return Text(f"The force moves the state by up to {moved} and the error by up to {m['error_moved']:.2g}: the "
+                    "error is not left alone.",
+                    f"力使状态最多改变 {moved}，使误差最多改变 {m['error_moved']:.2g}：误差受到了干扰。")
+    return Text(f"The force moves the state by up to {moved} and the error by {m['error_moved']:.0e}: rounding, nothing "
+                "else.",
+                f"力使状态最多改变 {moved}，使误差改变 {m['error_moved']:.0e}：只是舍入误差。")
+
+
+def figures(outcome: Outcome) -> tuple[Figure, ...]:
+    """Signals and force; the error with and without the force; the page of the notes."""
+    run, twin = outcome.run, outcome.extra
+    assert run is not None
+    return (*state_figures(MODEL, run, 2), _force(run), _size(outcome, run, twin.quiet), _components(outcome, run, twin.quiet),
+            _proof(outcome, run, twin.quiet), *notes_figures(outcome.design["line"], outcome.gains["L"]))
+
+
+def _force(run: Run) -> TimeFigure:
+    peak = float(np.max(np.abs(run.u_applied)))
+    return TimeFigure("force", Text("force on the block, told to the observer", "施加的力，观测器也知道"), run.t,
+                      (Curve(Text("force", "力"), run.u_applied[:, 0], "force"),), "u [N]", tab=TIME_TAB,
+                      window=(-1.0, 1.0), caption=Text(f"Largest force: {peak:.3g} N.", f"最大的力：{peak:.3g} N。"))
+
+
+def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
+    """The quiet run's curve on the time axis of the steered one: cut, or held where it ended early."""
+    return quiet[:count] if len(quiet) >= count else np.concatenate([quiet, np.full(count - len(quiet), quiet[-1])])
+
+
+def _size(outcome: Outcome, run: Run, quiet: Run) -> TimeFigure:
+    after = outcome.metrics["settled_after"]
+    said = (Text(f"The error stays below 2 % of its peak after {after:.2f} s.", f"{after:.2f} s 之后误差一直小于峰值的 2 %。")
+            if after <= HORIZON else Text("The error does not settle within this run.", "误差在本次运行中没有衰减下来。"))
+    return TimeFigure("error", Text("size of the error", "误差的大小"), run.t, (
+        Curve(Text("with this force", "有这个力"), np.linalg.norm(run.e, axis=1), "error"),
+        Curve(Text("without force", "没有力"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),
+        "‖e‖", log=True, tab=ERROR_TAB, window=(1e-6, 1.0), caption=said)
+
+
+def _components(outcome: Outcome, run: Run, quiet: Run) -> TimeFigure:
+    m = outcome.metrics
+    parts: tuple[tuple[int, str, Dash], ...] = ((0, "e₁", "solid"), (1, "e₂", "dash"))
+    curves = [curve for i, name, dash in parts for curve in (
+        Curve(same(name), run.e[:, i], "error", dash),
+        Curve(Text(f"{name} without force", f"{name}（无力）"), _beside(quiet.e[:, i], len(run.t)), "reference", "dot", 1.4))]
+    return TimeFigure("components", Text("error in position e₁ and velocity e₂", "位置误差 e₁ 与速度误差 e₂"), run.t,
+                      tuple(curves), "e [m, m/s]", tab=ERROR_TAB, window=(-1.0, 1.0), caption=Text(
+                          f"Largest gap between the curves and their twins without force: {m['error_moved']:.1e}.",
+                          f"两组曲线与各自无力时的曲线最大相差 {m['error_moved']:.1e}。"))
+
+
+def _proof(outcome: Outcome, run: Run, quiet: Run) -> TableFigure:
+    if outcome.metrics["state_moved"] <= NOTHING:
+        said = Text("no force acts, so nothing parts.", "现在没有力，所以什么都没有分开。")
+    elif _left_alone(outcome.metrics):
+        said = Text("the positions part, the errors do not.", "位置分开了，误差没有。")
+    else:
+        said = Text("here the errors part as well.", "这里连误差也分开了。")
+    last = min(len(run.t), len(quiet.t)) - 1
+    at = sorted({min(round(share * (round(HORIZON / DT))), last) for share in (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)})
+    rows = tuple((f"{run.t[k]:.1f}", _digits(run.x[k, 0], 4), _digits(quiet.x[k, 0], 4), _digits(run.e[k, 0], 6),
+                  _digits(quiet.e[k, 0], 6), f"{abs(run.e[k, 0] - quiet.e[k, 0]):.0e}".replace("-", "−")) for k in at)
+    return TableFigure("proof", Text("the proof in numbers", "用数字证明"), (
+        same("t [s]"), Text("q, force", "q，有力"), Text("q, none", "q，无力"), Text("e₁, force", "e₁，有力"),
+        Text("e₁, none", "e₁，无力"), Text("gap in e₁", "e₁ 之差")), rows, tab=ERROR_TAB, caption=Text(
+            f"Two runs from one start, with this force and with none: {said.en}",
+            f"同一初值的两次运行，一次有力，一次无力：{said.zh}"))
+
+
+def _digits(value: float, places: int) -> str:
+    return f"{round(float(value), places) + 0.0:.{places}f}".replace("-", "−")  # + 0.0: no minus before a zero
+
+
+def _left_alone(m: Mapping[str, float]) -> bool:
+    """Whether the force moves the error by rounding alone."""
+    return m["error_moved"] <= ROUNDING * max(1.0, m["largest"])
+
+
+LESSON = Lesson(
+    "error-dynamics", 2, KNOBS, compute, figures, answer=1,
+    tasks=(
+        Task("double-pole", double_pole, {"method": POLES, "observer_poles": (-1.0, -1.0)}),
+        Task("first-slip", first_slip, {"method": NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST}),
+        Task("mixed-matrix", mixed_matrix, {"method": NUMBERS, "l1": 2.5, "l2": -0.75, "line": "matrix"}),
+        Task("confused", confused, {"method": PRINTED, "input": "step"}),
+    ),
+    exam=exam, source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
+    words=read_prose(Path(__file__).parent))

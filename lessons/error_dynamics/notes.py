@@ -1,0 +1,113 @@
+"""One page of the observer notes (001) with its slips: what is printed, and what follows if it is taken at its word.
+
+The notes ask for both poles at −1 of the spring-damper m = 1, b = 0.5, k = 1 with C = [1 0]. They print the
+characteristic polynomial, two matching equations, the gain and A − LC.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.engine import Plant
+from app.figures import Figure, PlaneFigure, Point, TableFigure
+from app.plants import spring_damper
+from app.words import Text
+
+PLANT = spring_damper.MODEL.plant
+TARGET = (-1.0, -1.0)
+RIGHT_GAIN = np.array([[1.5], [-0.75]])
+PRINTED_GAIN = np.array([[2.5], [-1.25]])
+PRINTED_MATRIX = np.array([[-2.5, 1.0], [-0.25, -0.5]])
+NOTES_TAB = Text("Notes", "讲义")
+NONE, POLYNOMIAL, FIRST, SECOND, GAIN, MATRIX = "none", "polynomial", "first", "second", "gain", "matrix"
+LINES = (
+    (NONE, Text("none yet", "暂未选定")),
+    (POLYNOMIAL, Text("the polynomial", "特征多项式")),
+    (FIRST, Text("the first matching equation", "第一个匹配方程")),
+    (SECOND, Text("the second matching equation", "第二个匹配方程")),
+    (GAIN, Text("the gain", "增益")),
+    (MATRIX, Text("the matrix A − LC", "矩阵 A − LC")),
+)
+PRINTED = {
+    POLYNOMIAL: "λ² + (l₁ + 0.5)λ + 1 + 0.5 l₁ + l₂",
+    FIRST: "l₁ − 0.5 = 2",
+    SECOND: "1 + 0.5 l₁ + l₂ = 1",
+    GAIN: "L = (2.5, −1.25)",
+    MATRIX: "[−2.5  1;  −0.25  −0.5]",
+}
+
+
+def printed_model() -> Plant:
+    """The plant that the printed pair believes in: x̂̇ = M x̂ + B u + L y is an observer of A = M + L C, its k 1.5."""
+    return Plant(PRINTED_MATRIX + PRINTED_GAIN @ PLANT.C, PLANT.B, PLANT.C, name="as the notes print it")
+
+
+def poles_of(M: np.ndarray) -> np.ndarray:
+    """Both eigenvalues of M (2×2), sorted; a double pole comes out exactly, which eigvals does not promise."""
+    half = float(np.trace(M)) / 2
+    root = np.sqrt(complex(half**2 - (M[0, 0] * M[1, 1] - M[0, 1] * M[1, 0])))
+    return np.sort_complex(np.array([half - root, half + root]))
+
+
+def taken_at_its_word(line: str, L: np.ndarray) -> np.ndarray:
+    """The poles that follow from one printed line: its gain or matrix, else those of the present L (2×1)."""
+    closed = {FIRST: PLANT.A - PRINTED_GAIN @ PLANT.C, GAIN: PLANT.A - PRINTED_GAIN @ PLANT.C,
+              SECOND: PLANT.A - RIGHT_GAIN @ PLANT.C, MATRIX: PRINTED_MATRIX}.get(line, PLANT.A - L @ PLANT.C)
+    return poles_of(closed)
+
+
+def notes_figures(line: str, L: np.ndarray) -> tuple[Figure, Figure]:
+    """The page line by line beside the present gain, and the poles that the doubted line leads to."""
+    return _page(line, L), _poles(line, L)
+
+
+def _page(line: str, L: np.ndarray) -> TableFigure:
+    l1, l2 = (float(v) for v in L[:, 0])
+    A = PLANT.A - L @ PLANT.C
+    trace, det = -float(np.trace(A)), float(np.linalg.det(A))
+    yours = {
+        POLYNOMIAL: f"λ² {_signed(trace)} λ {_signed(det)}",
+        FIRST: f"{_plain(l1 - 0.5)} = 2",
+        SECOND: f"{_plain(1 + 0.5 * l1 + l2)} = 1",
+        GAIN: f"L = ({_plain(l1)}, {_plain(l2)})",
+        MATRIX: f"[{_plain(A[0, 0])}  1;  {_plain(A[1, 0])}  −0.5]",
+    }
+    names = dict(LINES)
+    rows = tuple((Text(f"▸ {names[k].en}", f"▸ {names[k].zh}") if k == line else names[k], PRINTED[k], yours[k])
+                 for k in PRINTED)
+    return TableFigure("page", Text("the page of the notes, line by line", "讲义的这一页，逐行对照"),
+                       (Text("line", "行"), Text("printed", "讲义所印"), Text("with your L", "代入现在的 L")), rows,
+                       tab=NOTES_TAB, caption=Text(
+                           "The last column puts the present gain into each line; the polynomial there is that of A − LC "
+                           "itself.",
+                           "最后一列把现在的增益代入每一行；其中的多项式由 A − LC 本身算出。"))
+
+
+def _poles(line: str, L: np.ndarray) -> PlaneFigure:
+    found = taken_at_its_word(line, L)
+    points = (*(Point(p, 0.0, "reference", "circle") for p in TARGET),
+              *(Point(float(p.real), float(p.imag), "estimate") for p in found))
+    words = _words(found)
+    met = bool(np.all(np.abs(found - np.array(TARGET)) < 1e-6))
+    name = dict(LINES)[line]
+    whose = (Text("With your L", "用现在的 L") if line in (NONE, POLYNOMIAL) else
+             Text(f"Taken at its word, {name.en} leads to poles", f"照字面采用{name.zh}，极点"))
+    verb = Text(" the poles are", "，极点") if line in (NONE, POLYNOMIAL) else Text("", "")
+    end = Text(", as asked.", "，正合要求。") if met else Text("; asked were −1 and −1.", "；要求的是 −1 和 −1。")
+    return PlaneFigure("word", Text("poles if the line is taken at its word", "照字面采用该行得到的极点"), (), points, "Re s",
+                       "Im s", (-4.0, 1.0), (-2.0, 2.0), unstable=True, tab=NOTES_TAB,
+                       caption=Text(f"{whose.en}{verb.en} {words}{end.en}", f"{whose.zh}{verb.zh}为 {words}{end.zh}"))
+
+
+def _words(poles: np.ndarray) -> str:
+    if abs(poles[0].imag) > 1e-9:
+        return f"{poles[1].real:.3f} ± {poles[1].imag:.3f}j".replace("-", "−")
+    return f"{poles[0].real:.3f}, {poles[1].real:.3f}".replace("-", "−")
+
+
+def _plain(value: float) -> str:
+    return f"{value + 0.0:.4g}".replace("-", "−")
+
+
+def _signed(value: float) -> str:
+    return f"{'−' if value < 0 else '+'} {abs(value):.4g}"
