@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
+import socket
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -42,12 +43,10 @@ class RunRequest:
 def serve(host: str, port: int, lesson: str | None, language: str, max_sessions: int) -> int:
     """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
     opening = find_lesson(lesson or OPENING).id
+    _can_listen(host)
     from .view.server import LabServer  # viser is loaded only here
 
-    try:
-        server = LabServer(LESSONS, host, port, opening, language, max_sessions)
-    except (OSError, RuntimeError) as problem:
-        raise InputError(f"The server cannot listen on {host}:{port} ({_cause(problem)}); choose another.") from problem
+    server = LabServer(LESSONS, host, port, opening, language, max_sessions)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     print(server.url, flush=True)
     try:
@@ -57,6 +56,17 @@ def serve(host: str, port: int, lesson: str | None, language: str, max_sessions:
     finally:
         server.stop()
     return 0
+
+
+def _can_listen(host: str) -> None:
+    """Try the address first: viser waits for ever on one that this machine has not. Raises InputError."""
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
+        with socket.socket(family, kind, protocol) as probe:
+            probe.bind(address)
+    except (OSError, UnicodeError) as problem:
+        raise InputError(f"The server cannot listen on {host[:80]} ({_cause(problem)}); choose an address of this "
+                         "machine.") from problem
 
 
 def list_lessons(as_json: bool) -> int:

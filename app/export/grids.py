@@ -33,7 +33,8 @@ def draw_matrix(axes: Axes, figure: MatrixFigure, language: str) -> None:
     rows, columns = matrix.shape
     axes.imshow(shade(matrix), interpolation="nearest", aspect="equal")
     axes.tick_params(length=0, top=False, bottom=False, labeltop=True, labelbottom=False, labelsize=_fit(max(matrix.shape)))
-    axes.set_xticks(range(columns) if figure.columns else [], [words(n) for n in figure.columns], rotation=90)
+    turn = 90 if columns > 6 or max(map(len, figure.columns), default=0) > 5 else 0
+    axes.set_xticks(range(columns) if figure.columns else [], [words(n) for n in figure.columns], rotation=turn)
     axes.set_yticks(range(rows) if figure.rows else [], [words(n) for n in figure.rows])
     for spine in axes.spines.values():
         spine.set_visible(True)

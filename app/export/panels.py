@@ -73,29 +73,38 @@ def _plot(axes: Axes, curve: Curve, x: np.ndarray, y: np.ndarray, language: str,
 
 def draw_plane(axes: Axes, figure: PlaneFigure, language: str) -> None:
     """Curves and marks in a plane; a mark beyond the range stands on its edge, as on the screen."""
-    if figure.equal:
-        axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlim(*figure.x_range)
-    axes.set_ylim(*figure.y_range)
+    x_range, y_range = _equal(axes, figure) if figure.equal else (figure.x_range, figure.y_range)
+    axes.set_xlim(*x_range)
+    axes.set_ylim(*y_range)
     axes.set_xlabel(words(figure.x_label))
     axes.set_ylabel(words(figure.y_label))
-    for draw, (low, high) in ((axes.axvline, figure.x_range), (axes.axhline, figure.y_range)):
+    for draw, (low, high) in ((axes.axvline, x_range), (axes.axhline, y_range)):
         if low < 0 < high:
             draw(0.0, color=RULE, linewidth=0.5, zorder=0.5)
-    if figure.unstable and figure.x_range[1] > 0:
-        axes.axvspan(max(0.0, figure.x_range[0]), figure.x_range[1], color=COLOURS["unstable"], linewidth=0, zorder=0)
+    if figure.unstable and x_range[1] > 0:
+        axes.axvspan(max(0.0, x_range[0]), x_range[1], color=COLOURS["unstable"], linewidth=0, zorder=0)
     lines = [_plot(axes, c, np.arange(len(c.y), dtype=float) if c.x is None else finite(c.x), finite(c.y), language,
                    figure.curves[:k]) for k, c in enumerate(figure.curves)]
-    _marks(axes, figure, language)
+    _marks(axes, figure, language, x_range, y_range)
     label_curves(axes, lines)
 
 
-def _marks(axes: Axes, figure: PlaneFigure, language: str) -> None:
+def _equal(axes: Axes, figure: PlaneFigure) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Both ranges widened about their middles so that a unit is as long across as it is upwards."""
+    wide, high = float(axes.bbox.width), float(axes.bbox.height)
+    (x0, x1), (y0, y1) = figure.x_range, figure.y_range
+    unit = max((x1 - x0) / wide, (y1 - y0) / high) / 2
+    return (((x0 + x1) / 2 - unit * wide, (x0 + x1) / 2 + unit * wide),
+            ((y0 + y1) / 2 - unit * high, (y0 + y1) / 2 + unit * high))
+
+
+def _marks(axes: Axes, figure: PlaneFigure, language: str, x_range: tuple[float, float],
+           y_range: tuple[float, float]) -> None:
     groups = dict.fromkeys((point.role, point.mark) for point in figure.points)
     for role, mark in groups:
         members = [p for p in figure.points if (p.role, p.mark) == (role, mark)]
         at = finite(np.array([(p.x, p.y) for p in members]))
-        at = np.clip(at, (figure.x_range[0], figure.y_range[0]), (figure.x_range[1], figure.y_range[1]))
+        at = np.clip(at, (x_range[0], y_range[0]), (x_range[1], y_range[1]))
         axes.plot(at[:, 0], at[:, 1], linestyle="none", color=BOLT if mark == "bolt" else COLOURS[role], clip_on=False,
                   zorder=4, label="_", gid=f"{role}-{mark}", **MARKS[mark])
         for (x, y), point in zip(at, members, strict=True):
@@ -125,7 +134,7 @@ def draw_map(axes: Axes, figure: MapFigure, language: str) -> None:
 
 def _name_region(axes: Axes, figure: MapFigure, region: np.ndarray, name: str) -> bool:
     """Write the name of a region at its innermost cell; False if it would not fit inside."""
-    depth = distance_transform_cdt(np.pad(region, 1))[1:-1, 1:-1]
+    depth = np.asarray(distance_transform_cdt(np.pad(region, 1)))[1:-1, 1:-1]
     i, j = np.unravel_index(int(np.argmax(depth)), depth.shape)
     text = axes.text(float(figure.x[j]), float(figure.y[i]), words(name), fontsize=SMALL, ha="center", va="center",
                      color=INK, zorder=5)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,7 +16,6 @@ INK, RULE, GRID = "#20242b", "#5b626d", "#e6e9ee"
 BODY, SMALL, TITLE = 8.0, 7.0, 9.0  # pt
 PRINT = 0.6  # points of a printed line for each pixel of a line on the screen
 DASHES: dict[Dash, Any] = {"solid": "-", "dash": (0, (4.5, 2.5)), "dot": (0, (1.0, 2.0))}  # in line widths
-HAT, DOT = "\u0302", "\u0307"
 
 _LOCK = threading.Lock()  # matplotlib's settings belong to the process: one drawing at a time
 
@@ -25,7 +23,7 @@ _LOCK = threading.Lock()  # matplotlib's settings belong to the process: one dra
 @contextmanager
 def look(language: str) -> Iterator[None]:
     """matplotlib set to our look for the time of one drawing; other threads wait."""
-    settings: dict[str, Any] = {
+    settings: dict[Any, Any] = {
         "font.family": families(language), "font.size": BODY, "mathtext.fontset": "stix", "axes.unicode_minus": True,
         "axes.linewidth": 0.5, "axes.edgecolor": RULE, "axes.labelcolor": INK, "text.color": INK,
         "axes.labelsize": BODY, "axes.titlesize": TITLE, "axes.titlelocation": "left", "axes.labelpad": 2.5,
@@ -48,8 +46,5 @@ def pen(curve: Curve) -> dict[str, Any]:
 
 
 def words(text: str) -> str:
-    """A text with hats and dots above letters as mathematics, everything else as it stands."""
-    text = text.replace("$", r"\$")
-    for mark, command in ((HAT, "hat"), (DOT, "dot")):
-        text = re.sub(rf"(\w){mark}", rf"$\\{command}{{\1}}$", text)
-    return text
+    """A text as it stands, a dollar sign included: mathematics would take Chinese and index figures from it."""
+    return text.replace("$", r"\$")

@@ -93,13 +93,13 @@ class BoardView:
             fine.append((self.local(complex(re, -b.im_high)), self.local(complex(re, b.im_high))))
             x, y, _ = self.local(complex(re, 0))
             scene.add_label(f"{root}/re{re:g}", f"{re:g}".replace("-", "−"), position=(x, y, -HEIGHT / 2 - 0.02),
-                            anchor="top-center", font_screen_scale=0.8 * self._size)
+                            anchor="top-center", font_screen_scale=0.8 * self._size, depth_test=True)
         for im in ticks(-b.im_high, b.im_high, 4):
             fine.append((self.local(complex(b.re_low, im)), self.local(complex(b.re_high, im))))
             if im != 0:
                 x, y, z = self.local(complex(b.re_high, im))
                 scene.add_label(f"{root}/im{im:g}", f"{im:g}j".replace("-", "−"), position=(x + 0.04, y, z),
-                                anchor="center-left", font_screen_scale=0.8 * self._size)
+                                anchor="center-left", font_screen_scale=0.8 * self._size, depth_test=True)
         axes.append((self.local(complex(b.re_low, 0)), self.local(complex(b.re_high, 0))))
         if b.re_low < 0 < b.re_high:
             axes.append((self.local(complex(0, -b.im_high)), self.local(complex(0, b.im_high))))

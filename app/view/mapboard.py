@@ -12,8 +12,8 @@ from ..figures import COLOURS, MapFigure
 from .stage import rgb
 from .ticks import ticks
 
-WIDTH, DEPTH, TILT = 3.4, 1.9, 0.5  # stage units, radians
-CENTRE = np.array([0.0, -2.75, 0.55])
+WIDTH, DEPTH, TILT = 3.2, 1.7, 0.42  # stage units, radians
+CENTRE = np.array([0.0, -2.75, 0.36])
 
 
 class MapBoard:

@@ -99,12 +99,13 @@ class StageView:
         self._forces = self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                               head_radius=0.09, head_length=0.16)
         self._errors = self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.028)
-        self._caption(body, language, size)
+        self._factor(body, language, size)
 
-    def _caption(self, body: Body, language: str, size: float) -> None:
-        words = [body.caption(language), phrases.EXAGGERATED.format(body.gain)(language) if body.gain != 1 else ""]
-        self._scene.add_label("/caption", "  ·  ".join(w for w in words if w), position=(0.0, -1.45, 0.02),
-                              anchor="center-center", font_screen_scale=0.95 * size)
+    def _factor(self, body: Body, language: str, size: float) -> None:
+        """How many times motion is exaggerated, beside the plant."""
+        if body.gain != 1:
+            self._scene.add_label("/factor", phrases.EXAGGERATED.format(body.gain)(language),
+                                  position=(1.95, -0.9, 0.12), anchor="center-left", font_screen_scale=0.9 * size)
 
     def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
         scene, shape, tint = self._scene, part.shape, rgb(colour)

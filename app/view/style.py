@@ -37,8 +37,8 @@ def sheet(lecture: bool, veiled: bool) -> str:
     return "<style>" + SHEET % {"scale": "1.55" if lecture else "1", "veil": VEIL if veiled else ""} + "</style>"
 
 
-def clock(t: float, horizon: float, speed: float) -> str:
+def clock(t: float, horizon: float, speed: float, caption: str) -> str:
     """The cursor in all time plots and the clock beside the transport, in one element."""
     share = t / horizon if horizon > 0 else 0.0
     return (f"<style>:root{{--ol-t:{share:.4f}}}</style>"
-            f'<div class="ol-note">t = {t:.2f} s <span style="color:#8a8f98">/ {horizon:g} s · {speed:g}×</span></div>')
+            f'<div class="ol-note">t = {t:.2f} s <span style="color:#8a8f98">/ {horizon:g} s · {speed:g}× &emsp;{caption}</span></div>')

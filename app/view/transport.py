@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable
 from typing import Any
 
@@ -22,6 +23,8 @@ class Transport:
         lang = picture.state.language
         self._lang = lang
         self._count, self._rate = 0, picture.state.speed
+        stage = picture.outcome.stage
+        self._caption = html.escape(stage.body.caption(lang)) if stage is not None else ""
         self._horizon = max(picture.horizon, 0.01)
         panel = gui.add_panel()
         with panel.add_tab(phrases.TRANSPORT(lang)):
@@ -31,7 +34,7 @@ class Transport:
                      phrases.RESET(lang): "reset", phrases.HELP(lang): "help"}
             self._row = gui.add_button_group("", self._options(picture))
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, self._horizon / 500, 0.0)
-            self._clock = gui.add_html(clock(0.0, picture.horizon, picture.state.speed))
+            self._clock = gui.add_html(clock(0.0, picture.horizon, picture.state.speed, self._caption))
         panel.float(x=12, y=-12, width=600)
         self._listen(names, post)
 
@@ -60,7 +63,7 @@ class Transport:
             self._row.options = options
         if self._rate != picture.state.speed:
             self._rate = picture.state.speed
-            self._clock.content = clock(picture.state.t, picture.horizon, self._rate)
+            self._clock.content = clock(picture.state.t, picture.horizon, self._rate, self._caption)
         if picture.horizon > 0 and picture.horizon != self._horizon:
             self._horizon = picture.horizon
             self._time.max = picture.horizon
@@ -69,7 +72,7 @@ class Transport:
 
     def pose(self, t: float, horizon: float) -> None:
         """The clock at every pose, the slider now and then."""
-        self._clock.content = clock(t, horizon, self._rate)
+        self._clock.content = clock(t, horizon, self._rate, self._caption)
         self._count += 1
         if self._count % WRITE_EVERY == 0 or t >= horizon:
             self._write(t)
