@@ -8,8 +8,17 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import ClosedLoop, Plant, Scenario, autonomous_error, closed_loop, separation_meter, simulate
-from app.figures import Figure, MatrixFigure, PlaneFigure, Point
+from app.engine import (
+    ClosedLoop,
+    Plant,
+    Scenario,
+    amplitude_response,
+    autonomous_error,
+    closed_loop,
+    separation_meter,
+    simulate,
+)
+from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
 from app.knobs import Number, Switch
 from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
 from app.plants import MODELS, platform
@@ -31,7 +40,10 @@ from ..toolkit import (
 )
 
 MODEL = MODELS["deck"]
-SPECTRUM_TAB = Text("Spectrum", "谱")
+SPECTRUM_TAB = Text("Poles", "极点")
+FREQUENCY_TAB = Text("Frequency", "频率")
+FREQUENCIES = np.geomspace(0.1, 30.0, 300)  # Hz
+GROUND = platform.deck_disturbance()  # how ground motion enters
 EXACT = 1e-9  # union of spectra: agreement asked of them
 
 KNOBS = (
@@ -45,6 +57,9 @@ KNOBS = (
     Switch("limited", "", Text("limit the coils", "限制线圈推力")),
     Number("u_max", r"u_{\max}", Text("coil limit", "线圈限幅"), "N", low=0.2, high=4.0, default=1.0, step=0.1,
            when=("limited", (True,))),
+    Number("noise", r"\sigma_v", Text("sensor noise", "传感器噪声"), "mm/s", low=0.0, high=5.0, default=0.0, step=0.1,
+           hint=Text("Standard deviation of each velocity sample; the noise itself is drawn from the seed.",
+                     "每个速度采样值的标准差；噪声序列由种子决定。")),
     *run_knobs(MODEL.horizon),
 )
 
@@ -65,7 +80,8 @@ def compute(design: Design) -> Outcome:
     run = simulate(Scenario(
         MODEL.plant, K, L, model=model, x0=MODEL.x0, xhat0=MODEL.guess, horizon=MODEL.horizon, dt=MODEL.dt,
         u_min=None if limit is None else -limit, u_max=limit, fed="commanded", delay=design["delay"] / 1000,
-        impulses=kicks(design, MODEL), seed=int(design["seed"])))
+        impulses=kicks(design, MODEL), seed=int(design["seed"]),
+        V=None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt))
     meter = separation_meter(run)
     slow, fast = float(max(loop.controller_poles.real)), float(max(loop.observer_poles.real))
     metrics = {
@@ -118,7 +134,29 @@ def figures(outcome: Outcome) -> tuple[Figure, ...]:
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
     return (*state_figures(MODEL, run), error_figure(run, autonomous_error(run)), input_figure(run, MODEL, limit),
-            _spectrum(outcome), _blocks(loop))
+            _spectrum(outcome), _blocks(loop), _isolation(outcome))
+
+
+def _isolation(outcome: Outcome) -> FrequencyFigure:
+    """From ground height to the deck's vertical velocity: untouched, steered by the state, steered by the estimate."""
+    A, B, C = MODEL.plant.A, MODEL.plant.B, MODEL.plant.C[:1]
+    K, n, loop = outcome.gains["K"], MODEL.plant.n, outcome.extra
+    zg, w = GROUND[:, :1], 2 * np.pi * FREQUENCIES
+
+    def gain(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
+        return np.minimum(amplitude_response(a, b, c, [[0.0]], w)[:, 0, 0], 1e9)
+    bare, state = gain(A, zg, C), gain(A - B @ K, zg, C)
+    whole = gain(loop.A_xxhat, np.vstack([zg, np.zeros((n, 1))]), np.hstack([C, np.zeros((1, n))]))
+    peak = 20 * np.log10(float(bare.max()) / max(float(whole.max()), 1e-300))
+    return FrequencyFigure(
+        "isolation", Text("from ground height to velocity VL", "地面高度到速度 VL 的增益"), FREQUENCIES,
+        (Curve(Text("no control", "无控制"), bare, "muted"),
+         Curve(Text("by the state", "状态反馈"), state, "plant", "dash"),
+         Curve(Text("by the estimate", "估计反馈"), whole, "estimate")), "|VL/zg| [1/s]", tab=FREQUENCY_TAB,
+        caption=Text(f"Steering by the estimate lowers the resonance by {peak:.1f} dB; the gap to the dashed line is the "
+                     "observer's share.",
+                     f"按估计控制使共振峰降低 {peak:.1f} dB；与虚线之间的差距来自观测器。") if peak > 0 else
+        Text(f"Steering by the estimate raises the peak by {-peak:.1f} dB.", f"按估计控制使峰值升高 {-peak:.1f} dB。"))
 
 
 def _spectrum(outcome: Outcome) -> PlaneFigure:
