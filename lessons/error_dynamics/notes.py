@@ -6,6 +6,8 @@ characteristic polynomial, two matching equations, the gain and A − LC.
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 import numpy as np
 
 from app.engine import Plant
@@ -28,13 +30,13 @@ LINES = (
     (GAIN, Text("the gain", "增益")),
     (MATRIX, Text("the matrix A − LC", "矩阵 A − LC")),
 )
-PRINTED = {
+PRINTED = MappingProxyType({
     POLYNOMIAL: "λ² + (l₁ + 0.5)λ + 1 + 0.5 l₁ + l₂",
     FIRST: "l₁ − 0.5 = 2",
     SECOND: "1 + 0.5 l₁ + l₂ = 1",
     GAIN: "L = (2.5, −1.25)",
     MATRIX: "[−2.5  1;  −0.25  −0.5]",
-}
+})
 
 
 def printed_model() -> Plant:

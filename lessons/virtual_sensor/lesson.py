@@ -38,7 +38,8 @@ KNOBS = (
                                 "实际增益是下面极点所对应增益的 θ 倍；θ = 0 就是开环副本。")),
     Poles("observer_poles", "q", Text("Observer poles at θ = 1", "θ = 1 时的观测器极点"), "rad/s",
           default=MODELS[TAME].observer_poles, re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high,
-          role="estimate"),
+          role="estimate", hint=Text("The error dies as fast as the rightmost of these; far left asks for a large gain.",
+                                     "误差消失的快慢由最右边的极点决定；越靠左，需要的增益越大。")),
     Number("guess_core", r"\hat T_1(0)", Text("first guess of the core", "内核温度初始猜测"), "K", low=-40.0, high=80.0,
            default=0.0, step=1.0, hint=Text("Above ambient. The core really starts at 45 K, or 12 K if it runs away.",
                                             "相对环境温度。内核实际从 45 K 开始；热失控的芯片从 12 K 开始。")),
@@ -248,7 +249,8 @@ def _innovation(outcome: Outcome, run: Run) -> TimeFigure:
 
 
 def _locus(outcome: Outcome, seen: Seen) -> PlaneFigure:
-    curves = tuple(Curve(Text("", ""), branch.imag, "muted", width=1.6, x=branch.real) for branch in seen.poles.T)
+    path = Text("path of a pole", "极点的轨迹")
+    curves = tuple(Curve(path, branch.imag, "muted", width=1.6, x=branch.real) for branch in seen.poles.T)
     points = (*(Point(float(p.real), float(p.imag), "second", "circle") for p in outcome.poles["copy"]),
               *(Point(float(p.real), float(p.imag), "estimate") for p in outcome.poles["observer"]))
     least = outcome.metrics["least_trust"]
