@@ -1,0 +1,292 @@
+"""The command line: the contract of its output and exit status, and one sentence for every kind of bad input."""
+
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from dataclasses import replace
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+import pytest
+
+from app import commands
+from app.cli import main
+from app.engine import EngineError
+from app.lesson import Check, Job, Lesson
+from app.published import records
+from app.state import write_design
+from app.words import same
+from lessons import LESSONS
+
+SEPARATION = LESSONS["separation"]
+ROOT = Path(__file__).parents[1]
+
+
+def run_json(capsys, *words: str) -> tuple[int, dict]:
+    status = main(["run", "separation", "--json", *words])
+    out, err = capsys.readouterr()
+    assert err == ""
+    return status, json.loads(out)
+
+
+def refused(capsys, *words: str) -> str:
+    """The one sentence on stderr of a command that must end with status 2 and print nothing else."""
+    assert main(list(words)) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    lines = err.splitlines()
+    assert len(lines) == 1 and lines[0].startswith("observer-lab: ") and lines[0].endswith(".")
+    return lines[0]
+
+
+def use(monkeypatch, lesson: Lesson) -> None:
+    monkeypatch.setattr(commands, "LESSONS", MappingProxyType({lesson.id: lesson}))
+
+
+def test_run_prints_the_contracts_record_at_the_lessons_start(capsys) -> None:
+    status, record = run_json(capsys)
+    outcome = SEPARATION.compute(SEPARATION.start())
+    assert list(record) == ["lesson", "knobs", "gains", "poles", "metrics", "checks", "series"]
+    assert record["lesson"] == "separation" and list(record["knobs"]) == [k.name for k in SEPARATION.knobs]
+    assert np.array_equal(record["gains"]["K"], outcome.gains["K"])
+    loop = [complex(*pair) for pair in record["poles"]["loop"]]
+    assert loop == outcome.poles["loop"].tolist() and len(loop) == 12
+    assert record["metrics"] == dict(outcome.metrics)
+    assert [check["id"] for check in record["checks"]] == [check.id for check in outcome.checks]
+    assert np.array_equal(record["series"]["x"], outcome.run.x) and np.array_equal(record["series"]["t"], outcome.run.t)
+    assert status == (0 if all(check.holds for check in outcome.checks) else 1)
+
+
+@pytest.mark.parametrize("lesson", LESSONS)
+def test_every_lesson_runs_in_words_and_as_strict_json(lesson: str, capsys) -> None:
+    assert main(["run", lesson]) in (0, 1)
+    words = capsys.readouterr().out
+    for knob in LESSONS[lesson].knobs:
+        assert f"  {knob.name} = " in words
+    assert main(["run", lesson, "--json"]) in (0, 1)
+    json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+
+
+def test_set_reaches_the_design_and_the_last_one_wins(capsys) -> None:
+    _, record = run_json(capsys, "--set", "delay=30", "--set", "limited=on", "--set", "delay=12",
+                         "--set", "controller_poles=-4,-5,-6+7j,-6-7j,-3+2j,-3-2j")
+    assert record["knobs"]["delay"] == 12.0 and record["knobs"]["limited"] is True
+    reached = np.sort_complex([complex(*p) for p in record["poles"]["controller"]])
+    assert np.abs(reached - np.sort_complex([-4, -5, -6 + 7j, -6 - 7j, -3 + 2j, -3 - 2j])).max() < 1e-6
+
+
+def test_a_saved_design_comes_back_and_set_comes_after_it(capsys, tmp_path: Path) -> None:
+    design = SEPARATION.apply(SEPARATION.start(), {"delay": 18.0, "u_max": 0.5, "limited": True})
+    file = tmp_path / "state.json"
+    file.write_text(write_design(SEPARATION, design), encoding="utf-8")
+    _, record = run_json(capsys, "--set", "u_max=0.7", "--state", str(file))
+    assert (record["knobs"]["delay"], record["knobs"]["u_max"], record["knobs"]["limited"]) == (18.0, 0.7, True)
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_figure_and_csv_are_written(suffix: str, capsys, tmp_path: Path) -> None:
+    figure, table = tmp_path / f"page.{suffix}", tmp_path / "data.csv"
+    main(["run", "separation", "--figure", str(figure), "--csv", str(table)])
+    assert figure.stat().st_size > 5000
+    names = {line.split(",")[0] for line in table.read_text(encoding="utf-8").splitlines()[1:]}
+    assert names == {f.id for f in SEPARATION.figures(SEPARATION.compute(SEPARATION.start()))}
+
+
+def test_a_check_that_fails_is_status_1(capsys, monkeypatch) -> None:
+    def with_check(holds: bool) -> Lesson:
+        return replace(SEPARATION, compute=lambda d: replace(SEPARATION.compute(d), checks=(Check("c", same("c"), holds),)))
+    use(monkeypatch, with_check(True))
+    assert main(["run", "separation"]) == 0
+    use(monkeypatch, with_check(False))
+    assert main(["run", "separation"]) == 1
+    assert "FAILS  c" in capsys.readouterr().out
+
+
+def test_the_long_computation_runs_only_with_final(capsys, monkeypatch) -> None:
+    def job(outcome):
+        yield 0.5, replace(outcome, metrics={"half": 1.0})
+        yield 1.0, replace(outcome, metrics={"done": 1.0})
+    use(monkeypatch, replace(SEPARATION, job=Job(same("long"), job)))
+    assert "done" not in run_json(capsys)[1]["metrics"]
+    assert run_json(capsys, "--final")[1]["metrics"] == {"done": 1.0}
+    use(monkeypatch, replace(SEPARATION, job=None))
+    assert "union_error" in run_json(capsys, "--final")[1]["metrics"]
+
+
+def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> None:
+    def never(design):
+        raise EngineError("No gain reaches these poles.")
+    use(monkeypatch, replace(SEPARATION, compute=never))
+    assert "No gain reaches these poles" in refused(capsys, "run", "separation")
+
+
+@pytest.mark.parametrize(("words", "told"), [
+    (["frob"], "no command frob"),
+    (["run"], "LESSON"),
+    (["run", "nope"], "no lesson nope"),
+    (["run", "separation", "--plant", "x.json"], "--plant"),
+    (["run", "separation", "--js"], "--js"),
+    (["run", "separation", "--set", "delay"], "no equals sign"),
+    (["run", "separation", "--set", "foo=1"], "no knob foo"),
+    (["run", "separation", "--set", "delay=fast"], "must be a number"),
+    (["run", "separation", "--set", "delay=NaN"], "finite"),
+    (["run", "separation", "--set", "delay=inf"], "finite"),
+    (["run", "separation", "--set", "delay=1e9"], "0 … 60 ms"),
+    (["run", "separation", "--set", "delay="], "must be a number"),
+    (["run", "separation", "--set", "limited=maybe"], "on or off"),
+    (["run", "separation", "--set", "observer_poles=-1,-2"], "exactly 6 poles, not 2"),
+    (["run", "separation", "--set", "observer_poles=-9,-9,-9,-9,-9,nan"], "within"),
+    (["run", "separation", "--set", "observer_poles=-9,-9,-9,-9,-9,-8+1j"], "conjugate pairs"),
+    (["run", "separation", "--state", "no-such-file.json"], "cannot be read"),
+    (["run", "separation", "--state", "."], "cannot be read"),
+    (["run", "separation", "--state", "a\0b"], "cannot be read"),
+    (["run", "separation", "--figure", "no-such-folder/x.png"], "cannot be written"),
+    (["run", "separation", "--figure", "x.gif"], ".png, .svg, .pdf"),
+    (["run", "separation", "--csv", "no-such-folder/x.csv"], "cannot be written"),
+    (["list", "extra"], "extra"),
+    (["--port", "abc"], "not a port"),
+    (["serve", "--port", "0"], "not a port"),
+    (["serve", "--port", "65536"], "not a port"),
+    (["serve", "--port", "٣"], "not a port"),
+    (["--lang", "de"], "de"),
+    (["--lesson", "nope"], "no lesson nope"),
+    (["serve", "--max-sessions", "0"], "tabs"),
+    (["serve", "--host", "203.0.113.9"], "cannot listen"),
+])
+def test_bad_input_is_status_2_and_one_sentence(words: list[str], told: str, capsys, tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert told in refused(capsys, *words)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(("text", "told"), [
+    (b"", "not a design"),
+    (b"\xff\xfe\x00", "not text"),
+    (b"{", "not a design"),
+    (b"[1, 2]", "not a design"),
+    (b'{"version": 1, "lesson": "separation", "knobs": 3}', "not a design"),
+    (b'{"version": 99, "lesson": "separation", "knobs": {}}', "version 99"),
+    (b'{"version": 1, "lesson": "nope", "knobs": {}}', "no lesson nope"),
+    (b'{"version": 1, "lesson": "separation", "knobs": {"delay": NaN}}', "finite"),
+    (b'{"version": 1, "lesson": "separation", "knobs": {"delay": 1' + b"0" * 400 + b"}}", "finite"),
+    (b'{"version": 1, "lesson": "separation", "knobs": {"delay": [[[]]]}}', "must be a number"),
+    (b'{"version": 1, "lesson": "separation", "knobs": {"foo": 1}}', "no knob foo"),
+    (b"[" * 100_000, "too large for a computer"),
+])
+def test_a_broken_state_file_is_status_2_and_one_sentence(text: bytes, told: str, capsys, tmp_path: Path) -> None:
+    file = tmp_path / "state.json"
+    file.write_bytes(text)
+    assert told in refused(capsys, "run", "separation", "--state", str(file))
+
+
+def test_the_state_of_another_lesson_is_refused(capsys, tmp_path: Path) -> None:
+    other = next(lesson for lesson in LESSONS.values() if lesson.id != "separation")
+    file = tmp_path / "state.json"
+    file.write_text(write_design(other, other.start()), encoding="utf-8")
+    assert f"belongs to lesson {other.id}" in refused(capsys, "run", "separation", "--state", str(file))
+
+
+def test_list_names_every_lesson_knob_and_task(capsys) -> None:
+    assert main(["list"]) == 0
+    words = capsys.readouterr().out
+    assert main(["list", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [entry["id"] for entry in listed] == list(LESSONS)
+    for entry, lesson in zip(listed, LESSONS.values(), strict=True):
+        assert f". {lesson.id}: " in words
+        assert [knob["name"] for knob in entry["knobs"]] == [knob.name for knob in lesson.knobs]
+        assert [task["id"] for task in entry["tasks"]] == [task.id for task in lesson.tasks]
+        assert all(f"--set {knob.name}=" in words for knob in lesson.knobs)
+        assert all(f"task {task.id}: " in words for task in lesson.tasks)
+        assert entry["title"]["en"] and entry["title"]["zh"]
+
+
+def test_every_default_that_list_shows_is_read_back_by_set(capsys) -> None:
+    main(["list"])
+    shown = re.findall(r"--set (\w+)=(.*?)    ", capsys.readouterr().out)
+    names = [(lesson, knob) for lesson in LESSONS.values() for knob in lesson.knobs]
+    assert len(shown) == len(names)
+    for (name, words), (_, knob) in zip(shown, names, strict=True):
+        assert name == knob.name
+        if words or not isinstance(knob.check(knob.default), tuple):
+            assert np.allclose(knob.parse(words), knob.check(knob.default), rtol=1e-5) if isinstance(
+                knob.check(knob.default), (tuple, float)) else knob.parse(words) == knob.check(knob.default)
+
+
+def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monkeypatch) -> None:
+    assert main(["verify"]) == 0
+    words = capsys.readouterr().out
+    assert all(published.item in words for published in records())
+    assert main(["verify", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert [entry["item"] for entry in listed] == [published.item for published in records()]
+    assert {entry["verdict"] for entry in listed} == {"agrees", "slip", "beyond"}
+    wrong = replace(records()[0], ours=lambda: 3.0)
+    monkeypatch.setattr("app.published.records", lambda: (wrong,))
+    assert main(["verify"]) == 1
+    assert "DIFFERS" in capsys.readouterr().out
+
+
+def test_help_is_status_0_and_names_the_commands(capsys) -> None:
+    with pytest.raises(SystemExit) as leaving:
+        main(["--help"])
+    assert leaving.value.code == 0
+    told = capsys.readouterr().out
+    assert all(command in told for command in ("serve", "list", "run", "verify"))
+
+
+def test_without_a_command_serve_is_meant(monkeypatch) -> None:
+    asked = []
+    monkeypatch.setattr(commands, "serve", lambda *options: asked.append(options) or 0)
+    assert main([]) == 0 and main(["--port", "8123", "--lang", "zh"]) == 0
+    assert main(["serve", "--host", "0.0.0.0", "--lesson", "separation", "--max-sessions", "7"]) == 0
+    assert asked == [("127.0.0.1", 8080, None, "en", 200), ("127.0.0.1", 8123, None, "zh", 200),
+                     ("0.0.0.0", 8080, "separation", "en", 7)]
+
+
+QUIET = """
+import os, sys
+import app.cli
+assert "numpy" not in sys.modules, "numpy came before its threads were settled"
+assert app.cli.main(["list"]) == 0 and app.cli.main(["run", "separation", "--json"]) in (0, 1)
+assert app.cli.main(["verify"]) == 0
+assert os.environ["OMP_NUM_THREADS"] == os.environ["OPENBLAS_NUM_THREADS"] == "1"
+heavy = {"viser", "matplotlib", "control"} & set(sys.modules)
+assert not heavy, heavy
+assert app.cli.main(["run", "separation", "--figure", sys.argv[1]]) in (0, 1)
+assert "matplotlib.pyplot" not in sys.modules
+"""
+
+
+def plain_environment() -> dict[str, str]:
+    return {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
+
+
+def test_commands_without_a_browser_load_neither_viser_nor_matplotlib_and_one_thread(tmp_path: Path) -> None:
+    done = subprocess.run([sys.executable, "-c", QUIET, str(tmp_path / "page.png")], cwd=ROOT, env=plain_environment(),
+                          capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        server = subprocess.Popen([sys.executable, "-m", "app.cli", "--port", str(port)], cwd=ROOT,
+                                  env=plain_environment(), stdout=subprocess.PIPE, text=True)
+        try:
+            assert server.stdout is not None
+            url = next(line.strip() for line in server.stdout if line.startswith("http://"))
+            assert url != f"http://127.0.0.1:{port}"
+            with urllib.request.urlopen(url, timeout=20) as page:
+                assert page.status == 200 and b"<html" in page.read().lower()
+        finally:
+            server.send_signal(signal.SIGINT)
+            assert server.wait(30) == 0
