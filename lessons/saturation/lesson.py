@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from math import radians
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.engine import Run, Scenario, autonomous_error, separation_meter, simulate
+from app.engine import Run, Scenario, autonomous_error, separation_meter
 from app.figures import Curve, Figure, TimeFigure
 from app.knobs import Choice, KnobError, Number
 from app.lesson import Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Task, Verdict
@@ -30,11 +29,10 @@ from ..toolkit import (
     stage,
     state_figures,
 )
+from .runs import comes_home, march, until, whole
 from .starts import (
-    FAR,
     GRID,
     HORIZON,
-    NEAR,
     Starts,
     ceiling,
     map_scenario,
@@ -47,7 +45,6 @@ from .starts import (
 MODEL = MODELS["cart-pendulum"]
 PLANT = MODEL.plant
 DT = 0.02
-FALLEN = radians(45.0)  # where the linear pole counts as fallen and its run stops
 COMMANDED, APPLIED = "commanded", "applied"
 EXACT = 1e-9  # of the error's peak: how well ė = (A − LC)e must hold to count as exact
 EDGES = {"state0": 49.0, "state1": 1.95, "error": 90.0, "input": 24.5}  # values beyond are drawn at the edge
@@ -93,48 +90,14 @@ def scenario_of(design: Design, K: np.ndarray, L: np.ndarray, state_feedback: bo
                     impulses=kicks(design, MODEL), seed=int(design["seed"]))
 
 
-def comes_home(run: Run) -> bool:
-    """The verdict of the map for one run: near rest at the horizon and never too far from it."""
-    size = np.linalg.norm(run.x, axis=1)
-    return run.diverged_at is None and float(size[-1]) < NEAR and float(np.max(size)) <= FAR
-
-
-def whole(run: Run) -> tuple[Run, float | None]:
-    """The run over every instant of its grid, and when it was stopped.
-
-    A run that does not come home is stopped and held where the pole has fallen. Where the estimate leaves all bounds before that, the force
-    stays where it was, at its limit, and the plant goes on under it.
-    """
-    count = run.scenario.n_t
-    x = run.x
-    if run.diverged_at is not None:
-        rest = simulate(Scenario(PLANT, x0=x[-1], reference=run.u_applied[-1], dt=DT, horizon=DT * (count - len(x) + 1)))
-        x = np.vstack([x, rest.x[1:]])[:count]
-    over = np.flatnonzero(np.abs(x[:, 1]) > FALLEN) if not comes_home(run) else np.array([], dtype=int)
-    end = int(over[0]) if len(over) else count - 1
-    index = np.minimum(np.minimum(np.arange(count), end), len(x) - 1)
-    short = np.minimum(index, len(run.t) - 1)
-    x, xhat = x[index], run.xhat[short]
-    shown = replace(run, t=run.scenario.t, x=x, xhat=xhat, e=x - xhat,
-                    **{name: getattr(run, name)[short] for name in ("u_asked", "u_applied", "y", "yhat", "w", "v")})
-    return shown, float(run.scenario.t[end]) if len(over) else None
-
-
-def before(run: Run, stopped: float | None) -> Run:
-    """The part of a run before it was stopped: where the numbers about it are taken."""
-    end = len(run.t) if stopped is None else max(int(np.searchsorted(run.t, stopped)), 2)
-    return replace(run, **{name: getattr(run, name)[:end]
-                           for name in ("t", "x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")})
-
-
 def compute(design: Design) -> Outcome:
     """One clipped run, the same start with a known state, and what the error was promised."""
     K, L = gains(design, PLANT)
-    run = simulate(scenario_of(design, K, L))
+    run = march(scenario_of(design, K, L))
     shown, stopped = whole(run)
-    ideal = simulate(scenario_of(design, K, L, state_feedback=True))
+    ideal = march(scenario_of(design, K, L, state_feedback=True))
     known, _ = whole(ideal)
-    seen = before(run, stopped)
+    seen = until(run, stopped)
     A, B, C = PLANT.A, PLANT.B, PLANT.C
     inside = A - L @ C if design["fed"] == APPLIED else A - B @ K - L @ C
     poles = {"controller": np.linalg.eigvals(A - B @ K), "observer": np.linalg.eigvals(A - L @ C),
@@ -237,6 +200,9 @@ def _error_words(outcome: Outcome) -> Text:
 # --- the map -------------------------------------------------------------------------------------------------------
 def find_starts(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: the map of the design's gains, limit and feed, pass by pass."""
+    if max(float(max(outcome.poles[name].real)) for name in ("controller", "observer")) >= 0:
+        raise KnobError(Text("A pole is not in the left half plane, so no start comes home; drag it to the left first.",
+                             "有极点不在左半平面，没有初态能恢复；请先把它拖到左边。"))
     scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
     for fraction, starts in survey(scenario, depends(outcome.design), outcome.extra.starts):
         if starts is not outcome.extra.starts and starts.done > 0:

@@ -85,13 +85,13 @@ def survey(scenario: Scenario, key: tuple[Any, ...], known: Starts | None) -> It
     for k, (across, up) in enumerate(passes):
         if not len(across) or np.all(values[np.ix_(up, across)] != UNKNOWN):
             continue
-        found = None
+        recovered = np.zeros((len(across), len(up)), dtype=bool)
         for fraction, found in recovery_map(scenario, ANGLE, np.radians(GRID[across]), ANGLE, np.radians(GRID[up]),
                                             threshold=NEAR, bound=FAR, slice_seconds=SLICE):
+            recovered = found.recovered
             yield (k + fraction) / len(passes), starts
-        assert found is not None
         values = values.copy()
-        values[np.ix_(up, across)] = np.where(found.recovered.T, HOME, LOST)
+        values[np.ix_(up, across)] = np.where(recovered.T, HOME, LOST)
         values[np.ix_(len(GRID) - 1 - up, len(GRID) - 1 - across)] = values[np.ix_(up, across)]
         starts = replace(starts, values=values)
     yield 1.0, starts
