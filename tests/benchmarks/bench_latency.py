@@ -1,0 +1,121 @@
+"""From the pointer to the picture: how long after a mouse move the plots and the 3-D stage show what it did.
+
+    python tests/benchmarks/bench_latency.py [--moves 60] [--size 1600x900] [--lesson separation]
+
+One tab in headless Chromium on loopback. A slider and a pole are dragged with the mouse, one move at a time, each
+after the last has been drawn. The clock starts with the browser's own event and is read in animation frames: "plots"
+is the first frame in which a chart holds new data, "stage" the first after the scene moved and WebGL has drawn it.
+The page's 50 ms throttle of widgets does not bite here, since a move waits for the last.
+"""
+
+# ruff: noqa: E402 — the folders of the app and of the browser tests must be found first
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / "e2e")]
+
+from conftest import chromium, serving  # type: ignore[import-not-found]
+from geometry import on_screen  # type: ignore[import-not-found]
+from tab import FLAGS, Tab  # type: ignore[import-not-found]
+
+from app.knobs import Number
+from app.view.knobs import label_of
+from lessons import LESSONS, OPENING
+
+SETTLE = 200  # ms between two moves
+WATCH = """() => { window.__measured = new Promise(done => {
+  const page = window.__viserMutable, info = window.__viserTestpoints.rendererInfo;
+  const charts = () => Object.values(window.__viserTestpoints.uplots).map(u => u.chart.data);
+  const scene = () => { let sum = 0;
+    for (const held of Object.values(page.nodeRefFromName)) {
+      const node = held && 'current' in held ? held.current : held;
+      if (node?.position) sum += node.position.x + 3 * node.position.y + 7 * node.position.z + 11 * node.quaternion.x
+        + 13 * node.quaternion.y + 17 * node.scale.z;
+    } return sum; };
+  const before = charts(), still = scene();
+  let start = null, plots = null, stage = null, moved = null;
+  const input = event => { if (start === null) start = event.timeStamp; };
+  addEventListener('pointermove', input, {capture: true});
+  const opened = performance.now();
+  const frame = () => {
+    const now = performance.now();
+    if (start !== null) {
+      if (plots === null && charts().some((data, i) => data !== before[i])) plots = now - start;
+      if (moved === null && scene() !== still) moved = info.render.frame;
+      if (stage === null && moved !== null && info.render.frame > moved) stage = now - start;
+    }
+    if ((plots !== null && stage !== null) || now - opened > 5000) {
+      removeEventListener('pointermove', input, {capture: true});
+      done([plots, stage]);
+    } else requestAnimationFrame(frame);
+  };
+  requestAnimationFrame(frame);
+}); }"""
+FRAME = """() => new Promise(done => { const times = []; let last = performance.now();
+  const step = () => { window.__viserMutable.requestRender?.(); const now = performance.now(); times.push(now - last);
+    last = now; times.length < 21 ? requestAnimationFrame(step) : done(times.sort((a, b) => a - b)[10]); };
+  requestAnimationFrame(step); })"""
+
+
+def moves(tab: Tab, start: tuple[float, float], stride: float, count: int) -> np.ndarray:
+    """Latencies (count, 2) in ms to plots and stage while something is dragged to and fro; NaN where nothing came."""
+    mouse, (x, y) = tab.page.mouse, start
+    mouse.move(x, y)
+    tab.pause(3)
+    mouse.down()
+    tab.pause(3)
+    out = []
+    for i in range(count):
+        reach = 6 - abs(i % 12 - 6)
+        tab.page.evaluate(WATCH)
+        mouse.move(x - stride * (reach + 1), y)
+        out.append([np.nan if v is None else v for v in tab.page.evaluate("() => window.__measured")])
+        tab.page.wait_for_timeout(SETTLE)
+    mouse.up()
+    return np.array(out, dtype=float)
+
+
+def table_row(what: str, times: np.ndarray) -> str:
+    median, p95 = np.nanpercentile(times, (50, 95))
+    return f"| {what} | {np.isfinite(times).sum()} | {median:.0f} | {p95:.0f} | {np.nanmax(times):.0f} |"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--moves", type=int, default=60)
+    parser.add_argument("--size", default="1600x900")
+    parser.add_argument("--lesson", default=OPENING)
+    options = parser.parse_args()
+    width, height = (int(v) for v in options.size.split("x"))
+    lesson = LESSONS[options.lesson]
+    with serving() as address, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
+        tab = Tab(browser.new_page(viewport={"width": width, "height": height}), address)
+        tab.choose_lesson(lesson.words["en"].title, lesson.words["en"].question)
+        tab.predict("skip")
+        tab.page.wait_for_timeout(1500)
+        tab.page.keyboard.press("Space")  # pause in the middle of the run, where everything answers
+        tab.page.wait_for_timeout(1500)
+        idle = tab.page.evaluate(FRAME)
+        slider = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()))
+        box = tab.thumb(label_of(slider, "en")).bounding_box()
+        assert box is not None
+        by_slider = moves(tab, (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2), 4.0, options.moves)
+        by_pole = moves(tab, on_screen(tab, "/board/controller/pole0"), 3.0, options.moves)
+        browser.close()
+    print(f"{options.lesson} at {options.size}, {options.moves} moves each; a frame of the 3-D view alone takes {idle:.0f} ms\n")
+    print("| input → what is redrawn | moves | median [ms] | p95 [ms] | max [ms] |\n|---|---|---|---|---|")
+    for name, times in (("slider", by_slider), ("pole", by_pole)):
+        print(table_row(f"{name} → plots", times[:, 0]))
+        print(table_row(f"{name} → plots and stage", times.max(axis=1)))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,109 @@
+"""A browser and a server for each worker, a fresh tab for each test."""
+
+from __future__ import annotations
+
+import os
+import re
+import selectors
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, sync_playwright
+from tab import FLAGS, Tab
+
+ROOT = Path(__file__).parents[2]
+ARTEFACTS = ROOT / "artefacts"
+START = 60.0  # s until a server must have printed its address
+SERVE = "from app.cli import main; raise SystemExit(main())"
+
+
+def chromium() -> str | None:
+    """The system's Chromium; None leaves the choice to Playwright, which then takes its own."""
+    return next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
+
+
+def _address(process: subprocess.Popen[bytes]) -> str:
+    """The address that a starting server prints."""
+    assert process.stdout is not None
+    deadline, seen = time.monotonic() + START, b""
+    with selectors.DefaultSelector() as waiting:
+        waiting.register(process.stdout, selectors.EVENT_READ)
+        while time.monotonic() < deadline and process.poll() is None:
+            if waiting.select(0.5):
+                seen += os.read(process.stdout.fileno(), 4096)
+                if found := re.search(rb"http://[\w.]+:\d+", seen):
+                    return found[0].decode()
+    raise RuntimeError(f"the server printed no address: {seen.decode(errors='replace')[-2000:]}")
+
+
+def _free_port() -> int:
+    """A port that nobody listens on now; the server takes the next one if that changes, and prints which."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+@contextmanager
+def serving() -> Iterator[str]:
+    """`observer-lab serve` on a free port while the context lasts; its address."""
+    env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"}
+    process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(_free_port())], cwd=ROOT, env=env,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    try:
+        yield _address(process)
+        assert process.poll() is None, "the server has died"
+    finally:
+        process.terminate()
+        process.wait(20)
+
+
+@pytest.fixture(scope="session")
+def server() -> Iterator[str]:
+    """The address of the app, served for the whole session."""
+    with serving() as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """One headless Chromium."""
+    with sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def new_tab(browser: Browser, server: str) -> Iterator[Callable[..., Tab]]:
+    """Opens tabs that share nothing, each with a window of its own size; closes them and checks that none complained."""
+    tabs: list[Tab] = []
+
+    def opened(width: int = 900, height: int = 560) -> Tab:
+        context = browser.new_context(viewport={"width": width, "height": height})
+        tabs.append(Tab(context.new_page(), server))
+        return tabs[-1]
+    yield opened
+    complaints = [line for tab in tabs for line in tab.complaints]
+    for tab in tabs:
+        tab.page.context.close()
+    assert not complaints, f"the browser's console: {complaints}"
+
+
+@pytest.fixture
+def tab(new_tab: Callable[..., Tab]) -> Tab:
+    """One tab on the opening lesson."""
+    return new_tab()
+
+
+@pytest.fixture(scope="session")
+def artefacts() -> Path:
+    """Where pictures for people are kept; git ignores it."""
+    ARTEFACTS.mkdir(exist_ok=True)
+    return ARTEFACTS

@@ -1,0 +1,158 @@
+"""One browser tab on the app, with the words a test needs: choose, slide, read curves, wait."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from playwright.sync_api import Error, Locator, Page
+
+FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
+         "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
+         "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+PATIENCE = 60.0  # s: software rendering on a busy machine is slow, and a test that waits is not a test that fails
+PAUSE = 120  # ms between two actions: the page keeps only the last of several changes within 50 ms
+HARMLESS = (
+    "GPU stall", "GroupMarkerNotSet",  # said by software rendering
+    "passive event listener",  # said by the page's own sliders whatever they show
+    "non-existent component",  # viser applies the updates of a batch after the removals of the same batch
+)
+
+CURVES = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
+  .filter(u => u.chart.root.isConnected)
+  .map(u => [u.chart.root.querySelector('.u-title')?.textContent ?? '', Array.from(u.chart.data, row => Array.from(row))])"""
+DRAWINGS = "() => Array.from(document.querySelectorAll('.ol-figure'), f => f.innerHTML)"
+T = TypeVar("T")
+
+
+def eventually(look: Callable[[], T], wanted: Callable[[T], Any], what: str, patience: float = PATIENCE) -> T:
+    """The first value of `look` that is `wanted`; fails with the last one seen."""
+    deadline = time.monotonic() + patience
+    while True:
+        seen = look()
+        if wanted(seen):
+            return seen
+        assert time.monotonic() < deadline, f"{what}: not within {patience:g} s; last seen {str(seen)[:300]}"
+        time.sleep(0.1)
+
+
+class Tab:
+    """A page of the app in its own browser context."""
+
+    def __init__(self, page: Page, address: str) -> None:
+        self.page, self.address = page, address
+        self.complaints: list[str] = []
+        page.set_default_timeout(PATIENCE * 1000)
+        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("console", lambda m: self.complaints.append(m.text)
+                if m.type == "error" and not any(word in m.text for word in HARMLESS) else None)
+        self.open()
+
+    # --- opening ---------------------------------------------------------------------------------------------------
+    def open(self) -> None:
+        """Load the page and wait until its lesson stands."""
+        self.page.goto(self.address)
+        self.settle()
+        self.close_any_notices()
+
+    def settle(self) -> None:
+        """Wait until the question and at least one figure are there."""
+        self.page.wait_for_selector(".ol-question")
+        eventually(self.shown, lambda shown: shown != "[[], []]", "a figure")
+        self.pause(3)
+
+    def close_any_notices(self) -> None:
+        """Dismiss the notifications that are there, that of software rendering among them."""
+        self.page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())")
+        eventually(lambda: self.page.locator(".mantine-Notification-root").count(), lambda n: n == 0, "notices closed")
+
+    def pause(self, times: int = 1) -> None:
+        """Leave the page time to send what was done."""
+        self.page.wait_for_timeout(PAUSE * times)
+
+    # --- reading ---------------------------------------------------------------------------------------------------
+    def question(self) -> str:
+        """The driving question."""
+        return self.page.locator(".ol-question").inner_text()
+
+    def curves(self) -> list[tuple[str, list[list[float]]]]:
+        """Title and data rows of each chart over time or frequency that is on the screen."""
+        return [(title, rows) for title, rows in self.page.evaluate(CURVES)]
+
+    def shown(self) -> str:
+        """Everything that the visible figures draw, to compare with itself."""
+        return json.dumps([self.page.evaluate(CURVES), self.page.evaluate(DRAWINGS)])
+
+    def notices(self) -> str:
+        """The sentences told to the person."""
+        return " ".join(self.page.locator(".mantine-Notification-root").all_inner_texts())
+
+    def equations(self) -> list[str]:
+        """The live equations of the left column as text."""
+        return self.page.locator(".ol-formula").all_inner_texts()
+
+    def clock(self) -> float:
+        """The time of the run."""
+        words = self.page.locator(".ol-note").filter(has_text="t = ").last.inner_text()
+        return float(words.split("t = ")[1].split()[0])
+
+    # --- acting ----------------------------------------------------------------------------------------------------
+    def button(self, words: str) -> Locator:
+        """A button by its words."""
+        return self.page.get_by_role("button", name=words, exact=True)
+
+    def press(self, words: str) -> None:
+        """Click a button."""
+        self.button(words).first.click()
+        self.pause()
+
+    def key(self, key: str, times: int = 1) -> None:
+        """Type a key."""
+        for _ in range(times):
+            self.page.keyboard.press(key)
+            self.pause()
+
+    def choose_lesson(self, title: str, question: str) -> None:
+        """Open a lesson from the list."""
+        if self.question() != question:
+            self.row("lesson").locator("input").first.click()
+            self.page.get_by_role("option", name=title, exact=True).click()
+        eventually(self.question, lambda words: words == question, f"the question of {title}")
+        eventually(self.shown, lambda shown: shown != "[[], []]", "a figure")
+        self.pause(2)
+
+    def predict(self, letter: str = "A") -> None:
+        """Choose a prediction."""
+        self.press(letter)
+        eventually(lambda: self.button(letter).count(), lambda n: n == 0, "the prediction is taken")
+
+    def row(self, label: str) -> Locator:
+        """The row of a widget by its label, the smallest element that holds label and widget."""
+        return self.page.locator(".mantine-Flex-root", has=self.page.get_by_text(label, exact=True)).last
+
+    def thumb(self, label: str) -> Locator:
+        """The handle of a slider by the slider's label."""
+        return self.row(label).get_by_role("slider")
+
+    def value(self, label: str) -> float:
+        """What a slider's number field shows."""
+        return float(self.row(label).locator("input").last.input_value())
+
+    def slide(self, label: str, key: str = "ArrowRight", times: int = 3) -> None:
+        """Move a slider by keys."""
+        self.thumb(label).focus()
+        self.key(key, times)
+
+    def type_number(self, label: str, words: str) -> None:
+        """Type into a slider's number field, without leaving it."""
+        self.row(label).locator("input").last.fill(words)
+        self.pause(2)
+
+    def picture(self, path: Any) -> None:
+        """Keep a screenshot."""
+        try:
+            self.page.screenshot(path=path, timeout=PATIENCE * 1000)
+        except Error as problem:
+            raise AssertionError(f"no screenshot: {problem}") from None

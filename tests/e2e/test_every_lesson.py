@@ -1,0 +1,92 @@
+"""What holds for every lesson on the screen; nothing here names one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tab import Tab, eventually
+
+from app.knobs import Number
+from app.lesson import Lesson
+from app.view.knobs import label_of
+from lessons import LESSONS
+
+GLYPHS = """() => {
+  const pen = new OffscreenCanvas(48, 48).getContext('2d', {willReadFrequently: true});
+  pen.font = '40px ' + getComputedStyle(document.querySelector('.ol-question')).fontFamily;
+  return Array.from('观测器极点', sign => {
+    pen.clearRect(0, 0, 48, 48); pen.fillText(sign, 2, 42);
+    return Array.from(pen.getImageData(0, 0, 48, 48).data).join();
+  });
+}"""
+SPILT = """() => {
+  const out = [];
+  for (const e of document.querySelectorAll('.ol-question, .ol-note, .ol-caption, .ol-veil, .mantine-Button-label'))
+    if (e.clientWidth && e.scrollWidth > e.clientWidth + 1) out.push(e.textContent.slice(0, 60));
+  if (document.documentElement.scrollWidth > innerWidth) out.push('the whole page');
+  return out;
+}"""
+UNDRAWN = """() => Array.from(document.querySelectorAll('math'))
+  .filter(m => { const b = m.getBoundingClientRect(); return m.checkVisibility() && (b.width < 4 || b.height < 6); })
+  .map(m => m.textContent)"""
+
+
+def veil(tab: Tab) -> str:
+    """How the first figure is blurred."""
+    figure = tab.page.locator(".uplot canvas, .ol-figure svg").first
+    return figure.evaluate("e => getComputedStyle(e).filter")
+
+
+def move_a_slider(tab: Tab, lesson: Lesson) -> None:
+    """Move the lesson's sliders, one after the other, until a figure follows."""
+    start, before, moved = lesson.start(), tab.shown(), []
+    for knob in lesson.knobs:
+        if isinstance(knob, Number) and lesson.shown(knob, start):
+            tab.slide(label_of(knob, "en"), "ArrowLeft" if start[knob.name] >= knob.high else "ArrowRight", 4)
+            moved.append(knob.name)
+            tab.pause(4)
+            if tab.shown() != before:
+                return
+    eventually(tab.shown, lambda shown: shown != before, f"a figure follows one of the sliders {moved}")
+
+
+def look_at(tab: Tab, lesson: Lesson, language: str, path: Path) -> None:
+    """Keep a picture of the whole screen, on which nothing spills and every equation is drawn."""
+    words: Any = lesson.words[language]
+    eventually(tab.question, lambda seen: seen == words.question, f"the question in {language}")
+    tab.pause(10)
+    tab.close_any_notices()
+    tab.picture(path)
+    assert tab.page.evaluate(SPILT) == []
+    assert tab.page.evaluate(UNDRAWN) == []
+    assert tab.page.locator("math").count() > 0, "no equation on the page"
+
+
+@pytest.mark.parametrize("lesson", list(LESSONS.values()), ids=list(LESSONS))
+def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, new_tab: Callable[..., Tab], artefacts: Path) -> None:
+    """Veiled until predicted, answering to a slider, playing after the prediction, sound in both languages."""
+    tab = new_tab()
+    words: Any = lesson.words["en"]
+    tab.choose_lesson(words.title, words.question)
+    assert "blur" in veil(tab)
+    tab.key("Space")
+    assert "prediction" in eventually(tab.notices, bool, "a sentence that says why nothing plays")
+    assert tab.clock() == 0.0
+    move_a_slider(tab, lesson)
+    tab.predict("B")
+    eventually(lambda: veil(tab), lambda style: style == "none", "the veil is lifted")
+    assert "You predicted B" in tab.page.locator("body").inner_text()
+    eventually(tab.clock, lambda t: t > 0.0, "the run plays")
+    tab.press("reset")
+    tab.page.set_viewport_size({"width": 1600, "height": 900})
+    tab.press("kick") if lesson.kick else tab.press("▶ play")
+    eventually(tab.clock, lambda t: t > 0.1, "the run plays again")
+    tab.button("⏸ pause").or_(tab.button("▶ play")).first.click()
+    look_at(tab, lesson, "en", artefacts / f"{lesson.number:02d}-{lesson.id}-en.png")
+    tab.press("中文")
+    look_at(tab, lesson, "zh", artefacts / f"{lesson.number:02d}-{lesson.id}-zh.png")
+    glyphs = tab.page.evaluate(GLYPHS)
+    assert len(set(glyphs)) == len(glyphs), "Chinese signs are drawn as the same box"

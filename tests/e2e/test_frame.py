@@ -1,0 +1,55 @@
+"""What the frame around the lessons promises: languages, large print, a phone, and one sentence for bad input."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from tab import Tab, eventually
+
+from lessons import LESSONS, OPENING
+
+SLIDER = "stiffness believed wrong by [%]"
+SIZE = "() => parseFloat(getComputedStyle(document.querySelector('.ol-question')).fontSize)"
+
+
+def test_the_language_changes_at_run_time_and_the_design_stays(tab: Tab) -> None:
+    tab.slide(SLIDER, "ArrowRight", 4)
+    eventually(lambda: tab.value(SLIDER), lambda v: v == 4.0, "the slider")
+    tab.press("中文")
+    eventually(tab.question, lambda words: words == LESSONS[OPENING].words["zh"].question, "the question in Chinese")
+    titles = eventually(tab.curves, bool, "the plots in Chinese")
+    assert all(not title.isascii() for title, _ in titles)
+    assert tab.value("模型刚度误差 [%]") == 4.0
+    tab.press("English")
+    eventually(tab.question, lambda words: words == LESSONS[OPENING].words["en"].question, "the question in English")
+
+
+def test_large_print_enlarges_the_whole_frame(new_tab: Callable[..., Tab], artefacts: Path) -> None:
+    tab = new_tab(1600, 900)
+    before = tab.page.evaluate(SIZE)
+    tab.press("large print")
+    eventually(lambda: tab.page.evaluate(SIZE), lambda size: size > 1.4 * before, "large print")
+    tab.pause(8)
+    tab.picture(artefacts / "lecture.png")
+    tab.press("large print")
+    eventually(lambda: tab.page.evaluate(SIZE), lambda size: size == before, "normal print")
+
+
+def test_the_page_opens_on_a_phone(new_tab: Callable[..., Tab], artefacts: Path) -> None:
+    tab = new_tab(390, 844)
+    assert tab.page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert tab.page.locator(".ol-question").is_visible()
+    tab.pause(5)
+    tab.picture(artefacts / "phone.png")
+
+
+def test_a_number_out_of_bounds_costs_one_sentence_and_nothing_else(tab: Tab) -> None:
+    before = tab.shown()
+    tab.type_number(SLIDER, "1000000000")
+    sentence = eventually(tab.notices, lambda words: "1e+09" in words, "a sentence about the number")
+    assert "-30 … 30 %" in sentence
+    eventually(lambda: tab.value(SLIDER), lambda v: v == 0.0, "the accepted value comes back")
+    assert tab.shown() == before, "the last good picture stays"
+    tab.slide(SLIDER, "ArrowRight", 3)
+    eventually(tab.shown, lambda shown: shown != before, "the tab still works")

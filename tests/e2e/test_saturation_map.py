@@ -1,0 +1,35 @@
+"""The saturation lesson's map: computed with a bar, cancelled on demand, and clicked to run a start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from geometry import on_screen
+from tab import Tab, eventually
+
+from lessons import LESSONS
+
+LESSON = LESSONS["saturation"]
+BAR = ".mantine-Progress-root"
+
+
+def test_the_map_is_cancelled_then_computed_then_clicked(new_tab: Callable[..., Tab]) -> None:
+    assert LESSON.job is not None
+    start = LESSON.job.label("en")
+    tab = new_tab(1280, 760)
+    tab.choose_lesson(LESSON.words["en"].title, LESSON.words["en"].question)
+    tab.page.locator("button", has_text="Map").last.scroll_into_view_if_needed()
+    tab.press(start)
+    tab.page.locator(BAR).first.wait_for()
+    tab.press("cancel")
+    eventually(tab.notices, lambda words: "cancelled" in words, "the cancellation is confirmed")
+    tab.page.locator(BAR).first.wait_for(state="detached")
+    tab.press(start)
+    tab.page.locator(BAR).first.wait_for()
+    tab.page.locator(BAR).first.wait_for(state="detached")
+    assert tab.button(start).count() == 1
+    tab.close_any_notices()
+    curves = tab.shown()
+    x, y = on_screen(tab, "/map/picture")
+    tab.page.mouse.click(x + 25, y - 6)
+    eventually(tab.shown, lambda shown: shown != curves, "the clicked start runs")
