@@ -1,0 +1,177 @@
+"""Figure records: calm axes, finite data, thin curves, columns for files."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.figures import (
+    FLOOR,
+    Curve,
+    FrequencyFigure,
+    MapFigure,
+    MatrixFigure,
+    PlaneFigure,
+    Point,
+    TableFigure,
+    TimeFigure,
+    axis_range,
+    calm_range,
+    columns,
+    finite,
+    nice,
+    tabs,
+    thin,
+)
+from app.words import Text, same
+
+quick = settings(max_examples=200, deadline=None, derandomize=True, database=None)
+sane = st.floats(-1e9, 1e9)
+anything = st.floats(allow_nan=True, allow_infinity=True)
+
+
+def time_figure(*series: list[float], log: bool = False, window: tuple[float, float] | None = None) -> TimeFigure:
+    n = max((len(s) for s in series), default=1)
+    return TimeFigure("x", same("x"), np.arange(float(n)), tuple(Curve(same("y"), np.array(s, dtype=float)) for s in series),
+                      log=log, window=window)
+
+
+# --- finite, nice, thin ----------------------------------------------------------------------------------------------
+@quick
+@given(st.lists(anything, min_size=1, max_size=20))
+def test_drawn_values_are_finite_and_small_enough(values: list[float]) -> None:
+    drawn = finite(np.array(values))
+    assert np.all(np.isfinite(drawn)) and np.all(np.abs(drawn) <= 1e12)
+    kept = np.array([math.isfinite(v) and abs(v) <= 1e12 for v in values])
+    assert np.array_equal(drawn[kept], np.array(values)[kept])
+
+
+def test_what_diverges_is_clipped_towards_its_own_side_and_the_input_is_untouched() -> None:
+    values = np.array([np.nan, np.inf, -np.inf, 1e300, 1.0])
+    assert finite(values).tolist() == [0.0, 1e12, -1e12, 1e12, 1.0]
+    assert np.isnan(values[0])
+
+
+@quick
+@given(st.floats(1e-30, 1e30))
+def test_a_nice_number_is_round_and_the_least_that_is_enough(value: float) -> None:
+    n = nice(value)
+    assert value <= n * (1 + 1e-8) and n <= 2.5 * value * (1 + 1e-8)
+    assert min(abs(n / 10 ** math.floor(math.log10(n * (1 + 1e-12))) - s) for s in (1, 2, 2.5, 5, 10)) < 1e-6
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
+def test_a_nice_number_for_nothing_is_one(value: float) -> None:
+    assert nice(value) == 1.0
+
+
+@quick
+@given(st.integers(1, 5000), st.integers(1, 600))
+def test_thinning_keeps_both_ends_the_order_and_the_pairs(n: int, points: int) -> None:
+    t = np.arange(float(n))
+    a, b, c = thin(t, 2 * t, t**2, points=points)
+    assert a[0] == 0 and a[-1] == n - 1 and np.all(np.diff(a) > 0)
+    assert len(a) <= points + 1
+    assert np.array_equal(b, 2 * a) and np.array_equal(c, a**2)
+
+
+# --- axes ------------------------------------------------------------------------------------------------------------
+@quick
+@given(st.lists(st.lists(sane, min_size=3, max_size=3), min_size=1, max_size=3))
+def test_a_linear_axis_holds_all_data_and_zero(series: list[list[float]]) -> None:
+    low, high = axis_range(time_figure(*series))
+    assert low < high and low <= 0 <= high
+    assert all(low <= v <= high for s in series for v in s)
+
+
+@quick
+@given(st.lists(st.floats(1e-9, 1e9), min_size=1, max_size=6))
+def test_a_logarithmic_axis_runs_over_whole_decades_around_the_data(values: list[float]) -> None:
+    low, high = axis_range(time_figure(values, log=True))
+    assert 0 < low < high and high >= max(values) * (1 - 1e-9)
+    for end in (low, high):
+        assert math.log10(end) == pytest.approx(round(math.log10(end)), abs=1e-9)
+    assert math.log10(high / low) <= 9 + 1e-9
+    if math.log10(high / min(values)) < 9:
+        assert low <= min(values) * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("log", [False, True])
+@pytest.mark.parametrize("series", [[[0.0, 0.0]], [[np.nan, np.nan]], [[np.inf, -np.inf]], [[1e300, 0.0]], [[1e-300, 0.0]], [], [[]],
+                                    [[-1e-15, 1e-15]]])
+def test_an_axis_is_a_finite_range_whatever_the_data(series: list[list[float]], log: bool) -> None:
+    low, high = axis_range(time_figure(*series, log=log))
+    assert math.isfinite(low) and math.isfinite(high) and low < high
+    assert not log or low >= FLOOR / 10
+
+
+def test_the_window_is_always_inside() -> None:
+    low, high = axis_range(time_figure([0.1, 0.2], window=(-3.0, 4.0)))
+    assert low <= -3 and high >= 4
+    low, high = axis_range(time_figure([1.0, 2.0], log=True, window=(1e-4, 1e3)))
+    assert low <= 1e-4 and high >= 1e3
+
+
+@quick
+@given(st.lists(st.lists(sane, min_size=2, max_size=4), min_size=1, max_size=8), st.booleans())
+def test_while_a_knob_moves_the_axis_stays_put(runs: list[list[float]], log: bool) -> None:
+    first = calm_range(time_figure(runs[0], log=log), None, False)
+    for run in runs:
+        assert calm_range(time_figure(run, log=log), first, False) == first
+
+
+@quick
+@given(st.lists(sane, min_size=2, max_size=4), st.lists(sane, min_size=2, max_size=4), st.booleans())
+def test_a_resting_axis_shows_everything_and_then_stays(before: list[float], now: list[float], log: bool) -> None:
+    last = calm_range(time_figure(before, log=log), None, True)
+    figure = time_figure(now, log=log)
+    wanted, reached = axis_range(figure), calm_range(figure, last, True)
+    assert reached in (last, wanted)
+    assert reached[0] <= wanted[0] * (1.01 if wanted[0] > 0 else 1) and wanted[1] <= reached[1] * 1.01
+    assert calm_range(figure, reached, True) == reached
+
+
+def test_a_resting_axis_tightens_when_the_data_have_become_small() -> None:
+    assert calm_range(time_figure([0.0, 1.0]), (0.0, 100.0), True) == axis_range(time_figure([0.0, 1.0]))
+    assert calm_range(time_figure([0.0, 60.0]), (0.0, 100.0), True) == (0.0, 100.0)
+
+
+def test_a_spectrum_is_logarithmic() -> None:
+    figure = FrequencyFigure("f", same("f"), np.array([1.0, 10.0]), (Curve(same("y"), np.array([3e-3, 20.0])),))
+    assert axis_range(figure) == pytest.approx((1e-3, 100.0))
+
+
+# --- columns, tabs ---------------------------------------------------------------------------------------------------
+def test_columns_hold_what_is_drawn() -> None:
+    t, y = np.array([0.0, 1.0]), np.array([2.0, 3.0])
+    curve = Curve(Text("speed", "速度"), y)
+    names, data = columns(TimeFigure("a", same("a"), t, (curve, curve)))
+    assert names == ["t [s]", "speed", "speed"] and data.tolist() == [[0, 2, 2], [1, 3, 3]]
+    names, data = columns(FrequencyFigure("a", same("a"), t, (curve,)))
+    assert names == ["f [Hz]", "speed"] and data.tolist() == [[0, 2], [1, 3]]
+    names, data = columns(PlaneFigure("a", same("a"), (Curve(same("c"), y, x=t),), (Point(5.0, 6.0),), "Re", "Im"))
+    assert names == ["Re", "Im"] and data.tolist() == [[5, 6], [0, 2], [1, 3]]
+    names, data = columns(MatrixFigure("a", same("a"), np.eye(2), columns=("x", "y")))
+    assert names == ["x", "y"] and data.tolist() == [[1, 0], [0, 1]]
+    names, data = columns(MapFigure("a", same("a"), t, y, np.array([[0, 1], [2, -1]]), ((same("in"), "plant"),), "p", "q"))
+    assert names == ["p", "q", "category"]
+    assert data.tolist() == [[0, 2, 0], [1, 2, 1], [0, 3, 2], [1, 3, -1]]
+
+
+def test_a_table_has_as_many_columns_as_names() -> None:
+    names, data = columns(TableFigure("a", same("a"), (same("x"), same("y")), (("1", same("2")),)))
+    assert names == ["x", "y"] and data.shape[1] == 2
+
+
+def test_a_plane_without_anything_still_has_two_columns() -> None:
+    assert columns(PlaneFigure("a", same("a")))[1].shape == (0, 2)
+
+
+def test_tabs_come_in_the_order_in_which_figures_name_them() -> None:
+    one, two = Text("one", "一"), Text("two", "二")
+    figures = [TableFigure(str(i), same("t"), (), (), tab=tab) for i, tab in enumerate((two, one, two))]
+    assert tabs(figures) == [two, one]

@@ -1,0 +1,139 @@
+"""The form of a lesson's words: what is read, what is missing, what the page can draw."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from app.prose import ProseError, parse_prose, read_prose
+from app.view import phrases
+from app.view.prose import mathml, render
+from app.words import Text, same
+
+GOOD = """# A title
+> A question
+> over two lines?
+Some $x$ words.
+
+A second paragraph.
+## predict
+What happens?
+- one
+- two
+  goes on
+- three
+### reveal
+It was so.
+## step First: with a colon
+Text of the first.
+## step Second
+- a list
+- in a step
+## task do-it: Do it
+The statement.
+- hint one
+- hint two
+### solution
+The solution.
+## exam
+What is ${a}$ in $x^{{2}}$?
+## source
+Here.
+"""
+
+
+def test_every_part_is_read() -> None:
+    prose = parse_prose(GOOD)
+    assert (prose.title, prose.question) == ("A title", "A question over two lines?")
+    assert prose.introduction == "Some $x$ words.\n\nA second paragraph."
+    assert (prose.predict, prose.options, prose.reveal) == ("What happens?", ("one", "two goes on", "three"), "It was so.")
+    assert prose.steps == (("First: with a colon", "Text of the first."), ("Second", "- a list\n- in a step"))
+    task = prose.tasks["do-it"]
+    assert (task.title, task.statement, task.hints, task.solution) == (
+        "Do it", "The statement.", ("hint one", "hint two"), "The solution.")
+    assert prose.exam.format(a=3) == "What is $3$ in $x^{2}$?"
+    assert prose.source == "Here."
+
+
+@pytest.mark.parametrize("lost, name", [("> A question\n> over two lines?\n", "question"), ("What happens?\n", "predict"),
+                                        ("It was so.\n", "reveal"), ("## source\nHere.\n", "source"),
+                                        ("## exam\nWhat is ${a}$ in $x^{{2}}$?\n", "exam"),
+                                        ("Some $x$ words.\n\nA second paragraph.\n", "introduction")])
+def test_what_is_missing_is_named(lost: str, name: str) -> None:
+    assert lost in GOOD
+    with pytest.raises(ProseError, match=rf"lesson/en.md has no {name}"):
+        parse_prose(GOOD.replace(lost, ""), "lesson/en.md")
+
+
+def test_a_section_that_does_not_exist_is_named() -> None:
+    with pytest.raises(ProseError, match="## wonder about"):
+        parse_prose(GOOD + "## wonder about\nx\n")
+
+
+@pytest.mark.parametrize("text", ["", "no title", "## predict\nx"])
+def test_a_file_begins_with_its_title(text: str) -> None:
+    with pytest.raises(ProseError, match="# title"):
+        parse_prose(text)
+
+
+def test_windows_line_ends_are_line_ends(tmp_path) -> None:
+    for language in ("en", "zh"):
+        (tmp_path / f"{language}.md").write_bytes(GOOD.replace("\n", "\r\n").encode())
+    assert read_prose(tmp_path)["en"] == parse_prose(GOOD)
+
+
+def test_both_languages_are_read_from_a_folder(tmp_path) -> None:
+    (tmp_path / "en.md").write_text(GOOD, encoding="utf-8")
+    (tmp_path / "zh.md").write_text(GOOD.replace("A title", "标题"), encoding="utf-8")
+    words = read_prose(tmp_path)
+    assert (words["en"].title, words["zh"].title) == ("A title", "标题")
+
+
+# --- drawing -------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("latex, pieces", [
+    (r"\dot e=(A-LC)e", ["<mi>e</mi>", "<mi>A</mi>", "<mi>L</mi>"]),
+    (r"\begin{bmatrix} 1 & 0 \\ 2 & -3 \end{bmatrix}", ["<mtable", "<mtr>", "<mn>3</mn>"]),
+    (r"\hat{x}", ["<mover"]), (r"\frac{d}{dt}", ["<mfrac>"]), (r"u_{\max}", ["<msub>"]),
+    (r"\color{#D55E00}{12}", ["#D55E00", "<mn>12</mn>"]),
+])
+def test_formulas_become_mathml(latex: str, pieces: list[str]) -> None:
+    drawn = mathml(latex)
+    assert drawn.startswith("<math") and "<code>" not in drawn and "\\" not in drawn
+    for piece in pieces:
+        assert piece in drawn, drawn
+
+
+def test_display_and_inline_formulas_differ_only_in_their_display() -> None:
+    assert 'display="block"' in mathml("x", True) and 'display="inline"' in mathml("x")
+    assert render("a $x$ b") == f"a {mathml('x')} b"
+    assert render("a $$x$$ b") == f"a {mathml('x', True)} b"
+
+
+def test_a_formula_that_cannot_be_drawn_is_shown_as_its_source_and_not_as_markup() -> None:
+    drawn = mathml(r"\frac{1}{")
+    assert drawn.startswith("<code>") and r"\frac" in drawn
+    dangerous = mathml(r"\left( <b>x</b> \frac{")
+    assert "<b>" not in dangerous
+
+
+def test_markdown_without_formulas_stays_as_it_is() -> None:
+    assert render("**bold** and <kbd>k</kbd>") == "**bold** and <kbd>k</kbd>"
+
+
+# --- words of the frame --------------------------------------------------------------------------------------------
+FRAME = {name: value for name, value in vars(phrases).items() if isinstance(value, Text)}
+
+
+@pytest.mark.parametrize("name", FRAME)
+def test_the_words_of_the_frame_are_there_in_both_languages(name: str) -> None:
+    text = FRAME[name]
+    assert text.en.strip() and text.zh.strip()
+    assert not re.search(r"[\u4e00-\u9fff]", text.en)
+    assert re.search(r"[\u4e00-\u9fff]", text.zh) or not re.search("[A-Za-z]{2,}", text.en)
+    assert re.findall(r"\{.*?\}", text.en) == re.findall(r"\{.*?\}", text.zh)
+
+
+def test_a_text_speaks_the_language_asked_for() -> None:
+    text = Text("{0} is {n}", "{0} 是 {n}").format(1, n=2)
+    assert (text("en"), text("zh"), same("x")("zh")) == ("1 is 2", "1 是 2", "x")
