@@ -35,7 +35,7 @@ PRINTED = MappingProxyType({
     FIRST: "l₁ − 0.5 = 2",
     SECOND: "1 + 0.5 l₁ + l₂ = 1",
     GAIN: "L = (2.5, −1.25)",
-    MATRIX: "[−2.5  1;  −0.25  −0.5]",
+    MATRIX: "[−2.5, 1; −0.25, −0.5]",
 })
 
 
@@ -68,11 +68,11 @@ def _page(line: str, L: np.ndarray) -> TableFigure:
     A = PLANT.A - L @ PLANT.C
     trace, det = -float(np.trace(A)), float(np.linalg.det(A))
     yours = {
-        POLYNOMIAL: f"λ² {_signed(trace)} λ {_signed(det)}",
-        FIRST: f"{_plain(l1 - 0.5)} = 2",
-        SECOND: f"{_plain(1 + 0.5 * l1 + l2)} = 1",
+        POLYNOMIAL: f"λ² {_signed(trace)}λ {_signed(det)}",
+        FIRST: _compared(l1 - 0.5, 2),
+        SECOND: _compared(1 + 0.5 * l1 + l2, 1),
         GAIN: f"L = ({_plain(l1)}, {_plain(l2)})",
-        MATRIX: f"[{_plain(A[0, 0])}  1;  {_plain(A[1, 0])}  −0.5]",
+        MATRIX: f"[{_plain(A[0, 0])}, 1; {_plain(A[1, 0])}, −0.5]",
     }
     names = dict(LINES)
     rows = tuple((Text(f"▸ {names[k].en}", f"▸ {names[k].zh}") if k == line else names[k], PRINTED[k], yours[k])
@@ -109,6 +109,10 @@ def _words(poles: np.ndarray) -> str:
 
 def _plain(value: float) -> str:
     return f"{value + 0.0:.4g}".replace("-", "−")
+
+
+def _compared(left: float, right: int) -> str:
+    return f"{_plain(left)} {'=' if abs(left - right) < 1e-9 else '≠'} {right}"
 
 
 def _signed(value: float) -> str:

@@ -127,7 +127,7 @@ def test_the_slip_is_not_found_by_naming_a_line_that_inherits_it():
 def test_the_page_shows_the_present_gain_in_every_line():
     page, _ = notes_figures("first", np.array([[1.5], [-0.75]]))
     assert [row[2] for row in page.rows] == [
-        "λ² + 2 λ + 1", "1 = 2", "1 = 1", "L = (1.5, −0.75)", "[−1.5  1;  −0.25  −0.5]"]
+        "λ² + 2λ + 1", "1 ≠ 2", "1 = 1", "L = (1.5, −0.75)", "[−1.5, 1; −0.25, −0.5]"]
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
