@@ -1,0 +1,156 @@
+"""Hidden modes: bolts on the boards. What leaves no trace cannot be corrected; what is out of reach cannot be moved."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from app.engine import Placement, Scenario, observer_gain, place, simulate
+from app.figures import Figure
+from app.knobs import Choice, Number, Poles
+from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
+from app.prose import read_prose
+from app.words import Text
+
+from ..toolkit import kicks, matrix, number, pole_words, run_knobs, stage
+from .cases import CASES, UNMOVED, UNSEEN, Case
+from .pictures import all_figures
+from .tasks import TASKS
+
+FIRST = CASES["unseen-unstable"].model
+APART = 0.1  # m, by which each block starts off the centre, one to either side
+
+
+def _poles(name: str, symbol: str, label: Text, default: tuple[complex, ...], role: str, plants: tuple[str, ...]) -> Poles:
+    window = FIRST.controller_window if role == "plant" else FIRST.observer_window
+    return Poles(name, symbol, label, "rad/s", default=default, re_low=window.re_low, re_high=window.re_high,
+                 im_high=window.im_high, role=role, when=("plant", plants))
+
+
+SLOW, QUICK = (-0.9 - 1.2j, -0.9 + 1.2j), (-1.5 - 3j, -1.5 + 3j)
+CALM, FAST = (-2.5 - 2j, -2.5 + 2j), (-3.5 - 4j, -3.5 + 4j)
+KNOBS = (
+    Choice("plant", "", Text("plant", "对象"), default="unseen-unstable",
+           options=tuple((case.id, case.label) for case in CASES.values()),
+           hint=Text("What holds the two blocks, where the sensor looks, and where the force acts.",
+                     "滑块由什么支承，传感器看哪里，力作用在哪里。")),
+    Number("centre", r"c_0", Text("common part of the start", "初始状态的同步部分"), "m", low=-0.3, high=0.3, default=0.06,
+           step=0.01, hint=Text("How far both blocks start to the same side. The observer believes 0.",
+                                "两滑块起始时同向偏离多少；观测器以为是 0。")),
+    _poles("controller_all", "p", Text("Controller poles", "控制器极点"), (*SLOW, *QUICK), "plant", (*UNSEEN, "visible")),
+    _poles("controller_part", "p", Text("Controller poles that move", "可移动的控制器极点"), QUICK, "plant", UNMOVED),
+    _poles("observer_part", "q", Text("Observer poles that move", "可移动的观测器极点"), FAST, "estimate", UNSEEN),
+    _poles("observer_all", "q", Text("Observer poles", "观测器极点"), (*CALM, *FAST), "estimate", (*UNMOVED, "visible")),
+    *run_knobs(FIRST.horizon),
+)
+
+
+def movable(case: Case) -> tuple[str, str]:
+    """Names of the knobs that hold the poles which K and which L can move."""
+    return ("controller_part" if case.unmoved else "controller_all",
+            "observer_part" if case.unseen else "observer_all")
+
+
+def compute(design: Design) -> Outcome:
+    """Gains for the movable poles with the bolted ones left where they are, and one run."""
+    case = CASES[design["plant"]]
+    plant, model, (left, right) = case.model.plant, case.model, movable(case)
+    control = place(plant.A, plant.B, (*design[left], *case.unmoved))
+    observer = observer_gain(plant.A, plant.C, (*design[right], *case.unseen))
+    c = design["centre"]
+    run = simulate(Scenario(plant, control.gain, observer.gain, x0=(c + APART, c - APART, 0, 0), xhat0=model.guess,
+                            horizon=model.horizon, dt=model.dt, impulses=kicks(design, model), seed=int(design["seed"])))
+    e = np.linalg.norm(run.e, axis=1)
+    metrics = {
+        "error_rate": float(max(np.real(observer.poles))), "state_rate": float(max(np.real(control.poles))),
+        "hidden_rate": max((p.real for p in (*case.unseen, *case.unmoved)), default=float("nan")),
+        "error_end": float(e[-1] / max(float(e[0]), 1e-12)), "state_end": float(np.linalg.norm(run.x[-1])),
+        "weakest_seen": min(m.margin for m in case.seen.modes),
+        "weakest_reached": min(m.margin for m in case.reached.modes),
+    }
+    metrics = {key: value for key, value in metrics.items() if np.isfinite(value)}
+    return Outcome(
+        design, {"K": control.gain, "L": observer.gain}, {"controller": control.poles, "observer": observer.poles},
+        metrics, _checks(case, metrics), run, _boards(design, case, observer), stage(model, run),
+        _formulas(case, control, observer), _live(case), case)
+
+
+def _checks(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
+    error, state = metrics["error_rate"], metrics["state_rate"]
+    return (
+        Check("observable", Text("observable: every mode leaves a trace", "能观：每个模态都留下痕迹"), case.seen.observable,
+              metrics["weakest_seen"]),
+        Check("detectable", Text("detectable: what leaves no trace settles", "可检测：不留痕迹的模态自行衰减"),
+              case.seen.detectable, metrics["weakest_seen"]),
+        Check("controllable", Text("controllable: every mode is reached", "能控：每个模态都够得着"),
+              case.reached.controllable, metrics["weakest_reached"]),
+        Check("stabilizable", Text("stabilizable: what is out of reach settles", "可镇定：够不着的模态自行衰减"),
+              case.reached.stabilizable, metrics["weakest_reached"]),
+        Check("error", Text("with this L the error dies out", "用这个 L，误差衰减到零"), error < 0, error),
+        Check("loop", Text("with this K and L the plant settles", "用这组 K、L，对象稳定下来"), max(error, state) < 0,
+              max(error, state)),
+    )
+
+
+def _boards(design: Design, case: Case, observer: Placement) -> tuple[Board, Board]:
+    left, right = movable(case)
+    c, o, plant = FIRST.controller_window, FIRST.observer_window, case.model.plant
+    return (
+        Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"), design[left], left,
+              fixed=case.unmoved, role="plant", side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), design[right], right,
+              fixed=case.unseen, role="estimate", side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high,
+              landscape=plant.A - observer.gain @ plant.C),
+    )
+
+
+def _formulas(case: Case, control: Placement, observer: Placement) -> tuple[Formula, ...]:
+    seen = min(case.seen.modes, key=lambda m: (m.margin > 1e-9, -m.pole.real, m.margin))
+    reached = min(case.reached.modes, key=lambda m: (m.margin > 1e-9, -m.pole.real, m.margin))
+
+    def rank(mode_pole: complex, stacked: str, distance: float) -> str:
+        value = "0" if distance < 1e-12 else number(distance)
+        pole = number(mode_pole.real) + (rf" {'+' if mode_pole.imag > 0 else '-'} {number(abs(mode_pole.imag))}j"
+                                         if abs(mode_pole.imag) > 1e-9 else "")
+        return rf"\lambda = {pole}: \quad \sigma_{{\min}} {stacked} = {value}"
+    return (
+        Formula("seen", rank(seen.pole, r"\begin{bmatrix} A-\lambda I \\ C \end{bmatrix}", seen.distance)),
+        Formula("reached", rank(reached.pole, r"\begin{bmatrix} A-\lambda I & B \end{bmatrix}", reached.distance)),
+        Formula("K", rf"K = {matrix(control.gain)}"),
+        Formula("L", rf"L^{{\mathsf T}} = {matrix(observer.gain.T)}"),
+    )
+
+
+def _live(case: Case) -> Text:
+    bolts = case.unseen or case.unmoved
+    if not bolts:
+        return Text("Nothing is bolted: the plant is as unstable as between magnets before, and every pole can be moved.",
+                    "没有螺栓：对象同样受磁铁吸引而不稳定，但每个极点都能移动。")
+    words, rate = pole_words(list(bolts)), f"{max(p.real for p in bolts):.3g}".replace("-", "−")
+    if case.unseen:
+        return Text(f"The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
+                    f"极点 {words} 在 y 中不留痕迹。无论 L 取什么，e 中总有一部分按 e^({rate} t) 变化。")
+    return Text(f"The poles at {words} are out of reach of u. Whatever K is, part of x follows e^({rate} t).",
+                f"输入 u 够不着极点 {words}。无论 K 取什么，x 中总有一部分按 e^({rate} t) 变化。")
+
+
+def figures(outcome: Outcome) -> tuple[Figure, ...]:
+    """What the sensor says and what it does not; parts of e and x; margins, lights, decomposition; every gain."""
+    return all_figures(outcome)
+
+
+def exam(seed: int) -> ExamItem:
+    """A = [a b; b a], C = [1 −1]: which eigenvalue of A − LC is the same for every L? The one of (1, 1): a + b."""
+    rng = np.random.default_rng(seed)
+    a, b = -float(rng.integers(2, 9)), float(rng.integers(1, 12))
+    if a + b == 0:
+        b += 1.0
+    return ExamItem({"a": f"{a:g}", "b": f"{b:g}"}, a + b, 1e-6)
+
+
+LESSON = Lesson("hidden-modes", 6, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,
+                source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
+                words=read_prose(Path(__file__).parent))
+
+__all__ = ["LESSON"]
