@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from .svg import draw
 
 DASHES: dict[str, tuple[float, ...] | None] = {"solid": None, "dash": (9, 5), "dot": (2, 4)}
 HEIGHT = 205
+SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, Any]:
@@ -42,6 +44,15 @@ def data_of(figure: TimeFigure | FrequencyFigure, span: tuple[float, float]) -> 
     if logarithmic:
         return rows[0], *(np.clip(np.abs(y), max(span[0] / 1e3, FLOOR), span[1] * 1e3) for y in rows[1:])
     return rows[0], *(np.clip(y, span[0] - reach, span[1] + reach) for y in rows[1:])
+
+
+def decades(low: float, high: float, most: int = 6) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Powers of ten within [low, high], about `most` of them at most, and their names: 0.1, 1, 10, 10³."""
+    first, last = math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9)
+    step = max(1, math.ceil((last - first + 1) / most))
+    powers = range(last - (last - first) // step * step, last + 1, step)
+    return tuple(10.0 ** k for k in powers), tuple(
+        f"{10.0 ** k:g}" if -2 <= k <= 2 else "10" + str(k).translate(SUPERSCRIPT) for k in powers)
 
 
 class Chart:
@@ -83,10 +94,16 @@ class Chart:
         font = f"{size}px sans-serif"
         look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
                 "ticks": {"stroke": "#c9ced6", "width": 1}}
+        vertical: dict[str, Any] = {**look, "label": figure.y_label, "labelSize": size + 6, "size": 4 * size + 8}
+        if logarithmic:
+            vertical["splits"], vertical["values"] = decades(*self._range)
+        horizontal: dict[str, Any] = {**look, "label": "t [s]" if time else "f [Hz]", "labelSize": size + 6,
+                                      "size": size + 16}
+        if not time:
+            horizontal["splits"], horizontal["values"] = decades(float(x[0]), float(x[-1]))
         return {
             "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": round(HEIGHT * (1.25 if self._bold > 1 else 1.0)),
-            "axes": ({**look, "label": "t [s]" if time else "f [Hz]", "labelSize": size + 6, "size": size + 16},
-                     {**look, "label": figure.y_label, "labelSize": size + 6, "size": 4 * size + 8}),
+            "axes": (horizontal, vertical),
             "legend": {"show": True, "live": False}, "cursor": {"drag": {"x": False, "y": False}},
             "padding": (10, 14, 0, 0),
         }
@@ -115,5 +132,5 @@ class Chart:
         if wanted != self._range or float(x[-1]) != float(old[-1]):
             self._range = wanted
             frame = self._frame(figure)
-            self._plot.scales = frame["scales"]
+            self._plot.scales, self._plot.axes = frame["scales"], frame["axes"]
         self._plot.data = data_of(figure, wanted)

@@ -171,7 +171,7 @@ class Panel:
 
     def _show_numbers(self, picture: Picture) -> None:
         if self._formulas or hasattr(self, "_live"):
-            _write(self._live, f'<p class="ol-note">{picture.outcome.live(self._lang)}</p>')
+            _write(self._live, f'<p class="ol-note ol-live">{picture.outcome.live(self._lang)}</p>')
         for formula in picture.outcome.formulas:
             if formula.id in self._formulas:
                 note = formula.note(self._lang)

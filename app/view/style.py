@@ -29,7 +29,7 @@ math mtable{--b:linear-gradient(currentColor,currentColor);padding:.15em .3em;bo
 math mtd{padding:.16em .3em}
 %(veil)s
 """
-VEIL = ".uplot canvas,.ol-figure svg{filter:blur(9px);opacity:.65}"
+VEIL = ".uplot canvas,.ol-figure svg{filter:blur(9px);opacity:.65}.ol-caption,.ol-live,.ol-table{visibility:hidden}"
 
 
 def sheet(lecture: bool, veiled: bool) -> str:
