@@ -1,0 +1,180 @@
+"""A tab without a browser: speaks viser's protocol over a WebSocket and keeps what a page would hold.
+
+Messages go out as plain dictionaries, so that a test may send what no browser would.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import time
+from collections.abc import Callable
+from importlib.metadata import version
+from types import TracebackType
+from typing import Any
+
+import msgspec
+import zstandard
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+from websockets.typing import Origin, Subprotocol
+
+PATIENCE = 20.0  # s for something that must come
+LATER = 0.1  # s between two changes: no throttle of the page is in the way here, but one of the person is
+STORED = re.compile(r"^sessionStorage\.setItem\((.*)\)$", re.S)
+
+
+class WireTab:
+    """One connection. `widgets` and `nodes` are kept up to date by `until` and `listen`."""
+
+    def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
+                 camera: bool = True) -> None:
+        self.widgets: dict[str, dict[str, Any]] = {}  # uuid → message with its props
+        self.commands: dict[str, str] = {}  # label → uuid
+        self.nodes: dict[str, dict[str, Any]] = {}  # scene nodes by name
+        self.notes: list[str] = []  # bodies of notifications, in order
+        self.messages: list[dict[str, Any]] = []  # everything received
+        self.kept = kept  # what the page's sessionStorage holds
+        self._socket = connect(url.replace("http", "ws", 1), origin=Origin(origin) if origin else None,
+                               subprotocols=[Subprotocol(protocol or f"viser-v{version('viser')}")],
+                               compression=None, max_size=None, open_timeout=PATIENCE, close_timeout=1.0)
+        if camera:
+            self.look()
+
+    def __enter__(self) -> WireTab:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, problem: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave, as a closed tab does."""
+        self._socket.close()
+
+    # --- sending ---------------------------------------------------------------------------------------------------
+    def send(self, kind: str, **fields: Any) -> None:
+        """Send one message of a kind."""
+        self._socket.send(msgspec.msgpack.encode({"type": kind, **fields}))
+
+    def send_raw(self, data: bytes | str) -> None:
+        """Send anything at all."""
+        self._socket.send(data)
+
+    def look(self) -> None:
+        """The camera message after which viser takes a connection for a tab."""
+        self.send("ViewerCameraMessage", wxyz=(1.0, 0.0, 0.0, 0.0), position=(0.0, -13.0, 4.0), fov=0.6, near=0.01,
+                  far=1000.0, image_height=720, image_width=1280, look_at=(0.0, 0.0, 2.0), up_direction=(0.0, 0.0, 1.0))
+
+    def update(self, label: str, **updates: Any) -> None:
+        """Change a widget as its browser would, and see it changed at once."""
+        uuid = self.find(label)
+        self.send("GuiUpdateMessage", uuid=uuid, updates=updates)
+        if "value" in updates:
+            self.widgets[uuid]["value"] = updates["value"]
+        time.sleep(LATER)
+
+    def press(self, label: str) -> None:
+        """Press a word of a button group, or a button."""
+        for uuid, widget in self.widgets.items():
+            if label in (widget["props"].get("options") or ()) and widget["type"] == "GuiButtonGroupMessage":
+                self.send("GuiUpdateMessage", uuid=uuid, updates={"value": label})
+                break
+        else:
+            self.send("GuiUpdateMessage", uuid=self.find(label), updates={"value": True})
+        time.sleep(LATER)
+
+    def command(self, label: str) -> None:
+        """Trigger a command of the palette."""
+        self.send("CommandTriggerMessage", uuid=self.commands[label])
+        time.sleep(LATER)
+
+    # --- receiving -------------------------------------------------------------------------------------------------
+    def until(self, condition: Callable[[], Any], what: str = "it", patience: float = PATIENCE) -> None:
+        """Receive until a condition holds; it may also be about the server."""
+        end = time.monotonic() + patience
+        while not condition():
+            assert time.monotonic() < end, f"{what} never happened; last notes: {self.notes[-3:]}"
+            self._receive(0.05)
+
+    def listen(self, seconds: float) -> int:
+        """Receive for a while; how many messages came."""
+        before, end = len(self.messages), time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            self._receive(left)
+        return len(self.messages) - before
+
+    def settle(self, quiet: float = 0.8, patience: float = PATIENCE) -> None:
+        """Receive until nothing has come for a while."""
+        end = time.monotonic() + patience
+        while self.listen(quiet):
+            assert time.monotonic() < end, "the tab never falls silent"
+
+    def closed(self, patience: float = PATIENCE) -> int | None:
+        """Receive until the server has closed the connection; the code it gave."""
+        end = time.monotonic() + patience
+        try:
+            while time.monotonic() < end:
+                self._receive(0.1)
+        except ConnectionClosed as left:
+            return left.rcvd.code if left.rcvd is not None else 1006
+        return None
+
+    def _receive(self, timeout: float) -> None:
+        try:
+            data = self._socket.recv(timeout=timeout)
+        except TimeoutError:
+            return
+        assert isinstance(data, bytes)
+        size = int.from_bytes(data[8:16], "little")
+        content = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(
+            data[16:16 + size], max_output_size=int.from_bytes(data[:8], "little")), strict=False)
+        for message in content["messages"]:
+            self.messages.append(message)
+            self._take(message)
+
+    def _take(self, message: dict[str, Any]) -> None:
+        kind = message["type"]
+        if kind in ("GuiUpdateMessage", "SceneNodeUpdateMessage"):
+            holder = self.widgets if kind[0] == "G" else self.nodes
+            thing = holder.get(message.get("uuid") or message.get("name") or "")
+            if thing is not None:
+                for name, value in message["updates"].items():
+                    (thing if name == "value" else thing["props"])[name] = value
+        elif kind == "GuiRemoveMessage":
+            self.widgets.pop(message["uuid"], None)
+        elif kind.startswith("Gui") and "props" in message:
+            self.widgets[message["uuid"]] = message
+        elif kind == "RemoveSceneNodeMessage":
+            self.nodes.pop(message["name"], None)
+        elif kind == "RegisterCommandMessage":
+            self.commands[message["props"]["label"]] = message["uuid"]
+        elif kind in ("NotificationShowMessage", "NotificationUpdateMessage"):
+            self.notes.append(message["props"]["body"])
+        elif kind == "RunJavascriptMessage" and (stored := STORED.match(message["source"])):
+            self.kept = json.loads(f"[{stored[1]}]")[1]
+        elif kind == "LocalStorageGetItemRequestMessage":
+            self.send("LocalStorageGetItemResponseMessage", value=self.kept or "", error=None,
+                      request_uuid=message["request_uuid"])
+        elif "name" in message and "props" in message:
+            self.nodes[message["name"]] = message
+
+    # --- seeing ----------------------------------------------------------------------------------------------------
+    def find(self, label: str) -> str:
+        """The uuid of the widget with a label."""
+        for uuid, widget in self.widgets.items():
+            if widget["props"].get("label") == label:
+                return uuid
+        labels = sorted({str(w["props"].get("label")) for w in self.widgets.values()})
+        raise LookupError(f"no widget {label!r}; there are {labels}")
+
+    def has(self, label: str) -> bool:
+        """Whether there is a widget with a label."""
+        return any(w["props"].get("label") == label for w in self.widgets.values())
+
+    def value(self, label: str) -> Any:
+        """The value that a widget shows."""
+        return self.widgets[self.find(label)]["value"]
+
+    def kinds(self) -> set[str]:
+        """The kinds of widgets on the page."""
+        return {w["type"] for w in self.widgets.values()}

@@ -1,0 +1,51 @@
+"""One server for a file of tests, on a free port of the loopback; tabs that are closed after each test."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from client import WireTab
+
+from app.session import Session
+from app.view.server import LabServer
+from lessons import LESSONS
+
+LESSON = "separation"
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[LabServer]:
+    server = LabServer(LESSONS, port=0, lesson=LESSON)
+    yield server
+    server.stop()
+
+
+@pytest.fixture
+def enter(server: LabServer) -> Iterator[Callable[..., WireTab]]:
+    """Makes a tab and waits for its first complete picture."""
+    tabs: list[WireTab] = []
+
+    def make(**options: Any) -> WireTab:
+        tab = WireTab(server.url, **options)
+        tabs.append(tab)
+        tab.until(lambda: tab.has(STIFFNESS) and "GuiUplotMessage" in tab.kinds(), "the first picture")
+        tab.settle(0.4)
+        return tab
+    yield make
+    for tab in tabs:
+        tab.close()
+    end = time.monotonic() + 10
+    while server.sessions and time.monotonic() < end:
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def newest(server: LabServer) -> Callable[[], Session]:
+    """The session of the tab that came last."""
+    return lambda: server.sessions[max(server.sessions)]
+
+
+STIFFNESS = "stiffness believed wrong by [%]"

@@ -1,0 +1,169 @@
+"""Tabs over the real protocol: a picture arrives, nobody sees another's state, silence costs nothing, leaving cleans up."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from urllib.request import urlopen
+
+import pytest
+from client import WireTab
+
+from app.session import Session
+from app.view.server import LabServer
+from lessons import LESSONS
+
+STIFFNESS, DELAY = "stiffness believed wrong by [%]", "input delay [ms]"
+Enter = Callable[..., WireTab]
+Newest = Callable[[], Session]
+
+
+def test_the_page_and_its_address(server: LabServer) -> None:
+    assert server.url.startswith("http://127.0.0.1:") and not server.url.endswith(":0")
+    with urlopen(server.url, timeout=10) as page:
+        assert page.status == 200 and b"<html" in page.read().lower()
+
+
+def test_a_tab_gets_a_complete_picture(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    assert {"GuiUplotMessage", "GuiSliderMessage", "GuiDropdownMessage", "GuiMarkdownMessage", "GuiHtmlMessage",
+            "GuiButtonGroupMessage", "GuiCheckboxMessage", "GuiPanelMessage"} <= tab.kinds()
+    assert {"/forces", "/errors", "/board/controller", "/board/observer", "/floor"} <= set(tab.nodes)
+    assert sum(name.startswith("/plant/") for name in tab.nodes) > 2
+    assert sum(name.startswith("/board/controller/pole") for name in tab.nodes) == 6
+    assert tab.value(STIFFNESS) == 0.0
+    assert len(tab.commands) >= 15
+    titles = {w["props"]["label"] for w in tab.widgets.values() if w["type"] == "GuiFolderMessage"}
+    assert {heading for heading, _ in LESSONS["separation"].words["en"].steps} <= titles
+    picture = newest().picture
+    assert picture is not None and picture.design == LESSONS["separation"].start()
+
+
+def test_a_moved_slider_changes_the_design_and_the_curves(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    before = len(tab.messages)
+    tab.update(STIFFNESS, value=12.0)
+    tab.until(lambda: newest().picture.design["stiffness_error"] == 12.0, "the new design")  # type: ignore[union-attr]
+    tab.settle()
+    redrawn = [m for m in tab.messages[before:] if (m["type"] == "GuiUpdateMessage" and "_data" in str(m["updates"].keys()))
+               or (m["type"] == "GuiUpdateMessage" and "data" in m["updates"])]
+    assert redrawn
+    assert not tab.notes
+
+
+def test_of_fifty_quick_values_the_last_one_stays(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    uuid = tab.find(STIFFNESS)
+    for i in range(50):
+        tab.send("GuiUpdateMessage", uuid=uuid, updates={"value": i / 2})
+    tab.until(lambda: newest().picture.design["stiffness_error"] == 24.5, "the last value")  # type: ignore[union-attr]
+    tab.settle()
+    assert newest().picture.design["stiffness_error"] == 24.5  # type: ignore[union-attr]
+
+
+def test_two_tabs_do_not_see_each_other(enter: Enter, server: LabServer) -> None:
+    a = enter()
+    b = enter()
+    first, second = (server.sessions[i] for i in sorted(server.sessions))
+    b.settle()
+    a.update(STIFFNESS, value=10.0)
+    a.press("中文")
+    a.until(lambda: a.has("模型刚度误差 [%]"), "the Chinese page")
+    assert first.picture.design["stiffness_error"] == 10.0  # type: ignore[union-attr]
+    assert b.listen(1.0) == 0
+    assert b.value(STIFFNESS) == 0.0
+    assert second.picture.design == LESSONS["separation"].start()  # type: ignore[union-attr]
+    assert second.picture.state.language == "en"  # type: ignore[union-attr]
+    b.update(DELAY, value=6.0)
+    b.until(lambda: second.picture.design["delay"] == 6.0, "the other design")  # type: ignore[union-attr]
+    assert first.picture.design["delay"] == 0.0  # type: ignore[union-attr]
+
+
+def test_a_paused_tab_gets_no_messages_and_a_playing_one_does(enter: Enter) -> None:
+    tab = enter()
+    tab.settle()
+    assert tab.listen(1.5) == 0
+    tab.press("B")
+    assert tab.listen(1.0) > 10
+    tab.press("⏸ pause")
+    tab.settle()
+    assert tab.listen(1.5) == 0
+
+
+def test_keys_do_what_buttons_do(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    tab.update(STIFFNESS, value=10.0)
+    tab.until(lambda: newest().picture.design["stiffness_error"] == 10.0)  # type: ignore[union-attr]
+    tab.command("Undo")
+    tab.until(lambda: newest().picture.design["stiffness_error"] == 0.0, "undo")  # type: ignore[union-attr]
+    tab.until(lambda: tab.value(STIFFNESS) == 0.0, "the slider's return")
+    tab.command("Redo")
+    tab.until(lambda: newest().picture.design["stiffness_error"] == 10.0, "redo")  # type: ignore[union-attr]
+
+
+def test_the_run_is_locked_until_a_prediction(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    tab.command("Play or pause")
+    tab.until(lambda: any("prediction first" in note for note in tab.notes), "the sentence")
+    assert not newest().picture.state.playing  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("lesson", LESSONS)
+def test_every_lesson_opens_over_the_wire(enter: Enter, newest: Newest, lesson: str) -> None:
+    tab = enter()
+    tab.update("lesson", value=LESSONS[lesson].words["en"].title)
+    tab.until(lambda: newest().picture.lesson.id == lesson, "the lesson")  # type: ignore[union-attr]
+    tab.settle()
+    knobs = [k for k in LESSONS[lesson].knobs if not k.hidden]
+    labels = {w["props"].get("label") or "" for w in tab.widgets.values()}
+    assert all(any(label.startswith(k.label.en) for label in labels) for k in knobs)
+    assert not tab.notes
+
+
+def test_a_reload_brings_the_tab_back(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    tab.update(STIFFNESS, value=12.0)
+    tab.until(lambda: newest().picture.design["stiffness_error"] == 12.0)  # type: ignore[union-attr]
+    tab.settle()
+    tab.close()
+    again = enter(kept=tab.kept)
+    again.until(lambda: again.value(STIFFNESS) == 12.0, "the value of before")
+
+
+def test_a_tab_that_leaves_takes_its_session_and_thread_with_it(enter: Enter, server: LabServer) -> None:
+    def workers() -> int:
+        return sum(t.name == "observer-lab session" for t in threading.enumerate())
+    before = workers()
+    tabs = [enter() for _ in range(3)]
+    assert len(server.sessions) == 3 and workers() == before + 3
+    tabs[0].press("B")  # one of them leaves in the middle of a run
+    for tab in tabs:
+        tab.close()
+    end = time.monotonic() + 10
+    while (server.sessions or workers() > before) and time.monotonic() < end:
+        time.sleep(0.02)
+    assert not server.sessions and workers() == before
+
+
+def test_a_connection_that_never_looks_costs_no_session(server: LabServer) -> None:
+    with WireTab(server.url, camera=False) as tab:
+        tab.listen(0.5)
+        assert not server.sessions
+
+
+def test_a_full_server_says_so_and_goes_on_serving_those_inside() -> None:
+    server = LabServer(LESSONS, port=0, max_sessions=1)
+    try:
+        with WireTab(server.url) as first:
+            first.until(lambda: first.has(STIFFNESS), "the first picture")
+            with WireTab(server.url) as second:
+                second.until(lambda: any("full" in note for note in second.notes), "the sentence")
+                assert len(server.sessions) == 1 and not second.has(STIFFNESS)
+        end = time.monotonic() + 10
+        while server.sessions and time.monotonic() < end:
+            time.sleep(0.02)
+        with WireTab(server.url) as third:
+            third.until(lambda: third.has(STIFFNESS), "a place that has become free")
+    finally:
+        server.stop()
