@@ -35,9 +35,13 @@ def pole_knobs(model: Model) -> tuple[Poles, Poles]:
     when = ("method", (BY_POLES,))
     return (
         Poles("controller_poles", "p", Text("Controller poles", "控制器极点"), "rad/s", default=model.controller_poles,
-              re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, role="plant", when=when),
+              re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, role="plant", when=when,
+              hint=Text("Where eig(A − BK) is to lie: farther left is faster and asks for more input.",
+                        "eig(A − BK) 的位置：越靠左越快，所需的输入也越大。")),
         Poles("observer_poles", "q", Text("Observer poles", "观测器极点"), "rad/s", default=model.observer_poles,
-              re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, role="estimate", when=when),
+              re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, role="estimate", when=when,
+              hint=Text("Where eig(A − LC) is to lie: farther left forgets a wrong start sooner.",
+                        "eig(A − LC) 的位置：越靠左，初始误差消失得越快。")),
     )
 
 

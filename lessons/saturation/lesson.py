@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -46,16 +47,19 @@ MODEL = MODELS["cart-pendulum"]
 PLANT = MODEL.plant
 DT = 0.02
 COMMANDED, APPLIED = "commanded", "applied"
+APPLIED_FORCE, ASKED_FORCE, LIMIT = Text("applied", "实际力"), Text("asked for", "指令力"), Text("limit", "限幅")
 EXACT = 1e-9  # of the error's peak: how well ė = (A − LC)e must hold to count as exact
-EDGES = {"state0": 49.0, "state1": 1.95, "error": 90.0, "input": 24.5}  # values beyond are drawn at the edge
+EDGES = MappingProxyType({"state0": 49.0, "state1": 1.95, "error": 90.0, "input": 24.5})  # values beyond are drawn at the edge
 
 KNOBS = (
     Choice("fed", "", Text("the observer is told", "送给观测器的是"), default=COMMANDED,
            options=((COMMANDED, Text("the commanded force", "指令力")), (APPLIED, Text("the applied force", "实际力"))),
            hint=Text("What the controller asked for, or what the motor really gave.", "控制器要的力，或电机真正给出的力。")),
-    Number("u_max", r"u_{\max}", Text("force limit", "力的限幅"), "N", low=1.0, high=10.0, default=4.0, step=0.1),
+    Number("u_max", r"u_{\max}", Text("force limit", "力的限幅"), "N", low=1.0, high=10.0, default=4.0, step=0.1,
+           hint=Text("The motor gives at most this much, either way.", "电机在两个方向上最多给出这么大的力。")),
     Number("angle0", r"\theta(0)", Text("true angle at the start", "初始真实角度"), "°", low=-20.0, high=20.0, default=6.0,
-           step=0.5),
+           step=0.5, hint=Text("Where the pole really leans when the run begins; the cart is at rest.",
+                               "运行开始时摆杆的真实倾角；小车静止。")),
     Number("error0", r"e_\theta(0)", Text("error of its estimate", "角度的初始估计误差"), "°", low=-20.0, high=20.0,
            default=4.0, step=0.5, hint=Text("The observer believes θ(0) minus this error.", "观测器认为角度是 θ(0) 减去这一误差。")),
     *(replace(knob, when=None) for knob in pole_knobs(MODEL)),
@@ -105,7 +109,7 @@ def compute(design: Design) -> Outcome:
     meter = separation_meter(seen)
     metrics = {
         "separation_meter": meter, "comes_home": float(comes_home(run)), "known_comes_home": float(comes_home(ideal)),
-        "stopped_at": HORIZON if stopped is None else stopped, "clipped_rate": float(max(poles["clipped"].real)),
+        "stopped_at": HORIZON if stopped is None else stopped, "clipped_rate": float(np.max(np.real(poles["clipped"]))),
         "clipped_for": DT * float(np.sum(np.abs(seen.u_asked) > design["u_max"] * (1 + 1e-9))),
         "largest_asked": float(np.max(np.abs(seen.u_asked))), "ceiling": ceiling(PLANT, design["u_max"]),
     }
@@ -163,6 +167,9 @@ def figures(outcome: Outcome) -> tuple[Figure, ...]:
     force = replace(input_figure(story.shown, MODEL, design["u_max"]), window=(-10.0, 10.0), caption=Text(
         f"Largest force asked for: {amount(metrics['largest_asked'])} N; the motor gives at most {design['u_max']:.3g} N.",
         f"最大指令力：{amount(metrics['largest_asked'])} N；电机最多给出 {design['u_max']:.3g} N。"))
+    asked = (ASKED_FORCE,) if len(force.curves) == 4 else ()
+    names = (APPLIED_FORCE, *asked, LIMIT, LIMIT)
+    force = replace(force, curves=tuple(replace(c, name=name) for c, name in zip(force.curves, names, strict=True)))
     lines = (angle, replace(position, window=(-0.5, 0.5), caption=_position_words(outcome)), error, force)
     return (*(_on_paper(figure) for figure in lines),
             starts_figure(story.starts, metrics["ceiling"], design["angle0"], design["error0"], design["kick"] >= 0))
@@ -200,7 +207,7 @@ def _error_words(outcome: Outcome) -> Text:
 # --- the map -------------------------------------------------------------------------------------------------------
 def find_starts(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: the map of the design's gains, limit and feed, pass by pass."""
-    if max(float(max(outcome.poles[name].real)) for name in ("controller", "observer")) >= 0:
+    if max(_slowest(outcome, name) for name in ("controller", "observer")) >= 0:
         raise KnobError(Text("A pole is not in the left half plane, so no start comes home; drag it to the left first.",
                              "有极点不在左半平面，没有初态能恢复；请先把它拖到左边。"))
     scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
@@ -208,6 +215,10 @@ def find_starts(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
         if starts is not outcome.extra.starts and starts.done > 0:
             outcome = _with(outcome, starts)
         yield fraction, outcome
+
+
+def _slowest(outcome: Outcome, name: str) -> float:
+    return float(np.max(np.real(outcome.poles[name])))
 
 
 def _with(outcome: Outcome, starts: Starts) -> Outcome:
@@ -266,9 +277,10 @@ def _better_observer(outcome: Outcome) -> Verdict:
                                    f"要求：角度 4°、误差 8°、限幅不超过 4 N、无冲击、控制器极点不变；现在是 {d['angle0']:g}°、"
                                    f"{d['error0']:g}°、{d['u_max']:g} N。"))
     if not m["comes_home"]:
+        slowest = _slowest(outcome, "observer")
         return Verdict(False, Text(f"The pole is lost after {m['stopped_at']:.2f} s; the observer's slowest pole is at "
-                                   f"{max(outcome.poles['observer'].real):.3g}.",
-                                   f"摆杆在 {m['stopped_at']:.2f} s 倒下；观测器最慢极点在 {max(outcome.poles['observer'].real):.3g}。"))
+                                   f"{slowest:.3g}.",
+                                   f"摆杆在 {m['stopped_at']:.2f} s 倒下；观测器最慢极点在 {slowest:.3g}。"))
     return Verdict(True, Text(f"It comes home with {d['u_max']:g} N; only the observer has changed.",
                               f"限幅 {d['u_max']:g} N 时恢复成功；改变的只有观测器。"))
 

@@ -63,10 +63,10 @@ def ceiling(plant: Plant, u_max: float) -> float:
     q is the left eigenvector of the one unstable eigenvalue λ: d(q·x)/dt = λ q·x + q·B u cannot change sign beyond.
     """
     values, vectors = np.linalg.eig(plant.A.T)
-    unstable = np.flatnonzero(values.real > 1e-9)
+    unstable = np.flatnonzero(np.real(values) > 1e-9)
     if len(unstable) != 1:
         raise EngineError(f"The ceiling needs one unstable eigenvalue; this plant has {len(unstable)}.")
-    q, rate = vectors[:, unstable[0]].real, float(values[unstable[0]].real)
+    q, rate = np.real(vectors[:, unstable[0]]), float(np.real(values[unstable[0]]))
     return degrees(abs(float(q @ plant.B[:, 0])) * u_max / (rate * abs(q[ANGLE])))
 
 
