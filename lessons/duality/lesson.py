@@ -40,9 +40,17 @@ CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 FLIP = np.diag([1.0, -1.0])  # the mirror that turns velocities round
 
 
+HINTS = {
+    "q": Text("Q = α_Q I: how dear a deviation of the state is.", "Q = α_Q I：状态偏离的代价。"),
+    "r": Text("R = α_R: how dear the input is.", "R = α_R：输入的代价。"),
+    "w": Text("W = α_W I: how hard unknown forces shake the plant.", "W = α_W I：未知扰动有多强。"),
+    "v": Text("V = α_V: how noisy the sensor is.", "V = α_V：传感器噪声有多大。"),
+}
+
+
 def _weight(name: str, symbol: str, en: str, zh: str, default: float, tied: bool) -> Number:
     return Number(name, symbol, Text(en, zh), low=1e-3, high=1e3, default=default, scale="log", group=WEIGHTS,
-                  when=None if tied else ("mirror", (False,)))
+                  when=None if tied else ("mirror", (False,)), hint=HINTS[name])
 
 
 KNOBS = (
@@ -51,7 +59,9 @@ KNOBS = (
            hint=Text("Drag one set of poles for both boards, or let the two Riccati equations choose.",
                      "两块板共用一组极点，拖动任一块；或由两个 Riccati 方程给出。")),
     Poles("poles", "p", Text("Poles of both boards", "两块板共用的极点"), "rad/s", default=MODEL.controller_poles,
-          re_low=-5.0, re_high=1.5, im_high=3.0, role="plant", when=("method", (BY_POLES,))),
+          re_low=-5.0, re_high=1.5, im_high=3.0, role="plant", when=("method", (BY_POLES,)),
+          hint=Text("Drag a cross on either board: both boards hold the same poles.",
+                    "拖动任一块板上的叉号：两块板的极点相同。")),
     Number("sensor", r"\varphi", Text("sensor turned by", "传感器角度"), "°", low=0.0, high=90.0, default=0.0, step=1.0,
            hint=Text("y = q cos φ + v sin φ: the position at 0°, the velocity at 90°.",
                      "y = q cos φ + v sin φ：0° 测位置，90° 测速度。")),
@@ -60,7 +70,9 @@ KNOBS = (
                      "输入可以作用多久，输出可以听多久。")),
     _weight("q", r"\alpha_Q", "state weight α_Q", "状态权重 α_Q", 4.0, True),
     _weight("r", r"\alpha_R", "input weight α_R", "输入权重 α_R", 1.0, True),
-    Switch("mirror", "", Text("mirror the weights: W = Q, V = R", "权重对偶：W = Q，V = R"), default=True),
+    Switch("mirror", "", Text("mirror the weights: W = Q, V = R", "权重对偶：W = Q，V = R"), default=True,
+           hint=Text("On: the filter gets the regulator's weights. Off: it has its own.",
+                     "开：滤波器取与调节器相同的权重；关：各用各的。")),
     _weight("w", r"\alpha_W", "process intensity α_W", "过程噪声强度 α_W", 1.0, False),
     _weight("v", r"\alpha_V", "sensor intensity α_V", "测量噪声强度 α_V", 1.0, False),
     *run_knobs(MODEL.horizon),

@@ -25,7 +25,9 @@ APART = 0.1  # m, by which each block starts off the centre, one to either side
 def _poles(name: str, symbol: str, label: Text, default: tuple[complex, ...], role: str, plants: tuple[str, ...]) -> Poles:
     window = FIRST.controller_window if role == "plant" else FIRST.observer_window
     return Poles(name, symbol, label, "rad/s", default=default, re_low=window.re_low, re_high=window.re_high,
-                 im_high=window.im_high, role=role, when=("plant", plants))
+                 im_high=window.im_high, role=role, when=("plant", plants),
+                 hint=Text("Drag the crosses on the board; the bolts are not among these poles.",
+                           "拖动板上的叉号；螺栓不在其中。"))
 
 
 SLOW, QUICK = (-0.9 - 1.2j, -0.9 + 1.2j), (-1.5 - 3j, -1.5 + 3j)
