@@ -18,6 +18,7 @@ BY_POLES, BY_WEIGHTS = "poles", "weights"
 TIME_TAB = Text("Time", "时间")
 ERROR_TAB = Text("Error and input", "误差与输入")
 WEIGHTS = Text("Weights", "权重")
+INPUTS = {"force": Text("force", "力"), "force 1": Text("force 1", "力 1"), "force 2": Text("force 2", "力 2")}
 
 
 def run_knobs(horizon: float) -> tuple[Number, ...]:
@@ -158,9 +159,10 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigu
     for j, name in enumerate(run.scenario.plant.input_names):
         role = ("force", "disturbance", "second")[j % 3]
         applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
-        curves.append(Curve(same(name), applied, role))
+        shown = INPUTS.get(name, same(name))
+        curves.append(Curve(shown, applied, role))
         if not np.array_equal(applied, asked):
-            curves.append(Curve(Text(f"{name} asked", f"{name} 指令"), asked, role, "dash", 1.6))
+            curves.append(Curve(Text(f"{shown.en} asked", f"{shown.zh} 指令"), asked, role, "dash", 1.6))
     if limit is not None:
         flat = np.full(len(run.t), limit * model.input_scale)
         curves += [Curve(Text("limit", "限幅"), sign * flat, "reference", "dot", 1.4) for sign in (1, -1)]
