@@ -24,6 +24,11 @@ class KnobError(ValueError):
         self.text = text
 
 
+def short(value: float) -> str:
+    """The number as text that reads back as the same number, short where that loses nothing."""
+    return f"{value:g}" if float(f"{value:g}") == value else repr(float(value))
+
+
 @dataclass(frozen=True)
 class Knob:
     """What all knobs share. `when` = (other knob, its values) hides this one unless the other has such a value."""
@@ -80,7 +85,7 @@ class Number(Knob):
         return float(round(number)) if self.scale == "integer" else number
 
     def show(self, value: Any) -> str:
-        return f"{value:g}" if float(f"{value:g}") == value else repr(float(value))
+        return short(value)
 
 
 @dataclass(frozen=True)
@@ -165,7 +170,8 @@ class Poles(Knob):
         return [w.replace(" ", "").replace("i", "j") for w in words.replace(";", ",").strip("()[] ").split(",") if w.strip()]
 
     def show(self, value: Any) -> str:
-        return ", ".join(f"{p.real:.6g}" if p.imag == 0 else f"{p.real:.6g}{p.imag:+.6g}j" for p in value)
+        return ", ".join(short(p.real) if p.imag == 0 else
+                         f"{short(p.real)}{'-' if p.imag < 0 else '+'}{short(abs(p.imag))}j" for p in value)
 
 
 @dataclass(frozen=True)
@@ -198,7 +204,7 @@ class Track(Knob):
             raise self._refuse(words, "give pairs t:value, separated by commas.", "请写成 t:value，以逗号分隔。") from None
 
     def show(self, value: Any) -> str:
-        return ", ".join(f"{t:g}:{v:g}" for t, v in value)
+        return ", ".join(f"{short(t)}:{short(v)}" for t, v in value)
 
     def record(self, track: tuple[tuple[float, float], ...], t: float, value: float) -> tuple[tuple[float, float], ...]:
         """The track with `value` from time t on: what was drawn before t stays."""

@@ -24,7 +24,7 @@ def read_design(text: str, lessons: Mapping[str, Lesson]) -> Design:
     """The design that `write_design` wrote; knobs it does not name stay at their defaults. Raises KnobError."""
     try:
         data = json.loads(text) if len(text) <= LONGEST else None
-    except ValueError:
+    except (ValueError, RecursionError):
         data = None
     if not isinstance(data, dict) or not isinstance(data.get("knobs"), dict):
         raise KnobError(Text("This is not a design of Observer Lab; save one with the app and give that.",

@@ -11,7 +11,7 @@ from app.engine import EngineError, Plant, Run, lqe, lqr, observer_gain, place
 from app.figures import Curve, TimeFigure
 from app.knobs import Choice, Number, Poles
 from app.lesson import Board, Design, Stage
-from app.plants.model import Model
+from app.plants.model import Model, Signal
 from app.words import Text, same
 
 BY_POLES, BY_WEIGHTS = "poles", "weights"
@@ -126,9 +126,15 @@ def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, .
         figures.append(TimeFigure(
             f"state{i}", signal.name, run.t,
             (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
-            f"{signal.name.en.split()[-1]} [{signal.unit}]", tab=TIME_TAB,
+            _axis_name(signal), tab=TIME_TAB,
             caption=_agreement(gap, float(np.max(np.abs(true), initial=0.0)), signal.unit)))
     return tuple(figures)
+
+
+def _axis_name(signal: Signal) -> str:
+    """The symbol at the end of a signal's name with its unit, or the unit alone."""
+    last = signal.name.en.split()[-1]
+    return f"{last} [{signal.unit}]" if len(last) <= 2 else f"[{signal.unit}]"
 
 
 def _agreement(gap: float, size: float, unit: str) -> Text:

@@ -68,7 +68,7 @@ class NumberWidget:
 
     def _label(self, value: float) -> str:
         name = label_of(self._knob, self._language)
-        return f"{name} = {value:.3g}" if self._log else name
+        return f"{name} = {value:.3g}, lg" if self._log else name
 
     def show(self, value: Any, visible: bool, resting: bool) -> None:
         if self._handle.visible != visible:
