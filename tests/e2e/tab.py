@@ -45,7 +45,7 @@ class Tab:
         self.page, self.address = page, address
         self.complaints: list[str] = []
         page.set_default_timeout(PATIENCE * 1000)
-        page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        page.on("pageerror", lambda error: self.complaints.append(error.stack or str(error)))
         page.on("console", lambda m: self.complaints.append(m.text)
                 if m.type == "error" and not any(word in m.text for word in HARMLESS) else None)
         self.open()
@@ -151,7 +151,14 @@ class Tab:
         self.pause(2)
 
     def picture(self, path: Any) -> None:
-        """Keep a screenshot."""
+        """Keep a screenshot, once the 3-D view has drawn the last change."""
+        drawn = [-1, -1, -1]
+
+        def still() -> bool:
+            drawn.append(self.page.evaluate("window.__viserTestpoints.rendererInfo.render.frame"))
+            self.pause(4)
+            return len(set(drawn[-3:])) == 1
+        eventually(still, bool, "the 3-D view comes to rest")
         try:
             self.page.screenshot(path=path, timeout=PATIENCE * 1000)
         except Error as problem:
