@@ -60,7 +60,7 @@ class Do:
 
 
 class Mailbox:
-    """Edits in order: neighbouring knob changes merge into one, commands stay."""
+    """Edits in order: the latest change of the same knobs replaces an older one, commands stay."""
 
     def __init__(self) -> None:
         self._edits: list[SetKnobs | Do] = []
@@ -70,11 +70,20 @@ class Mailbox:
     def post(self, edit: SetKnobs | Do) -> None:
         """Put an edit in; cheap enough for the event loop."""
         with self._ready:
-            if isinstance(edit, SetKnobs) and self._edits and isinstance(self._edits[-1], SetKnobs):
-                self._edits[-1] = SetKnobs({**self._edits[-1].values, **edit.values})
-            else:
-                self._edits.append(edit)
+            if isinstance(edit, SetKnobs):
+                self._drop_older(edit)
+            self._edits.append(edit)
             self._ready.notify()
+
+    def _drop_older(self, edit: SetKnobs) -> None:
+        """Forget a waiting change of just the same knobs, if no command came after it."""
+        for i in range(len(self._edits) - 1, -1, -1):
+            waiting = self._edits[i]
+            if not isinstance(waiting, SetKnobs):
+                return
+            if waiting.values.keys() == edit.values.keys():
+                del self._edits[i]
+                return
 
     def take(self, wait: float | None) -> list[SetKnobs | Do]:
         """All edits; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""

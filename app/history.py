@@ -34,6 +34,14 @@ class History:
             self._at = len(self._designs) - 1
         self._key, self._time = key, now
 
+    def save(self) -> tuple[tuple[Design, ...], int]:
+        """Where the history stands, for `restore`."""
+        return tuple(self._designs), self._at
+
+    def restore(self, saved: tuple[tuple[Design, ...], int]) -> None:
+        """Go back to what `save` gave: the last change could not be shown."""
+        self._designs, self._at, self._key = list(saved[0]), saved[1], None
+
     def move(self, step: int) -> bool:
         """Walk by −1 or +1; False at an end."""
         if not 0 <= self._at + step < len(self._designs):

@@ -75,7 +75,7 @@ class Number(Knob):
     def check(self, value: Any) -> float:
         try:
             number = float(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise self._refuse(value, "it must be a number.", "必须是一个数。") from None
         if not math.isfinite(number):
             raise self._refuse(value, "it must be a finite number.", "必须是有限的数。")
@@ -136,7 +136,7 @@ class Poles(Knob):
             value = self._split(value)
         try:
             poles = [complex(*p) if isinstance(p, (tuple, list)) else complex(p) for p in value]
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise self._refuse(value, "give poles such as -2, -3+1j, -3-1j.",
                                "请写成 -2, -3+1j, -3-1j 这样的极点。") from None
         if len(poles) != len(self.default):
@@ -185,7 +185,7 @@ class Track(Knob):
     def check(self, value: Any) -> tuple[tuple[float, float], ...]:
         try:
             pairs = tuple((float(t), float(v)) for t, v in value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise self._refuse(value, "give pairs t:value.", "请写成 t:value 的数对。") from None
         if len(pairs) > MAX_TRACK:
             raise self._refuse(len(pairs), f"at most {MAX_TRACK} changes fit; reset the hand input.",

@@ -7,6 +7,7 @@ are never dropped), computes the outcome, and tells the view. Bad input costs on
 from __future__ import annotations
 
 import logging
+import math
 import threading
 import time
 from collections import OrderedDict
@@ -14,14 +15,12 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from .edits import Do, Mailbox, SetKnobs
 from .engine.errors import EngineError
 from .figures import Figure
 from .history import History
 from .knobs import KnobError, Track
-from .lesson import Design, Lesson, Outcome, Verdict
+from .lesson import Design, Lesson, Outcome, Task, Verdict
 from .picture import Picture, State, TaskState, View
 from .state import read_tab, write_tab
 from .words import Text
@@ -37,8 +36,36 @@ PREDICT_FIRST = Text("Choose a prediction first; then the run unlocks.", "请先
 NOTHING_TO_UNDO = Text("Nothing to undo.", "没有可以撤销的操作。")
 NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
 CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
+NOT_DONE = Text("That could not be done ({0}); everything stays as it was.", "操作未能完成（{0}），一切保持原样。")
 BROKEN = Text("The lesson could not compute this design ({0}); the last good picture stays. Undo or change a knob.",
               "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
+
+
+def _grouped(edits: list[SetKnobs | Do]) -> Iterator[list[SetKnobs] | Do]:
+    """Neighbouring knob changes together, commands one by one, all in order."""
+    waiting: list[SetKnobs] = []
+    for edit in edits:
+        if isinstance(edit, SetKnobs):
+            waiting.append(edit)
+            continue
+        if waiting:
+            yield waiting
+            waiting = []
+        yield edit
+    if waiting:
+        yield waiting
+
+
+def _number(value: Any, finite: bool = True) -> float:
+    """A number out of what a browser sent, a finite one unless told otherwise. Raises KnobError."""
+    try:
+        number = float(value)
+    except (TypeError, ValueError, OverflowError):
+        number = None
+    if number is None or (finite and not math.isfinite(number)):
+        shown = str(value)[:40]
+        raise KnobError(Text(f"{shown} is not a finite number; nothing was changed.", f"{shown} 不是有限的数，未作任何更改。"))
+    return number
 
 
 @dataclass
@@ -96,11 +123,22 @@ class Session:
         try:
             self.restore(self._view.recall())
             self.open()
-            while not self._mailbox.closed:
-                self.step(self._wait())
         except Exception:
             if not self._mailbox.closed:
-                log.exception("a session ended with an error")
+                log.exception("a session could not be opened")
+            return
+        failures = 0
+        while not self._mailbox.closed:
+            try:
+                self.step(self._wait())
+                failures = 0
+            except Exception:
+                if self._mailbox.closed:
+                    return
+                failures += 1
+                log.exception("a step of a session failed")
+                self._state = replace(self._state, playing=False)
+                time.sleep(min(0.05 * failures, 1.0))
 
     def _wait(self) -> float | None:
         now = self._clock()
@@ -116,9 +154,14 @@ class Session:
     # --- inside ----------------------------------------------------------------------------------------------------
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
-        desk = self._desk()
         self._job = None
-        outcome, figures = self._compute(desk.history.design)
+        try:
+            outcome, figures = self._compute(self._desk().history.design)
+        except Exception:
+            log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self._lesson.id)
+            self._desks[self._lesson.id] = _Desk(History(self._lesson.start()))
+            outcome, figures = self._compute(self._desk().history.design)
+        desk = self._desk()
         self._state = replace(self._state, playing=False, t=0.0, predicted=desk.predicted,
                               revealed=desk.revealed, tasks=desk.tasks, exam=desk.exam)
         self._resting = True
@@ -139,26 +182,30 @@ class Session:
 
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due."""
-        for edit in self._mailbox.take(wait):
+        for edits in _grouped(self._mailbox.take(wait)):
             try:
-                if isinstance(edit, SetKnobs):
-                    self._set(edit.values)
+                if isinstance(edits, Do):
+                    self._do(edits)
                 else:
-                    self._do(edit)
+                    self._set(edits)
             except (KnobError, EngineError) as problem:
                 self._refuse(problem)
             except Exception as problem:
-                log.exception("edit %r failed", edit)
-                self._refuse(problem)
+                log.exception("%r failed", edits)
+                self._refuse(problem, isinstance(edits, Do))
         now = self._clock()
         if not self._resting and now - self._last_edit >= REST:
-            self._resting = True
-            self._redraw()
-            self._remember()
+            self._rest()
         if self._job is not None:
             self._work_on_job()
         if self._state.playing and now - self._last_tick >= FRAME * 0.9:
             self._tick(now)
+
+    def _rest(self) -> None:
+        """The knobs rest: the final picture, and what a reload should bring back."""
+        self._resting = True
+        self._redraw()
+        self._remember()
 
     def _desk(self) -> _Desk:
         if self._lesson.id not in self._desks:
@@ -188,11 +235,14 @@ class Session:
         return Picture(self._lesson, design, outcome, figures, self._state, self._resting,
                        tuple(self._lessons.values()))
 
-    def _refuse(self, problem: Exception) -> None:
+    def _refuse(self, problem: Exception, command: bool = False) -> None:
+        """Say in one sentence why something was not done, and show the last good picture again."""
         text = getattr(problem, "text", None)
+        if isinstance(problem, EngineError):
+            text = Text(str(problem), str(problem))
         if text is None:
-            words = str(problem) if isinstance(problem, EngineError) else f"{type(problem).__name__}: {problem}"[:160]
-            text = Text(words, words) if isinstance(problem, EngineError) else BROKEN.format(words)
+            words = f"{type(problem).__name__}: {problem}"[:160]
+            text = (NOT_DONE if command else BROKEN).format(words)
         self._view.say(text, True)
         self._resting = True
         self._redraw()
@@ -206,30 +256,48 @@ class Session:
         """Keep in the browser's tab what a reload should bring back."""
         self._view.remember(write_tab(self._lesson, self._desk().history.design, self._state))
 
-    def _set(self, values: Mapping[str, Any]) -> None:
-        """Change knobs: validate, remember, compute, show."""
-        history = self._desk().history
-        self._adopt(self._lesson.apply(history.design, values), frozenset(values))
+    def _set(self, edits: list[SetKnobs]) -> None:
+        """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it."""
+        design, keys, refused = self._desk().history.design, set[str](), None
+        for edit in edits:
+            try:
+                design = self._lesson.apply(design, edit.values)
+                keys |= edit.values.keys()
+            except KnobError as problem:
+                refused = problem
+        if keys:
+            self._adopt(design, frozenset(keys))
+        if refused is not None:
+            raise refused
 
     def _adopt(self, design: Design, key: frozenset[str] | None) -> None:
+        """Make a design the present one; whatever fails on the way, the last good one stays."""
         history = self._desk().history
         if design == history.design and self._picture is not None and design == self._picture.design:
             self._redraw()
             return
-        now = self._clock()
-        outcome, figures = self._compute(design)  # raises before anything is lost
-        history.push(design, key, now)
-        self._draw(design, outcome, figures)
+        before = history.save()
+        history.push(design, key, self._clock())
+        self._draw_present(before)
 
-    def _draw(self, design: Design, outcome: Outcome, figures: tuple[Figure, ...]) -> None:
+    def _draw_present(self, before: tuple[tuple[Design, ...], int]) -> None:
+        """Show the history's present design; if that fails, go back to where the history stood `before`."""
+        history, picture, resting, state = self._desk().history, self._picture, self._resting, self._state
+        try:
+            outcome, figures = self._compute(history.design)
+            horizon = float(outcome.stage.t[-1]) if outcome.stage is not None else 0.0
+            self._state = replace(self._state, t=min(self._state.t, horizon))
+            self._resting = False
+            self._picture = self._make(history.design, outcome, figures)
+            self._view.show(self._picture)
+            self._view.pose(self._state.t)
+        except Exception:
+            history.restore(before)
+            self._picture, self._resting, self._state = picture, resting, state
+            raise
         if self._job is not None:
             self._cancel(silent=True)
-        self._last_edit, self._resting = self._clock(), False
-        self._picture = self._make(design, outcome, figures)
-        if self._state.t > self._picture.horizon:
-            self._state = replace(self._state, t=self._picture.horizon)
-        self._view.show(self._picture)
-        self._view.pose(self._state.t)
+        self._last_edit = self._clock()
 
     def _tick(self, now: float) -> None:
         if self._picture is None:
@@ -244,30 +312,38 @@ class Session:
 
     # --- jobs ------------------------------------------------------------------------------------------------------
     def _work_on_job(self) -> None:
-        job, start = self._job, time.monotonic()
-        assert job is not None and self._lesson.job is not None and self._picture is not None
-        outcome: Outcome | None = None
-        fraction = 0.0
+        """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays."""
+        assert self._lesson.job is not None
         try:
-            while time.monotonic() - start < SLICE and self._mailbox.empty():
-                fraction, outcome = next(job)
-        except StopIteration:
-            self._job, fraction = None, 1.0
+            fraction = self._slice_of_job()
         except Exception as problem:
+            log.exception("the job of lesson %s failed", self._lesson.id)
             self._job = None
             self._view.progress(None, None)
             self._refuse(problem)
             return
-        if outcome is not None and outcome is not self._picture.outcome:
-            self._keep(outcome)
         self._view.progress(fraction if self._job is not None else None, self._lesson.job.label)
+
+    def _slice_of_job(self) -> float:
+        job, start = self._job, time.monotonic()
+        assert job is not None and self._picture is not None
+        outcome, fraction = self._picture.outcome, 0.0
+        try:
+            while time.monotonic() - start < SLICE and self._mailbox.empty():
+                fraction, outcome = next(job)
+        except StopIteration:
+            self._job = None
+        if outcome is not self._picture.outcome:
+            self._keep(outcome)
+        return fraction
 
     def _keep(self, outcome: Outcome) -> None:
         assert self._picture is not None
         figures = tuple(self._lesson.figures(outcome))
-        self._cache[self._picture.design] = outcome, figures
-        self._picture = self._make(self._picture.design, outcome, figures)
-        self._view.show(self._picture)
+        picture = self._make(self._picture.design, outcome, figures)
+        self._view.show(picture)
+        self._picture = picture
+        self._cache[picture.design] = outcome, figures
 
     def _cancel(self, silent: bool) -> None:
         self._job = None
@@ -312,10 +388,7 @@ class Session:
             self._redraw()
             return
         assert self._picture is not None
-        moment = float(t)
-        if not np.isfinite(moment):
-            raise KnobError(Text("The time must be a finite number.", "时间必须是有限的数。"))
-        self._change(t=min(max(moment, 0.0), self._picture.horizon))
+        self._change(t=min(max(_number(t), 0.0), self._picture.horizon))
         self._view.pose(self._state.t)
 
     def _do_faster(self, _: Any) -> None:
@@ -345,7 +418,7 @@ class Session:
         if not isinstance(knob, Track):
             raise KnobError(Text(f"{name} is not drawn by hand.", f"{name} 不是手动输入。"))
         design = self._desk().history.design
-        self._set({name: knob.record(design[name], self._state.t, float(value))})
+        self._set([SetKnobs({name: knob.record(design[name], self._state.t, _number(value))})])
 
     def _do_undo(self, _: Any) -> None:
         self._walk(-1, NOTHING_TO_UNDO)
@@ -355,10 +428,11 @@ class Session:
 
     def _walk(self, step: int, nothing: Text) -> None:
         history = self._desk().history
+        before = history.save()
         if not history.move(step):
             self._view.say(nothing, False)
             return
-        self._draw(history.design, *self._compute(history.design))
+        self._draw_present(before)
 
     def _do_reset(self, _: Any) -> None:
         self._adopt(self._lesson.start(), None)
@@ -367,7 +441,7 @@ class Session:
 
     def _do_predict(self, index: Any) -> None:
         options = self._lesson.words[self._state.language].options
-        choice = int(index)
+        choice = int(_number(index))
         if not -1 <= choice < len(options):
             raise KnobError(Text(f"There are {len(options)} predictions.", f"共有 {len(options)} 个预测选项。"))
         self._last_tick = self._clock()
@@ -431,9 +505,7 @@ class Session:
 
     def _do_check(self, task_id: Any) -> None:
         assert self._picture is not None
-        task = next((t for t in self._lesson.tasks if t.id == task_id), None)
-        if task is None:
-            raise KnobError(Text(f"There is no task {str(task_id)[:40]}.", f"没有任务 {str(task_id)[:40]}。"))
+        task = self._find_task(task_id)
         verdict = task.check(self._picture.outcome)
         self._task(task.id, verdict=verdict)
         self._view.say(verdict.text, not verdict.solved)
@@ -446,13 +518,19 @@ class Session:
                 return
 
     def _do_hint(self, task_id: Any) -> None:
-        seen = self._state.tasks.get(task_id, TaskState()).hints
+        seen = self._state.tasks.get(self._find_task(task_id).id, TaskState()).hints
         self._task(task_id, hints=seen + 1)
 
     def _do_solution(self, task_id: Any) -> None:
-        task = next(t for t in self._lesson.tasks if t.id == task_id)
+        task = self._find_task(task_id)
         self._adopt(self._lesson.apply(self._desk().history.design, task.solution), None)
         self._task(task_id, solution=True)
+
+    def _find_task(self, task_id: Any) -> Task:
+        for task in self._lesson.tasks:
+            if task.id == task_id:
+                return task
+        raise KnobError(Text(f"There is no task {str(task_id)[:40]}.", f"没有任务 {str(task_id)[:40]}。"))
 
     def _task(self, task_id: str, **changes: Any) -> None:
         tasks = dict(self._state.tasks)
@@ -461,8 +539,8 @@ class Session:
 
     def _do_exam(self, answer: Any) -> None:
         item = self._lesson.exam(self._state.exam_seed)
-        value = float(answer)
-        right = bool(np.isfinite(value)) and abs(value - item.answer) <= item.tolerance
+        value = _number(answer, finite=False)
+        right = abs(value - item.answer) <= item.tolerance  # false for NaN
         text = (Text("Right.", "正确。") if right else
                 Text(f"{value:g} is not it; work it out again.", f"{value:g} 不对，请再推算一次。"))
         self._change(exam=Verdict(right, text))
@@ -479,8 +557,8 @@ class Session:
     def _do_pick(self, point: Any) -> None:
         if self._lesson.pick is None or self._picture is None:
             return
-        x, y = (float(v) for v in point)
-        self._set(self._lesson.pick(self._picture.outcome, x, y))
+        x, y = (_number(v) for v in point)
+        self._set([SetKnobs(self._lesson.pick(self._picture.outcome, x, y))])
         if self._state.predicted is not None:
             self._last_tick = self._clock()
             self._change(playing=True, t=0.0)

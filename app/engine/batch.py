@@ -8,7 +8,7 @@ import numpy as np
 
 from .disturbance import disturbances
 from .loop import Loop, ramped
-from .saturation import TERMS, Mode, Switcher, bounds
+from .saturation import ROUNDING, TERMS, Mode, Switcher, bounds
 from .scenario import Scenario
 from .simulate import loop_of
 
@@ -93,7 +93,8 @@ def _groups(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> list[tu
     """The runs by the mode they are in: (mode, their rows, its forcing); on a limit the slope of u decides."""
     u = Z @ w.loop.F.T + r
     sign = (u > w.u_max).astype(np.int8) - (u < w.u_min).astype(np.int8)
-    upper, lower = np.abs(u - w.u_max) <= w.slack, np.abs(u - w.u_min) <= w.slack
+    slack = np.maximum(w.slack, ROUNDING * (np.abs(Z) @ np.abs(w.loop.F).T))
+    upper, lower = np.abs(u - w.u_max) <= slack, np.abs(u - w.u_min) <= slack
     near = np.flatnonzero((upper | lower).any(axis=1))
     for mode, rows, force in _by_sign(w, sign[near], r, v):
         rows = near[rows]

@@ -13,6 +13,7 @@ from .scan import affine_scan
 __all__ = ["Mode", "Switcher"]
 
 TERMS = 18  # of the Taylor series of e^{M h} with ‖M h‖₁ ≤ 1: remainder 1/18! ≈ 1.6e-16
+ROUNDING = 16 * np.finfo(float).eps
 SLACK = 1e-12  # relative to the limits: closer than this counts as on the limit
 RINGING = 1.5  # |imaginary| over |real| part beyond which a mode swings more than once
 SAMPLES = np.linspace(0.0, 1.0, 9)
@@ -105,7 +106,8 @@ class Switcher:
         """The mode the loop is in just after a state; on a limit the slope of u decides."""
         u = self.loop.F @ z + r
         sign = (u > self.u_max).astype(np.int8) - (u < self.u_min).astype(np.int8)
-        upper, lower = np.abs(u - self.u_max) <= self.slack, np.abs(u - self.u_min) <= self.slack
+        slack = np.maximum(self.slack, ROUNDING * (np.abs(self.loop.F) @ np.abs(z)))  # u itself is no better known
+        upper, lower = np.abs(u - self.u_max) <= slack, np.abs(u - self.u_min) <= slack
         if upper.any() or lower.any():
             mode = self.mode_of(sign)
             slope = mode.FM @ z + self.loop.F @ self.loop.forcing(mode.free, mode.held, r, v)

@@ -120,7 +120,7 @@ class BoardView:
     def show(self, board: Board) -> None:
         """Move the poles to where the design has them."""
         self._board = board
-        signature = (len(board.poles), len(board.fixed), board.knob)
+        signature = (len(board.poles), board.fixed, board.knob)
         if signature != self._signature:
             self._make_poles(board)
             self._signature = signature

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 from functools import lru_cache
 
@@ -15,7 +16,7 @@ def mathml(latex: str, display: bool = False) -> str:
         drawn = latex.replace("bmatrix", "matrix").replace("pmatrix", "matrix")  # the style sheet draws the brackets
         return convert(drawn, display="block" if display else "inline")
     except Exception:  # the converter raises many kinds of errors for malformed LaTeX
-        return f"<code>{latex}</code>"
+        return f"<code>{html.escape(latex)}</code>"
 
 
 @lru_cache(maxsize=1024)

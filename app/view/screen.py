@@ -91,7 +91,7 @@ class Screen:
                 self._transport.show(picture)
             self._show_style(picture)
             if before is None or before.outcome is not picture.outcome:
-                self._stage.show(picture.outcome.stage)
+                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture))
                 for figure in picture.figures:
                     chart = self._charts.get(figure.id)
                     if chart is not None:

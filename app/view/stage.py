@@ -103,9 +103,9 @@ class StageView:
 
     def _factor(self, body: Body, language: str, size: float) -> None:
         """How many times motion is exaggerated, beside the plant."""
-        if body.gain != 1:
-            self._scene.add_label("/factor", phrases.EXAGGERATED.format(body.gain)(language),
-                                  position=(1.95, -0.9, 0.12), anchor="center-left", font_screen_scale=0.9 * size)
+        words = phrases.EXAGGERATED.format(body.gain)(language) if body.gain != 1 else ""
+        self._scene.add_label("/factor", words, position=(1.95, -0.9, 0.12), anchor="center-left",
+                              font_screen_scale=0.9 * size, visible=bool(words))
 
     def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
         scene, shape, tint = self._scene, part.shape, rgb(colour)
@@ -122,8 +122,12 @@ class StageView:
             vertices, faces = _rod(shape.radius)
         return scene.add_mesh_simple(name, vertices, faces, color=tint, opacity=opacity, cast_shadow=cast)
 
-    def show(self, stage: Stage | None) -> None:
-        """Take a new run; the plant itself is unchanged."""
+    def show(self, stage: Stage | None, language: str, size: float) -> None:
+        """Take a new run; another plant is put on the stage in place of the last one."""
+        if (stage.body if stage is not None else None) is not self._body:
+            for handle in (*self._solid.values(), *self._ghost.values()):
+                handle.remove()
+            self.build(stage, language, size)
         self._stage = stage
 
     def pose(self, t: float) -> None:
