@@ -225,7 +225,7 @@ def test_sampled_plant_is_taken_as_it_is():
     plant = Plant([[0.9]], [[1.0]], [[1.0]], dt=0.1)
     filter_ = KalmanFilter.from_plant(plant, 2.0, 3.0)
     assert (filter_.A.item(), filter_.Q.item(), filter_.R.item(), filter_.dt) == (0.9, 2.0, 3.0, 0.1)
-    with pytest.raises(EngineError, match="every 0.1 s"):
+    with pytest.raises(EngineError, match=r"every 0\.1 s"):
         KalmanFilter.from_plant(plant, 2.0, 3.0, 0.2)
 
 
