@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -15,7 +16,7 @@ import numpy as np
 from .words import Text, same
 
 # Okabe–Ito, the same meaning in 3-D, in plots, in SVG and in exports.
-COLOURS = {
+COLOURS = MappingProxyType({
     "plant": "#0072B2",
     "estimate": "#D55E00",
     "error": "#CC79A7",
@@ -25,7 +26,7 @@ COLOURS = {
     "second": "#56B4E9",
     "muted": "#8A8F98",
     "unstable": "#F6D9D9",
-}
+})
 Dash = Literal["solid", "dash", "dot"]
 FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ BY_POLES, BY_WEIGHTS = "poles", "weights"
 TIME_TAB = Text("Time", "时间")
 ERROR_TAB = Text("Error and input", "误差与输入")
 WEIGHTS = Text("Weights", "权重")
-INPUTS = {"force": Text("force", "力"), "force 1": Text("force 1", "力 1"), "force 2": Text("force 2", "力 2")}
+INPUTS = MappingProxyType({"force": Text("force", "力"), "force 1": Text("force 1", "力 1"), "force 2": Text("force 2", "力 2")})
 
 
 def run_knobs(horizon: float) -> tuple[Number, ...]:

@@ -33,7 +33,7 @@ MAY_IMPORT = {
     "app.state": (*LOWER, *RECORDS, "app.picture"),
     "app.session": (*LOWER, *RECORDS, *TAB),
     "app.classroom": (*LOWER, *RECORDS, *TAB, "app.session"),
-    "app.export": ("app.engine", "app.words", "app.figures"),
+    "app.export": ("app.engine", "app.words", "app.figures", "app.lesson"),
     "app.published": LOWER,
     "app.view": (*LOWER, *RECORDS, *TAB, "app.session", "app.classroom", "app.export", "lessons"),
     "app.commands": ALL,

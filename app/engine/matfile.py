@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
+from types import MappingProxyType
 
 import numpy as np
 
@@ -16,8 +17,8 @@ from .errors import EngineError
 
 __all__ = ["read_mat"]
 
-_NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
-_TEXTS = {1: "utf-8", 2: "utf-8", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
+_NUMBERS = MappingProxyType({1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"})
+_TEXTS = MappingProxyType({1: "utf-8", 2: "utf-8", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"})
 _MATRIX, _COMPRESSED, _CHAR, _COMPLEX = 14, 15, 4, 0x0800
 _FULL = range(6, 16)  # double, single, int8 … uint64
 _UNREADABLE = "This is not a readable .mat file; save A, B, C, D with MATLAB's save -v7."

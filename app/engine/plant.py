@@ -44,7 +44,7 @@ class Plant:
     A: np.ndarray
     B: np.ndarray
     C: np.ndarray
-    D: np.ndarray | None = None  # always an array after construction
+    D: np.ndarray = None  # type: ignore[assignment]  # zero if left out; always an array after construction
     dt: float = 0.0
     state_names: tuple[str, ...] = ()
     input_names: tuple[str, ...] = ()

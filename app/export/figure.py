@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -19,18 +20,18 @@ from .wrap import wrap
 __all__ = ["SUFFIXES", "ExportError", "draw_page", "save_figures"]
 
 # What would differ from one run to the next is left out of each kind of file.
-SUFFIXES: dict[str, dict[str, Any]] = {
+SUFFIXES: Mapping[str, dict[str, Any]] = MappingProxyType({
     ".png": {"metadata": {"Software": "Observer Lab"}},
     ".svg": {"metadata": {"Date": None, "Creator": "Observer Lab"}},
     ".pdf": {"metadata": {"CreationDate": None, "Creator": "Observer Lab", "Producer": None}},
-}
+})
 DPI = 200
 CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page, in inches
 LEFT, RIGHT, HEAD, FOOT = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
 CURVES, LINE, ROW = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
 COLUMN_NAMES = 0.34
-DRAW: dict[type, Any] = {TimeFigure: draw_time, FrequencyFigure: draw_frequency, PlaneFigure: draw_plane,
-                         MapFigure: draw_map, MatrixFigure: draw_matrix, TableFigure: draw_table}
+DRAW: Mapping[type, Any] = MappingProxyType({TimeFigure: draw_time, FrequencyFigure: draw_frequency, PlaneFigure: draw_plane,
+                         MapFigure: draw_map, MatrixFigure: draw_matrix, TableFigure: draw_table})
 
 
 class ExportError(ValueError):

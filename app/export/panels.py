@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
@@ -16,12 +18,12 @@ from .style import GRID, INK, RULE, SMALL, pen, words
 
 __all__ = ["draw_frequency", "draw_map", "draw_plane", "draw_time"]
 
-MARKS = {
+MARKS = MappingProxyType({
     "cross": {"marker": "x", "markersize": 5.0, "markeredgewidth": 1.3},
     "circle": {"marker": "o", "markersize": 5.5, "markerfacecolor": "none", "markeredgewidth": 1.0},
     "dot": {"marker": "o", "markersize": 3.6, "markeredgewidth": 0.0},
     "bolt": {"marker": "h", "markersize": 6.0, "markeredgewidth": 0.0},
-}
+})
 BOLT = "#282C34"
 MAP_STRENGTH = 0.75  # opacity of a map's colours on white paper
 

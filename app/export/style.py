@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import Any
 
 import matplotlib
@@ -15,7 +16,7 @@ from .fonts import families
 INK, RULE, GRID = "#20242b", "#5b626d", "#e6e9ee"
 BODY, SMALL, TITLE = 8.0, 7.0, 9.0  # pt
 PRINT = 0.6  # points of a printed line for each pixel of a line on the screen
-DASHES: dict[Dash, Any] = {"solid": "-", "dash": (0, (4.5, 2.5)), "dot": (0, (1.0, 2.0))}  # in line widths
+DASHES: Mapping[Dash, Any] = MappingProxyType({"solid": "-", "dash": (0, (4.5, 2.5)), "dot": (0, (1.0, 2.0))})  # in line widths
 
 _LOCK = threading.Lock()  # matplotlib's settings belong to the process: one drawing at a time
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import cos, sin
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -41,11 +42,11 @@ from .body import (
 from .model import Model, Signal, Window
 
 Sensor = Literal["position", "angle", "both"]
-SENSORS: dict[str, tuple[tuple[int, str, str], ...]] = {
+SENSORS: Mapping[str, tuple[tuple[int, str, str], ...]] = MappingProxyType({
     "position": ((0, "position", "m"),),
     "angle": ((1, "angle", "rad"),),
     "both": ((0, "position", "m"), (1, "angle", "rad")),
-}
+})
 STAGE = 1.4  # stage units per metre
 RAIL, WHEEL = 0.36, 0.13  # top of the rail, radius of a wheel
 CART = (0.8, 0.56, 0.28)
@@ -119,7 +120,7 @@ PARTS = (
     Part("pole", Rod(0.04), PLANT, twin=True),
     Part("ball", Ball(0.16), COPPER, twin=True),
 )
-FIXED = {
+FIXED = MappingProxyType({
     "base": Pose((0.0, 0.0, 0.05)),
     "rail front": Pose((0.0, -0.26, RAIL - 0.04)),
     "rail back": Pose((0.0, 0.26, RAIL - 0.04)),
@@ -127,7 +128,7 @@ FIXED = {
     "stop left": Pose((-1.97, 0.0, RAIL + 0.13)),
     "stop right": Pose((1.97, 0.0, RAIL + 0.13)),
     "rest mark": Pose((0.0, -0.44, 0.106)),
-}
+})
 
 
 def body(parameters: Parameters = Parameters()) -> Body:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 
@@ -65,14 +66,14 @@ PARTS = (
     Part("damper housing", Cylinder(0.12, 0.8), COPPER),
     Part("damper rod", Rod(0.05), METAL),
 )
-FIXED = {
+FIXED = MappingProxyType({
     "base": Pose((0.0, 0.0, 0.06)),
     "wall": Pose((WALL - 0.11, 0.0, 0.12 + 0.625)),
     "rail front": Pose((0.17, -0.3, 0.16)),
     "rail back": Pose((0.17, 0.3, 0.16)),
     "rest mark": Pose((REST, -0.52, 0.126)),
     "damper housing": Pose((WALL + 0.4, 0.22, RAIL + 0.2), LYING),
-}
+})
 
 
 def body(parameters: Parameters = Parameters()) -> Body:

@@ -24,12 +24,12 @@ from .model import Model, Signal, Window
 Sensor = Literal["first", "second", "both", "distance", "centre"]
 Actuator = Literal["first", "second", "both", "opposed", "equal"]
 Case = Literal["unseen-stable", "unseen-unstable", "unmoved-stable", "unmoved-unstable"]
-SENSORS: dict[str, tuple[tuple[float, float], ...]] = {
+SENSORS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType({
     "first": ((1, 0),), "second": ((0, 1),), "both": ((1, 0), (0, 1)), "distance": ((-1, 1),), "centre": ((0.5, 0.5),),
-}
-ACTUATORS: dict[str, tuple[tuple[float, float], ...]] = {
+})
+ACTUATORS: Mapping[str, tuple[tuple[float, float], ...]] = MappingProxyType({
     "first": ((1, 0),), "second": ((0, 1),), "both": ((1, 0), (0, 1)), "opposed": ((-1, 1),), "equal": ((1, 1),),
-}
+})
 STATES = ("q1", "q2", "v1", "v2")
 
 
@@ -121,7 +121,7 @@ class Hidden:
 
 SETTLES = Parameters(left=0.3, right=0.3, left_damping=0.5, right_damping=0.5)
 DEPARTS = replace(SETTLES, left=-0.5, right=-0.5)
-LABELS: dict[Case, tuple[Text, Text]] = {
+LABELS: Mapping[Case, tuple[Text, Text]] = MappingProxyType({
     "unseen-stable": (
         Text("Distance sensor, blocks on soft springs", "间距传感器，软弹簧支承"),
         Text("both blocks drifting together, unseen by the sensor of their distance",
@@ -138,7 +138,7 @@ LABELS: dict[Case, tuple[Text, Text]] = {
         Text("Actuator between the blocks, between magnets", "内力作动器，磁铁吸引"),
         Text("both blocks pulled away together by the magnets, unmoved by a force that acts between them",
              "两滑块一同被磁铁吸走的运动，滑块间的内力推不动")),
-}
+})
 
 
 def common_poles(parameters: Parameters) -> tuple[complex, complex]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 
 import numpy as np
 import viser
@@ -19,11 +20,11 @@ SHORTEST = 0.05  # stage units: shorter arrows are not drawn
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
-CAMERAS = {
+CAMERAS = MappingProxyType({
     "all": ((0.0, -13.4, 3.4), (0.0, 0.6, 1.38)),
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
     "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
-}
+})
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
@@ -79,7 +80,7 @@ class StageView:
         back = max(1.0, NARROW / max(self._aspect, 0.2))  # a narrow window looks from farther away
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)
-            self._client.camera.position = tuple(b + back * (a - b) for a, b in zip(position, target, strict=True))
+            self._client.camera.position = np.array(target) + back * (np.array(position) - np.array(target))
             self._client.camera.look_at = target
             self._client.camera.fov = 0.62
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+from types import MappingProxyType
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from .ticks import ticks
 
 W, H = 360, 250
 LEFT, RIGHT, TOP, BOTTOM = 46, 12, 28, 36
-DASHES = {"solid": "", "dash": ' stroke-dasharray="7 4"', "dot": ' stroke-dasharray="2 3"'}
+DASHES = MappingProxyType({"solid": "", "dash": ' stroke-dasharray="7 4"', "dot": ' stroke-dasharray="2 3"'})
 
 
 def draw(figure: Figure, language: str) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -40,12 +41,12 @@ CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 FLIP = np.diag([1.0, -1.0])  # the mirror that turns velocities round
 
 
-HINTS = {
+HINTS = MappingProxyType({
     "q": Text("Q = α_Q I: how dear a deviation of the state is.", "Q = α_Q I：状态偏离的代价。"),
     "r": Text("R = α_R: how dear the input is.", "R = α_R：输入的代价。"),
     "w": Text("W = α_W I: how hard unknown forces shake the plant.", "W = α_W I：未知扰动有多强。"),
     "v": Text("V = α_V: how noisy the sensor is.", "V = α_V：传感器噪声有多大。"),
-}
+})
 
 
 def _weight(name: str, symbol: str, en: str, zh: str, default: float, tied: bool) -> Number:

@@ -59,13 +59,13 @@ def _visible() -> Model:
                    body=chain_body(held.left, held.right, two_mass.ACTUATORS["first"]))
 
 
-_LABELS = {
+_LABELS = MappingProxyType({
     "unseen-unstable": Text("distance sensor, magnets", "间距传感器，磁铁"),
     "unseen-stable": Text("distance sensor, soft springs", "间距传感器，软弹簧"),
     "unmoved-unstable": Text("force between blocks, magnets", "滑块间内力，磁铁"),
     "unmoved-stable": Text("force between blocks, soft springs", "滑块间内力，软弹簧"),
     "visible": Text("sensor and force on one block, magnets", "传感器与力在同一滑块，磁铁"),
-}
+})
 CASES: Mapping[str, Case] = MappingProxyType({
     name: _case(name, label, _visible() if name == "visible" else two_mass.HIDDEN[name].model)  # type: ignore[index]
     for name, label in _LABELS.items()})

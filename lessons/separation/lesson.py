@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -211,7 +212,7 @@ def _break_the_wall(outcome: Outcome) -> Verdict:
 
 
 def _unstable_compensator(outcome: Outcome) -> Verdict:
-    own = float(max(outcome.poles["compensator"].real))
+    own = float(np.max(np.real(outcome.poles["compensator"])))
     if own > 0 and outcome.metrics["slowest_loop"] < 0:
         return Verdict(True, Text(f"The compensator has a pole at {own:+.3g}, and the loop is stable all the same.",
                                   f"补偿器有极点 {own:+.3g}，而闭环依然稳定。"))
@@ -234,8 +235,8 @@ def _pairs(*upper: complex) -> tuple[complex, ...]:
 
 
 FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
-EAGER = {"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
-         "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)}
+EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
+         "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
 LESSON = Lesson(
     "separation", 4, KNOBS, compute, figures, answer=1,
     tasks=(
