@@ -14,6 +14,7 @@ import viser
 from ..engine.placement import move_pole
 from ..figures import COLOURS
 from ..lesson import Board
+from . import phrases
 from .meshes import bolt, cross, landscape
 from .stage import rgb
 from .ticks import ticks
@@ -31,7 +32,7 @@ class BoardView:
     def __init__(self, client: viser.ClientHandle, board: Board, language: str, size: float,
                  drag: Callable[[dict[str, Any]], None]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
-        self._board, self._size = board, size
+        self._board, self._size, self._language = board, size, language
         self._root = f"/board/{board.id}"
         (x, y), turn = PLACES[board.side]
         self._origin = np.array([x, y, FOOT + HEIGHT / 2])
@@ -174,6 +175,10 @@ class BoardView:
             self._stems.append(self._scene.add_mesh_simple(
                 f"{self._root}/bolt{i}", head, head_faces, color=INK, flat_shading=True, cast_shadow=False,
                 position=self.local(pole, 0.0)))
+            x, y, z = self.local(pole, 0.06)
+            self._stems.append(self._scene.add_label(
+                f"{self._root}/bolted{i}", f"{phrases.FIXED(self._language)} {pole_name(pole)}", position=(x, y, z - 0.16),
+                anchor="top-center", font_screen_scale=0.8 * self._size))
 
     def _dragger(self, index: int) -> Callable[[viser.SceneNodeDragEvent], Any]:
         async def moved(event: viser.SceneNodeDragEvent) -> None:

@@ -27,6 +27,7 @@ class Panel:
         self._lesson = picture.lesson
         self._words = picture.lesson.words[self._lang]
         self._widgets: dict[str, tuple[Knob, Widget]] = {}
+        self._folders: dict[str, viser.GuiFolderHandle] = {}
         self._formulas: dict[str, viser.GuiHtmlHandle] = {}
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
         self._bar: Any = None
@@ -89,7 +90,8 @@ class Panel:
             self._make_job()
         for knob in self._lesson.knobs:
             if isinstance(knob, Poles) and not knob.hidden:
-                with gui.add_folder(knob.label(lang), expand_by_default=False):
+                self._folders[knob.name] = gui.add_folder(knob.label(lang), expand_by_default=False)
+                with self._folders[knob.name]:
                     gui.add_html(f'<p class="ol-note">{phrases.ON_STAGE(lang)}</p>')
                     self._add_knob(knob)
 
@@ -160,7 +162,10 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Everything in the column that may have changed."""
         for name, (knob, widget) in self._widgets.items():
-            widget.show(picture.design[name], self._lesson.shown(knob, picture.design), picture.resting)
+            seen = self._lesson.shown(knob, picture.design)
+            widget.show(picture.design[name], seen, picture.resting)
+            if name in self._folders and self._folders[name].visible != seen:
+                self._folders[name].visible = seen
         if picture.resting:
             self._show_numbers(picture)
         self._show_prediction(picture)
