@@ -44,8 +44,8 @@ class Whiteness:
     """Autocorrelation of the innovations at lags 1 … `lags`, and portmanteau tests of its being zero.
 
     correlation (lags, p), each within ±band with probability `level` if white. outside: share of it that is not.
-    statistics, p_values (p,): Ljung–Box of each channel, N (N + 2) Σ r_l²/(N − l), χ² with `lags` degrees of freedom. joint, p_value: Hosking's
-    multivariate form, which sees correlation between channels too, χ² with p²·lags.
+    statistics, p_values (p,): Ljung–Box of each channel, N (N + 2) Σ r_l²/(N − l), χ² with `lags` degrees of freedom.
+    joint, p_value: Hosking's multivariate form, which sees correlation between channels too, χ² with p²·lags.
     """
 
     correlation: np.ndarray

@@ -37,7 +37,7 @@ class LinearFilter(ABC):
     C: np.ndarray
     Q: np.ndarray
     R: np.ndarray
-    D: np.ndarray | None = None  # always an array after construction
+    D: np.ndarray = None  # type: ignore[assignment]  # always an array after construction
     dt: float = 0.0
 
     def __post_init__(self) -> None:
@@ -76,11 +76,6 @@ class LinearFilter(ABC):
         """Number of states."""
         return self.A.shape[0]
 
-    @property
-    def through(self) -> np.ndarray:
-        """D, which is an array in every finished filter."""
-        return np.asarray(self.D)
-
     @cached_property
     def steady(self) -> DiscreteFilter:
         """The filter after infinitely many steps, from the Riccati equation. Raises RiccatiError where there is none."""
@@ -98,7 +93,7 @@ class LinearFilter(ABC):
         """The measurement y (p,) taken in: x̂ + M ν with ν = y − C x̂ − D u, M = P Cᵀ S⁻¹, S = C P Cᵀ + R."""
         nu = self._vector(y, "y", len(self.C)) - self.C @ self._fitting(belief).mean
         if u is not None:
-            nu = nu - self.through @ self._vector(u, "u", self.B.shape[1])
+            nu = nu - self.D @ self._vector(u, "u", self.B.shape[1])
         S, M, spread = self.corrected(self.spread(belief), np.isfinite(nu))
         return Correction(self.belief(belief.mean + M @ np.nan_to_num(nu), spread), nu, S, M)
 
@@ -143,7 +138,7 @@ class LinearFilter(ABC):
             schedule = self.schedule(start, len(y))
         elif schedule.steps != len(y):
             raise ShapeError(f"The schedule is for {schedule.steps} samples but the record has {len(y)}.")
-        known = y - u @ self.through.T
+        known = y - u @ self.D.T
         return Track(*means_along(self.A, self.C, schedule, self._fitting(start).mean, known, u @ self.B.T), schedule)
 
     def _goal(self) -> tuple[np.ndarray, np.ndarray] | None:

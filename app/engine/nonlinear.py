@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cholesky
 
 from .belief import Belief, Correction, as_covariance, symmetric
 from .errors import EngineError, ShapeError
@@ -73,10 +72,13 @@ class NonlinearFilter(ABC):
         nu = y - expected
         seen, M = np.isfinite(nu), np.zeros((self.n, self.p))
         try:
-            M[:, seen] = np.linalg.solve(S[np.ix_(seen, seen)], across[:, seen].T).T
+            if seen.all():
+                M = np.linalg.solve(S, across.T).T
+            else:
+                M[:, seen] = np.linalg.solve(S[np.ix_(seen, seen)], across[:, seen].T).T
         except np.linalg.LinAlgError as problem:
             raise EngineError(SINGULAR) from problem
-        after = Belief(belief.mean + M @ np.nan_to_num(nu), self.narrowed(belief, u, S, M))
+        after = Belief(belief.mean + M @ np.where(seen, nu, 0.0), self.narrowed(belief, u, S, M))
         return Correction(after, nu, S, M)
 
     def update(self, belief: Belief, y: object, u: object = ()) -> Belief:
@@ -173,12 +175,16 @@ class UnscentedKalmanFilter(NonlinearFilter):
     def points(self, belief: Belief) -> np.ndarray:
         """The sigma points as columns, n × (2n + 1)."""
         try:
-            factor = cholesky(belief.covariance, lower=True, check_finite=False)
+            factor = np.linalg.cholesky(belief.covariance)
         except np.linalg.LinAlgError:  # semidefinite
             factor = root(belief.covariance)
         factor = self.weights[0] * factor
-        middle = belief.mean[:, None]
-        return np.hstack([middle, middle + factor, middle - factor])
+        n, middle = self.n, belief.mean[:, None]
+        points = np.empty((n, 2 * n + 1))
+        points[:, :1] = middle
+        np.add(middle, factor, out=points[:, 1:n + 1])
+        np.subtract(middle, factor, out=points[:, n + 1:])
+        return points
 
     def predict(self, belief: Belief, u: object = ()) -> Belief:
         """Mean and covariance of f over the sigma points, plus Q."""
