@@ -33,6 +33,8 @@ SLICE = 0.015  # s of a long job between two looks at the mailbox
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 PREDICT_FIRST = Text("Choose a prediction first; then the run unlocks.", "请先作出预测，之后才能播放。")
+NONSENSE = Text("The browser sent a value that this widget cannot take; nothing was changed.",
+                "浏览器发来的数值不适用于这个控件，未作任何更改。")
 NOTHING_TO_UNDO = Text("Nothing to undo.", "没有可以撤销的操作。")
 NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
 CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
@@ -419,6 +421,9 @@ class Session:
             raise KnobError(Text(f"{name} is not drawn by hand.", f"{name} 不是手动输入。"))
         design = self._desk().history.design
         self._set([SetKnobs({name: knob.record(design[name], self._state.t, _number(value))})])
+
+    def _do_refuse_value(self, _: Any) -> None:
+        raise KnobError(NONSENSE)
 
     def _do_undo(self, _: Any) -> None:
         self._walk(-1, NOTHING_TO_UNDO)

@@ -51,17 +51,23 @@ def method_knobs() -> tuple[Choice, Number, Number, Number, Number]:
     """Gains by poles or by weights: Q = α_Q CᵀC, R = α_R I for K; W = α_W B Bᵀ, V = α_V I for L."""
     weights = ("method", (BY_WEIGHTS,))
 
-    def weight(name: str, symbol: str, en: str, zh: str, default: float) -> Number:
-        return Number(name, symbol, Text(en, zh), low=1e-6, high=1e6, default=default, scale="log", when=weights)
+    def weight(name: str, symbol: str, en: str, zh: str, default: float, hint: Text) -> Number:
+        return Number(name, symbol, Text(en, zh), low=1e-6, high=1e6, default=default, scale="log", when=weights,
+                      hint=hint)
     return (
         Choice("method", "", Text("gains by", "增益由"), default=BY_POLES,
                options=((BY_POLES, Text("dragging poles", "拖动极点")), (BY_WEIGHTS, Text("Q/R weights", "Q/R 权重"))),
                hint=Text("Drag the poles yourself, or let LQR and its dual choose them from weights.",
                          "自己拖动极点，或由权重经 LQR 及其对偶给出极点。")),
-        weight("q", r"\alpha_Q", "state weight α_Q", "状态权重 α_Q", 1e4),
-        weight("r", r"\alpha_R", "input weight α_R", "输入权重 α_R", 1.0),
-        weight("w", r"\alpha_W", "process intensity α_W", "过程噪声强度 α_W", 1e2),
-        weight("v", r"\alpha_V", "sensor intensity α_V", "测量噪声强度 α_V", 1e-2),
+        weight("q", r"\alpha_Q", "state weight α_Q", "状态权重 α_Q", 1e4,
+               Text("Q = α_Q CᵀC: how much a moving deck costs.", "Q = α_Q CᵀC：对象运动的代价。")),
+        weight("r", r"\alpha_R", "input weight α_R", "输入权重 α_R", 1.0,
+               Text("R = α_R I: how much force costs. Only α_Q/α_R matters for K.", "R = α_R I：用力的代价。K 只取决于 α_Q/α_R。")),
+        weight("w", r"\alpha_W", "process intensity α_W", "过程噪声强度 α_W", 1e2,
+               Text("W = α_W I on the inputs: how far the model is to be distrusted.", "输入端的 W = α_W I：对模型的不信任程度。")),
+        weight("v", r"\alpha_V", "sensor intensity α_V", "测量噪声强度 α_V", 1e-2,
+               Text("V = α_V I: how far the sensors are to be distrusted. Only α_W/α_V matters for L.",
+                    "V = α_V I：对传感器的不信任程度。L 只取决于 α_W/α_V。")),
     )
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import secrets
+from collections.abc import Callable
+from typing import Any
 from urllib.parse import urlsplit
 
 import viser
@@ -25,9 +27,30 @@ def foreign_origin(server: viser.ViserServer, client: viser.ClientHandle) -> str
     if request is None:
         return None
     origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
-    if not origin or origin == "null":
-        return None
+    if not origin:
+        return None  # not a browser: a script, a test
     return None if urlsplit(origin).netloc == host else origin
+
+
+def accept_values_only(client: viser.ClientHandle, refused: Callable[[], None]) -> None:
+    """Let a browser set the `value` of its widgets and nothing else.
+
+    viser sets whatever attribute of a widget a message names, without a check; a value of the wrong kind raises
+    before any callback of ours. Both end here: `refused` is called, and nothing was changed.
+    """
+    connection, inner = client._websock_connection, client.gui._handle_gui_updates
+    connection.unregister_handler(_messages.GuiUpdateMessage, inner)
+
+    async def guarded(client_id: Any, message: _messages.GuiUpdateMessage) -> None:
+        if not isinstance(message.updates, dict) or set(message.updates) != {"value"}:
+            refused()
+            return
+        try:
+            await inner(client_id, message)
+        except (TypeError, ValueError, AssertionError, OverflowError):
+            refused()
+
+    connection.register_handler(_messages.GuiUpdateMessage, guarded)
 
 
 def disconnect(server: viser.ViserServer, client: viser.ClientHandle) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 import viser
 
+from ..edits import Do
 from ..lesson import Lesson
 from ..session import Session
 from . import quirks
@@ -51,6 +52,7 @@ class LabServer:
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language)
         screen.attach(session.post)
+        quirks.accept_values_only(client, lambda: session.post(Do("refuse_value")))
         self._sessions[client.client_id] = session
         session.start()
 
