@@ -151,14 +151,8 @@ class Tab:
         self.pause(2)
 
     def picture(self, path: Any) -> None:
-        """Keep a screenshot, once the 3-D view has drawn the last change."""
-        drawn = [-1, -1, -1]
-
-        def still() -> bool:
-            drawn.append(self.page.evaluate("window.__viserTestpoints.rendererInfo.render.frame"))
-            self.pause(4)
-            return len(set(drawn[-3:])) == 1
-        eventually(still, bool, "the 3-D view comes to rest")
+        """Keep a screenshot, with time for the 3-D view to draw the last change without a graphics card."""
+        self.pause(25)
         try:
             self.page.screenshot(path=path, timeout=PATIENCE * 1000)
         except Error as problem:
