@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import TypeGuard
 
 import numpy as np
 
@@ -45,7 +44,7 @@ class BilinearPlant:
             if matrix.shape != shape:
                 raise ShapeError(f"{name} must be {shape[0]}×{shape[1]}; it is {matrix.shape[0]}×{matrix.shape[1]}.")
         if C.shape[0] >= n:
-            raise EngineError(f"C measures {C.shape[0]} values of {n} states; with n or more nothing is left to observe.")
+            raise EngineError(f"C measures {C.shape[0]} values of {n} states; nothing is left to observe.")
         if canonise(C).rank < C.shape[0]:
             raise EngineError("Rows of C depend on each other; leave out the outputs that repeat others.")
         for key, value in (("A", A), ("B", B), ("F", F), ("C", C)):
@@ -62,6 +61,12 @@ class BilinearPlant:
         return self.C.shape[0]
 
 
+def _freeze(record: object) -> None:
+    for value in vars(record).values():
+        if isinstance(value, np.ndarray):
+            value.setflags(write=False)
+
+
 @dataclass(frozen=True, eq=False)
 class BilinearForm:
     """An observer that can be run: ż = A z + Y y + B u + u U y + R ẏ, ĝ = G_y y + G_z z.
@@ -76,6 +81,9 @@ class BilinearForm:
     R: np.ndarray
     G_y: np.ndarray
     G_z: np.ndarray
+
+    def __post_init__(self) -> None:
+        _freeze(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,6 +128,9 @@ class BilinearObserver:
     solved: bool
     reason: str
     advised: bool
+
+    def __post_init__(self) -> None:
+        _freeze(self)
 
     @property
     def order(self) -> int:
@@ -182,7 +193,7 @@ def bilinear_functional_observer(
         raise EngineError("K is zero, so g = K x is known without an observer.")
     at = _coordinates(plant, wanted)
     q = at.c1.rank
-    asked = check_poles([complex(pole)] * q if _is_number(pole) else pole, q)
+    asked = check_poles(pole if isinstance(pole, Iterable) else [complex(pole)] * q, q)
     V1, V2, _ = at.V
     block = np.hstack([plant.F @ at.T[1], plant.A @ at.T[2], plant.F @ at.T[2]])
     Q, right = V1 @ block, V2 @ block
@@ -199,7 +210,7 @@ def bilinear_functional_observer(
     solved = case == 2 or pi is not None
     A_L = None if L is None else (V2 - L @ V1) @ plant.A @ at.T[1]
     reached = np.zeros(0, dtype=complex) if A_L is None else np.sort_complex(np.linalg.eigvals(A_L).astype(complex))
-    stable = bool(np.all(reached.real < 0))
+    stable = bool(np.all(np.real(reached) < 0))
     if case == 2:
         reason = "One L only; " + ("its poles are stable." if stable else "its poles are not stable: no observer.")
     elif solved and not stable:
@@ -208,10 +219,6 @@ def bilinear_functional_observer(
     return BilinearObserver(plant, wanted, asked, at.C, at.K1, at.c1, at.T, at.V, Q, cQ, right, defect, size, case,
                             A_star, B_star, controllable, pi, L, A_L, reached, *forms, solved and stable, reason,
                             3 * plant.m + wanted.shape[0] >= 2 * plant.n)
-
-
-def _is_number(pole: object) -> TypeGuard[complex]:
-    return isinstance(pole, (int, float, complex, np.number))
 
 
 def _relative(defect: np.ndarray, first: np.ndarray, second: np.ndarray) -> float:

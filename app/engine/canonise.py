@@ -38,8 +38,8 @@ class Canonisation:
 
     def flipped(self) -> Canonisation:
         """The canonisation of Mᵀ, which has left and right exchanged."""
-        return Canonisation(*map(_kept, (self.unit_right.T, self.zero_right.T, self.unit_left.T, self.zero_left.T)),
-                            self.singular_values)
+        return Canonisation(_kept(self.unit_right.T), _kept(self.zero_right.T), _kept(self.unit_left.T),
+                            _kept(self.zero_left.T), self.singular_values)
 
 
 def canonise(M: np.ndarray) -> Canonisation:

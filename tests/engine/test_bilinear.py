@@ -54,7 +54,7 @@ def law_residual(plant, form, K, A_w, readout, seed):
     return np.linalg.norm(rate - readout @ A_w @ w) / size
 
 
-# --- the worked example ---------------------------------------------------------------------------------------------
+# --- the worked example --------------------------------------------------------------------------------------------
 
 
 def test_step_1_the_coordinates():
@@ -112,7 +112,7 @@ def test_the_plant_is_stable_as_published():
                                        -2.6671 - 7.6014j, -2.6671 + 7.6014j], atol=6e-5)
 
 
-# --- the run ---------------------------------------------------------------------------------------------------------
+# --- the run -------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("u", INPUTS.values(), ids=INPUTS.keys())
@@ -160,7 +160,7 @@ def test_a_plant_that_runs_away_is_cut_off():
     assert run.diverged_at is not None and np.isfinite(run.x).all() and len(run.t) == len(run.x) < 2001
 
 
-# --- any plant: the three cases ---------------------------------------------------------------------------------------
+# --- any plant: the three cases ------------------------------------------------------------------------------------
 
 
 @settings(max_examples=40, deadline=None)
@@ -231,7 +231,7 @@ def test_requests_that_make_no_sense_get_one_sentence(change, error, word):
         bilinear_functional_observer(**request)
 
 
-# --- canonisation ------------------------------------------------------------------------------------------------------
+# --- canonisation --------------------------------------------------------------------------------------------------
 
 
 @settings(max_examples=60, deadline=None)
