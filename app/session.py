@@ -1,61 +1,30 @@
-"""One browser tab: a mailbox, a worker, the playback clock and the history of designs. Knows only a View protocol.
+"""What a person can do in a tab: play, kick, undo, predict, check, pick, change lesson or language.
 
-Callbacks post edits in microseconds; one worker thread takes them in order (the latest value of a knob wins, commands
-are never dropped), computes the outcome, and tells the view. Bad input costs one sentence and nothing else.
+Every command of `app.edits.COMMANDS` and every button of the frame ends in one method `_do_<name>` here; how edits are
+taken, computed and shown is in `app.tab`.
 """
 
 from __future__ import annotations
 
-import logging
 import math
-import threading
-import time
-from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
-from .edits import Do, Mailbox, SetKnobs
-from .engine.errors import EngineError
-from .figures import Figure
-from .history import History
+from .edits import SetKnobs
 from .knobs import KnobError, Track
-from .lesson import Design, Lesson, Outcome, Task, Verdict
-from .picture import Picture, State, TaskState, View
-from .state import read_tab, write_tab
+from .lesson import Task, Verdict
+from .picture import TaskState
+from .tab import FRAME, REST, TabWorker
 from .words import Text
 
-log = logging.getLogger(__name__)
+__all__ = ["FRAME", "PREDICT_FIRST", "REST", "SPEEDS", "Session"]
 
-FRAME = 1 / 30  # s between poses while playing
-REST = 0.25  # s without an edit after which the final picture is drawn
-SLICE = 0.015  # s of a long job between two looks at the mailbox
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
-
 PREDICT_FIRST = Text("Choose a prediction first; then the run unlocks.", "请先作出预测，之后才能播放。")
 NONSENSE = Text("The browser sent a value that this widget cannot take; nothing was changed.",
                 "浏览器发来的数值不适用于这个控件，未作任何更改。")
 NOTHING_TO_UNDO = Text("Nothing to undo.", "没有可以撤销的操作。")
 NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
-CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
-NOT_DONE = Text("That could not be done ({0}); everything stays as it was.", "操作未能完成（{0}），一切保持原样。")
-BROKEN = Text("The lesson could not compute this design ({0}); the last good picture stays. Undo or change a knob.",
-              "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
-
-
-def _grouped(edits: list[SetKnobs | Do]) -> Iterator[list[SetKnobs] | Do]:
-    """Neighbouring knob changes together, commands one by one, all in order."""
-    waiting: list[SetKnobs] = []
-    for edit in edits:
-        if isinstance(edit, SetKnobs):
-            waiting.append(edit)
-            continue
-        if waiting:
-            yield waiting
-            waiting = []
-        yield edit
-    if waiting:
-        yield waiting
 
 
 def _number(value: Any, finite: bool = True) -> float:
@@ -70,305 +39,8 @@ def _number(value: Any, finite: bool = True) -> float:
     return number
 
 
-@dataclass
-class _Desk:
-    """What a session keeps of one lesson while another is open."""
-
-    history: History
-    predicted: int | None = None
-    revealed: bool = False
-    tasks: Mapping[str, TaskState] = field(default_factory=dict)
-    exam: Verdict | None = None
-
-
-class Session:
-    """One tab at work. `step` does everything that is due; `start` runs it on a thread of its own."""
-
-    def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
-                 clock: Callable[[], float] = time.monotonic, exam_seed: int = 1) -> None:
-        if lesson not in lessons:
-            raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
-        self._lessons = dict(lessons)
-        self._view = view
-        self._clock = clock
-        self._mailbox = Mailbox()
-        self._desks: dict[str, _Desk] = {}
-        self._cache: OrderedDict[Design, tuple[Outcome, tuple[Figure, ...]]] = OrderedDict()
-        self._state = State(language=language, exam_seed=exam_seed)
-        self._lesson = self._lessons[lesson]
-        self._picture: Picture | None = None
-        self._job: Iterator[tuple[float, Outcome]] | None = None
-        self._resting = True
-        self._last_edit = self._last_tick = clock()
-        self._thread: threading.Thread | None = None
-
-    # --- outside ---------------------------------------------------------------------------------------------------
-    def post(self, edit: SetKnobs | Do) -> None:
-        """Hand an edit over; returns at once."""
-        self._mailbox.post(edit)
-
-    def start(self) -> None:
-        """Open the lesson and work on a thread until `close`."""
-        self._thread = threading.Thread(target=self._work, name="observer-lab session", daemon=True)
-        self._thread.start()
-
-    def close(self) -> None:
-        """End the worker; safe from any thread."""
-        self._mailbox.close()
-
-    @property
-    def picture(self) -> Picture | None:
-        """The last good picture."""
-        return self._picture
-
-    def _work(self) -> None:
-        try:
-            self.restore(self._view.recall())
-            self.open()
-        except Exception:
-            if not self._mailbox.closed:
-                log.exception("a session could not be opened")
-            return
-        failures = 0
-        while not self._mailbox.closed:
-            try:
-                self.step(self._wait())
-                failures = 0
-            except Exception:
-                if self._mailbox.closed:
-                    return
-                failures += 1
-                log.exception("a step of a session failed")
-                self._state = replace(self._state, playing=False)
-                time.sleep(min(0.05 * failures, 1.0))
-
-    def _wait(self) -> float | None:
-        now = self._clock()
-        if self._job is not None:
-            return 0.0
-        waits = []
-        if self._state.playing:
-            waits.append(max(0.0, self._last_tick + FRAME - now))
-        if not self._resting:
-            waits.append(max(0.0, self._last_edit + REST - now))
-        return min(waits) if waits else None
-
-    # --- inside ----------------------------------------------------------------------------------------------------
-    def open(self) -> None:
-        """Compute the lesson's present design and lay the screen out."""
-        self._job = None
-        try:
-            outcome, figures = self._compute(self._desk().history.design)
-        except Exception:
-            log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self._lesson.id)
-            self._desks[self._lesson.id] = _Desk(History(self._lesson.start()))
-            outcome, figures = self._compute(self._desk().history.design)
-        desk = self._desk()
-        self._state = replace(self._state, playing=False, t=0.0, predicted=desk.predicted,
-                              revealed=desk.revealed, tasks=desk.tasks, exam=desk.exam)
-        self._resting = True
-        self._picture = self._make(desk.history.design, outcome, figures)
-        self._view.build(self._picture)
-        self._view.show(self._picture)
-        self._view.pose(0.0)
-        self._remember()
-
-    def restore(self, text: str | None) -> None:
-        """Go on where this tab was before a reload; what cannot be read is left at its start."""
-        tab = read_tab(text, self._lessons)
-        if tab is None:
-            return
-        self._lesson = self._lessons[tab.design.lesson]
-        self._state = replace(self._state, language=tab.language, lecture=tab.lecture)
-        self._desks[self._lesson.id] = _Desk(History(tab.design), tab.predicted, tab.revealed)
-
-    def step(self, wait: float | None = 0.0) -> None:
-        """Take what waits, do what is due."""
-        for edits in _grouped(self._mailbox.take(wait)):
-            try:
-                if isinstance(edits, Do):
-                    self._do(edits)
-                else:
-                    self._set(edits)
-            except (KnobError, EngineError) as problem:
-                self._refuse(problem)
-            except Exception as problem:
-                log.exception("%r failed", edits)
-                self._refuse(problem, isinstance(edits, Do))
-        now = self._clock()
-        if not self._resting and now - self._last_edit >= REST:
-            self._rest()
-        if self._job is not None:
-            self._work_on_job()
-        if self._state.playing and now - self._last_tick >= FRAME * 0.9:
-            self._tick(now)
-
-    def _rest(self) -> None:
-        """The knobs rest: the final picture, and what a reload should bring back."""
-        self._resting = True
-        self._redraw()
-        self._remember()
-
-    def _desk(self) -> _Desk:
-        if self._lesson.id not in self._desks:
-            self._desks[self._lesson.id] = _Desk(History(self._lesson.start()))
-        return self._desks[self._lesson.id]
-
-    def _compute(self, design: Design) -> tuple[Outcome, tuple[Figure, ...]]:
-        known = self._cache.get(design)
-        outcome = self._carried(self._lesson.compute(design) if known is None else known[0])
-        result = known if known is not None and outcome is known[0] else (outcome, tuple(self._lesson.figures(outcome)))
-        self._cache[design] = result
-        self._cache.move_to_end(design)
-        while len(self._cache) > 32:
-            self._cache.popitem(last=False)
-        return result
-
-    def _carried(self, outcome: Outcome) -> Outcome:
-        """The outcome with what the job found for the design on the screen, where the lesson says that it still holds."""
-        shown = self._picture
-        if self._lesson.carry is None or shown is None or shown.lesson is not self._lesson:
-            return outcome
-        return self._lesson.carry(shown.outcome, outcome)
-
-    def _make(self, design: Design, outcome: Outcome, figures: tuple[Figure, ...]) -> Picture:
-        history = self._desk().history
-        self._state = replace(self._state, can_undo=history.can_undo, can_redo=history.can_redo)
-        return Picture(self._lesson, design, outcome, figures, self._state, self._resting,
-                       tuple(self._lessons.values()))
-
-    def _refuse(self, problem: Exception, command: bool = False) -> None:
-        """Say in one sentence why something was not done, and show the last good picture again."""
-        text = getattr(problem, "text", None)
-        if isinstance(problem, EngineError):
-            text = Text(str(problem), str(problem))
-        if text is None:
-            words = f"{type(problem).__name__}: {problem}"[:160]
-            text = (NOT_DONE if command else BROKEN).format(words)
-        self._view.say(text, True)
-        self._resting = True
-        self._redraw()
-
-    def _redraw(self) -> None:
-        if self._picture is not None:
-            self._picture = self._make(self._picture.design, self._picture.outcome, self._picture.figures)
-            self._view.show(self._picture)
-
-    def _remember(self) -> None:
-        """Keep in the browser's tab what a reload should bring back."""
-        self._view.remember(write_tab(self._lesson, self._desk().history.design, self._state))
-
-    def _set(self, edits: list[SetKnobs]) -> None:
-        """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it."""
-        design, keys, refused = self._desk().history.design, set[str](), None
-        for edit in edits:
-            try:
-                design = self._lesson.apply(design, edit.values)
-                keys |= edit.values.keys()
-            except KnobError as problem:
-                refused = problem
-        if keys:
-            self._adopt(design, frozenset(keys))
-        if refused is not None:
-            raise refused
-
-    def _adopt(self, design: Design, key: frozenset[str] | None) -> None:
-        """Make a design the present one; whatever fails on the way, the last good one stays."""
-        history = self._desk().history
-        if design == history.design and self._picture is not None and design == self._picture.design:
-            self._redraw()
-            return
-        before = history.save()
-        history.push(design, key, self._clock())
-        self._draw_present(before)
-
-    def _draw_present(self, before: tuple[tuple[Design, ...], int]) -> None:
-        """Show the history's present design; if that fails, go back to where the history stood `before`."""
-        history, picture, resting, state = self._desk().history, self._picture, self._resting, self._state
-        try:
-            outcome, figures = self._compute(history.design)
-            horizon = float(outcome.stage.t[-1]) if outcome.stage is not None else 0.0
-            self._state = replace(self._state, t=min(self._state.t, horizon))
-            self._resting = False
-            self._picture = self._make(history.design, outcome, figures)
-            self._view.show(self._picture)
-            self._view.pose(self._state.t)
-        except Exception:
-            history.restore(before)
-            self._picture, self._resting, self._state = picture, resting, state
-            raise
-        if self._job is not None:
-            self._cancel(silent=True)
-        self._last_edit = self._clock()
-
-    def _tick(self, now: float) -> None:
-        if self._picture is None:
-            return
-        t = self._state.t + min(now - self._last_tick, 0.25) * self._state.speed
-        self._last_tick = now
-        ended = t >= self._picture.horizon
-        self._state = replace(self._state, t=min(t, self._picture.horizon), playing=not ended)
-        self._view.pose(self._state.t)
-        if ended:
-            self._change(revealed=True)
-
-    # --- jobs ------------------------------------------------------------------------------------------------------
-    def _work_on_job(self) -> None:
-        """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays."""
-        assert self._lesson.job is not None
-        try:
-            fraction = self._slice_of_job()
-        except Exception as problem:
-            log.exception("the job of lesson %s failed", self._lesson.id)
-            self._job = None
-            self._view.progress(None, None)
-            self._refuse(problem)
-            return
-        self._view.progress(fraction if self._job is not None else None, self._lesson.job.label)
-
-    def _slice_of_job(self) -> float:
-        job, start = self._job, time.monotonic()
-        assert job is not None and self._picture is not None
-        outcome, fraction = self._picture.outcome, 0.0
-        try:
-            while time.monotonic() - start < SLICE and self._mailbox.empty():
-                fraction, outcome = next(job)
-        except StopIteration:
-            self._job = None
-        if outcome is not self._picture.outcome:
-            self._keep(outcome)
-        return fraction
-
-    def _keep(self, outcome: Outcome) -> None:
-        assert self._picture is not None
-        figures = tuple(self._lesson.figures(outcome))
-        picture = self._make(self._picture.design, outcome, figures)
-        self._view.show(picture)
-        self._picture = picture
-        self._cache[picture.design] = outcome, figures
-
-    def _cancel(self, silent: bool) -> None:
-        self._job = None
-        self._view.progress(None, None)
-        if not silent:
-            self._view.say(CANCELLED, False)
-
-    # --- commands --------------------------------------------------------------------------------------------------
-    def _do(self, command: Do) -> None:
-        handler = getattr(self, f"_do_{command.name}", None)
-        if handler is None:
-            raise KnobError(Text(f"There is no command {command.name[:40]}.", f"没有命令 {command.name[:40]}。"))
-        handler(command.argument)
-
-    def _change(self, **changes: Any) -> None:
-        """Change the tab's state and show it."""
-        self._state = replace(self._state, **changes)
-        desk = self._desk()
-        desk.predicted, desk.revealed = self._state.predicted, self._state.revealed
-        desk.tasks, desk.exam = self._state.tasks, self._state.exam
-        self._redraw()
-        if not changes.keys() <= {"playing", "t"}:
-            self._remember()
+class Session(TabWorker):
+    """One tab at work: `post` an edit, and the view shows what it leads to."""
 
     def _do_play(self, _: Any) -> None:
         if self._state.predicted is None:
