@@ -29,7 +29,7 @@ def gain(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.nd
 def joseph(P: np.ndarray, C: np.ndarray, R: np.ndarray, M: np.ndarray) -> np.ndarray:
     """(I − M C) P (I − M C)ᵀ + M R Mᵀ, symmetric: right for any gain M, positive semidefinite whatever the rounding."""
     keep = -(M @ C)
-    keep.flat[::len(P) + 1] += 1.0
+    keep.reshape(-1)[::len(P) + 1] += 1.0
     return symmetric(keep @ P @ keep.T + M @ R @ M.T)
 
 
@@ -64,7 +64,7 @@ class KalmanFilter(LinearFilter):
 
     def corrected(self, spread: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """S, M and P after the measurement by the sensors that were `seen`."""
-        if seen.all():
+        if np.count_nonzero(seen) == len(seen):
             S, M = gain(spread, self.C, self.R)
             return S, M, joseph(spread, self.C, self.R, M)
         M = np.zeros((self.n, len(seen)))

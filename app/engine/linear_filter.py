@@ -21,6 +21,7 @@ __all__ = ["LinearFilter"]
 
 SETTLED = 1e-9  # distance from the Riccati solution, in standard deviations squared, that counts as none
 LOOK_EVERY = 8  # steps between two looks whether the filter has settled
+FIRST_ROOM = 64  # steps stored before the arrays grow
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,16 +111,21 @@ class LinearFilter(ABC):
         """
         spread, every = self.spread(self._fitting(start)), np.ones(len(self.C), dtype=bool)
         goal = self._goal() if seen is None else None
-        rows = []
+        n, p = self.n, len(self.C)
+        room, k = min(steps, FIRST_ROOM), -1
+        stored = tuple(np.empty((room, *shape)) for shape in ((n, n), (n, n), (p, p), (n, p)))
         for k in range(steps):
-            prior = self.covariance(spread)
-            S, M, spread = self.corrected(spread, every if seen is None else seen[k])
-            rows.append((prior, self.covariance(spread), S, M))
+            if k == room:
+                room = min(steps, 2 * room)
+                stored = tuple(np.concatenate([part, np.empty((room - k, *part.shape[1:]))]) for part in stored)
+            priors, posteriors, covariances, gains = stored
+            priors[k] = prior = self.covariance(spread)
+            covariances[k], gains[k], spread = self.corrected(spread, every if seen is None else seen[k])
+            posteriors[k] = self.covariance(spread)
             if goal is not None and k % LOOK_EVERY == 0 and (np.abs(prior - goal[0]) <= goal[1]).all():
                 break
             spread = self.forward(spread)
-        prior, posterior, S, gains = (np.array(part) for part in zip(*rows, strict=True))
-        return Schedule(steps, prior, posterior, S, gains)
+        return Schedule(steps, *(part[:k + 1].copy() for part in stored))
 
     def run(self, start: Belief, y: object, u: object | None = None, schedule: Schedule | None = None) -> Track:
         """A record y (n_t, p) with the inputs u (n_t, m) filtered; `start` is the belief before the first measurement.
@@ -128,9 +134,12 @@ class LinearFilter(ABC):
         start and length saves the covariances (thousands of runs of one filter share it). Raises ShapeError.
         """
         y = as_record(y, "y", len(self.C))
-        u = as_record(u, "u", self.B.shape[1], len(y))
-        if np.isnan(u).any():
-            raise EngineError("u holds NaN; every input must be known.")
+        known, push = y, None
+        if u is not None:
+            u = as_record(u, "u", self.B.shape[1], len(y))
+            if np.isnan(u).any():
+                raise EngineError("u holds NaN; every input must be known.")
+            known, push = y - u @ self.D.T, u @ self.B.T
         seen = np.isfinite(y)
         if not seen.all():
             schedule = self.schedule(start, len(y), seen)
@@ -138,8 +147,7 @@ class LinearFilter(ABC):
             schedule = self.schedule(start, len(y))
         elif schedule.steps != len(y):
             raise ShapeError(f"The schedule is for {schedule.steps} samples but the record has {len(y)}.")
-        known = y - u @ self.D.T
-        return Track(*means_along(self.A, self.C, schedule, self._fitting(start).mean, known, u @ self.B.T), schedule)
+        return Track(*means_along(self.A, self.C, schedule, self._fitting(start).mean, known, push), schedule)
 
     def _goal(self) -> tuple[np.ndarray, np.ndarray] | None:
         """The Riccati solution and how near counts as there, None where it cannot be had."""

@@ -70,11 +70,12 @@ class NonlinearFilter(ABC):
             raise ShapeError(f"y must hold {self.p} numbers; it holds {y.size}.")
         expected, S, across = self.expected(belief, u)
         nu = y - expected
-        seen, M = np.isfinite(nu), np.zeros((self.n, self.p))
+        seen = np.isfinite(nu)
         try:
             if seen.all():
                 M = np.linalg.solve(S, across.T).T
             else:
+                M = np.zeros((self.n, self.p))
                 M[:, seen] = np.linalg.solve(S[np.ix_(seen, seen)], across[:, seen].T).T
         except np.linalg.LinAlgError as problem:
             raise EngineError(SINGULAR) from problem

@@ -108,31 +108,37 @@ def as_record(value: object, name: str, columns: int, rows: int | None = None) -
 
 
 def means_along(A: np.ndarray, C: np.ndarray, schedule: Schedule, start: np.ndarray, known: np.ndarray,
-                push: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Predicted means, means and innovations for measurements `known` = y − D u (n_t, p) and `push` = B u (n_t, n).
+                push: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Predicted means, means and innovations for measurements `known` = y − D u (n_t, p) and `push` = B u (n_t, n) or None.
 
     x̂[k+1|k] = A (I − M C) x̂[k|k−1] + A M (y − D u) + B u: one step after another while M changes, in parallel blocks
     once it is constant.
     """
-    steps, heard = len(known), np.nan_to_num(known)
-    tail = steps if schedule.settled is None else schedule.settled
+    steps = len(known)
+    tail = steps if schedule.settled is None else schedule.settled  # a record with gaps never settles
+    heard = known if tail < steps else np.nan_to_num(known)
     predicted = np.empty((steps + 1, len(start)))
     predicted[0] = x = start
     gains = schedule.gains[:tail]
     AM = A @ gains
     Phi = A - AM @ C
-    forcing = (AM @ heard[:tail, :, None])[..., 0] + push[:tail]
+    forcing = (AM @ heard[:tail, :, None])[..., 0]
+    if push is not None:
+        forcing += push[:tail]
     for k in range(tail):
         x = Phi[k] @ x
         x += forcing[k]
         predicted[k + 1] = x
     if tail < steps:
         AM = A @ schedule.gains[-1]
-        predicted[tail:] = affine_scan(A - AM @ C, heard[tail:] @ AM.T + push[tail:], x, steps - tail)
+        forcing = heard[tail:] @ AM.T
+        if push is not None:
+            forcing += push[tail:]
+        predicted[tail:] = affine_scan(A - AM @ C, forcing, x, steps - tail)
     predicted = predicted[:-1]
     innovations = known - predicted @ C.T
-    nu = np.nan_to_num(innovations)
-    means = predicted.copy()
-    means[:tail] += (gains @ nu[:tail, :, None])[..., 0]
-    means[tail:] += nu[tail:] @ schedule.gains[-1].T
+    nu = innovations if tail < steps else np.nan_to_num(innovations)
+    means = np.empty_like(predicted)
+    np.add(predicted[:tail], (gains @ nu[:tail, :, None])[..., 0], out=means[:tail])
+    np.add(predicted[tail:], nu[tail:] @ schedule.gains[-1].T, out=means[tail:])
     return predicted, means, innovations
