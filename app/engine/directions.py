@@ -6,9 +6,11 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .coprime import CoprimeFactors
+from .decomposition import state_scale
 from .pole_sets import Poles
 
-__all__ = ["choose_directions", "full_stack", "gap", "linear_directions", "normalised", "upper"]
+__all__ = ["choose_directions", "full_stack", "gap", "linear_directions", "normalised", "row_condition",
+           "seen_rows", "upper"]
 
 STARTS = 12
 MET = 1e-11
@@ -86,6 +88,20 @@ def choose_directions(factors: CoprimeFactors, C: np.ndarray, K: np.ndarray, hea
         if np.sqrt(2 * least) < MET * np.linalg.norm(K):
             break
     return best
+
+
+def seen_rows(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Orthonormal rows spanning those of C in balanced states (rank × n), and the balance d (n,): rows times d."""
+    d = state_scale(A)
+    _, s, Vt = np.linalg.svd(C * d)
+    return Vt[:int(np.count_nonzero(s > 1e-10 * s[0]))], d
+
+
+def row_condition(T: np.ndarray, seen: np.ndarray, d: np.ndarray) -> float:
+    """Condition number of [T; C]: rows of T in balanced states of length one beside `seen`; n rows at most count."""
+    rows = np.vstack([_unit(T * d), seen])
+    s = np.linalg.svd(rows, compute_uv=False)
+    return float(s[0] / s[-1]) if s[-1] > 0 else np.inf
 
 
 def gap(factors: CoprimeFactors, C: np.ndarray, K: np.ndarray, heads: Poles, g: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from .coprime import CoprimeFactors
-from .directions import full_stack, gap, l_rows, linear_directions, solve_row, t_rows, unpack
+from .directions import full_stack, gap, l_rows, linear_directions, row_condition, seen_rows, solve_row, t_rows, unpack
 from .perturbation import Norm, Perturbations, criterion
 from .plant import Plant
 from .pole_sets import Poles
@@ -33,11 +33,13 @@ class Family:
         self.norm: Norm = norm
         self.order, self.pairs, self.worst = order, pairs, worst_condition
         self.heads, self.single = order - pairs, len(K) == 1
-        p, spare = plant.p, order + plant.p > plant.n
+        self.seen = seen_rows(plant.A, plant.C)
+        p = plant.p
+        self.spare = order + p > plant.n or len(self.seen[0]) < p  # rows of [T; C] depend, so M' exists
         if self.single:
             self.rest = 0  # `look` finds out how much room there is
         else:
-            self.rest = (order * p if p > 1 else 0) + (len(K) * p if spare else 0)
+            self.rest = (order * p if p > 1 else 0) + (len(K) * p if self.spare else 0)
         self.thin, self.least_gap, self.evaluations, self.pull = False, np.inf, 0, np.zeros((0, 0))
 
     @property
@@ -110,7 +112,7 @@ class Family:
         rows = np.vstack([t_rows(self.factors, heads, g), C])
         length = np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
         rows, both = rows / length[:, None], np.zeros((len(K), len(rows)))
-        if self.order + p > self.plant.n:
+        if self.spare:
             both[:, self.order:] = point[-len(K) * p:].reshape(len(K), p) * np.linalg.norm(K)
         both = (both + np.linalg.lstsq(rows.T, (K - both @ rows).T, rcond=1e-12)[0].T) / length
         return g, both[:, :self.order], both[:, self.order:]
@@ -125,9 +127,7 @@ class Family:
         self.least_gap = min(self.least_gap, missed)
         if not missed <= MET:
             return np.inf
-        rows = np.vstack([T, C])
-        s = np.linalg.svd(rows / np.maximum(np.linalg.norm(rows, axis=1), 1e-300)[:, None], compute_uv=False)
-        if not s[0] <= self.worst * s[-1]:
+        if not row_condition(T, *self.seen) <= self.worst:
             return np.inf
         return criterion(T, l_rows(self.factors, heads, g), M, self.wrong, self.norm)
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from .coprime import CoprimeFactors, coprime_factors
-from .directions import choose_directions, upper
+from .directions import choose_directions, row_condition, seen_rows, upper
 from .errors import EngineError, PoleError, ShapeError
 from .perturbation import Norm, Perturbations, check_norm, criterion, every_entry
 from .plant import Plant, as_matrix
@@ -71,9 +71,12 @@ class FunctionalObserver:
 
     @property
     def condition(self) -> float:
-        """2-norm condition number of [T; C] with rows of unit length, infinite where rows depend on each other."""
-        s = np.linalg.svd(_unit_rows(np.vstack([self.T, self.plant.C]))[0], compute_uv=False)
-        return float(s[0] / s[-1]) if s[-1] > 0 and self.plant.p + self.order <= self.plant.n else np.inf
+        """Condition number of [T; C] in balanced states: rows of T of unit length, an orthonormal basis for those of C.
+
+        Large where N must be large; infinite where a row of T lies in the others or in C.
+        """
+        seen, d = seen_rows(self.plant.A, self.plant.C)
+        return row_condition(self.T, seen, d) if len(seen) + self.order <= self.plant.n else np.inf
 
 
 def functional_observer(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from .coprime import CoprimeFactors, coprime_factors
+from .directions import seen_rows
 from .errors import EngineError, PoleError
 from .family import Family
 from .functional import FunctionalObserver, assemble, check_functional, check_stable
@@ -59,11 +60,11 @@ def rlo(plant: Plant, K: object, wrong: Perturbations | None = None, norm: Any =
 
     min J(sᵢ, gᵢ, M′) = Σ αᵢ‖T Aᵢ‖ + βᵢ‖L Cᵢ‖ + γᵢ‖M Cᵢ‖ subject to T A − F T = L C, K = N T + M C, sᵢ in the region;
     the order grows from 1 until the conditions can be met. gᵢ has unit 2-norm and W = I: without a fixed scale of T
-    the infimum of J is of no use. Where the rows of [T; C], scaled to length one, have a condition number beyond
+    the infimum of J is of no use. Where the condition number of [T; C] (see FunctionalObserver) is beyond
     `worst_condition`, N grows without bound (which J does not see); such observers are left out.
     A pair's second row of T vanishes with Im s, so J likes pairs near the real axis: give such a region an im_low.
     `region`: one for all poles, or one for each pole or pair, the last repeated; default: real poles from 0.001 to 10
-    times the spectral radius (0.05 … 0.6 for dt > 0). `max_order`: default n − p. `measure`: minimise this instead of
+    times the spectral radius (0.05 … 0.6 for dt > 0). `max_order`: default n − rank C. `measure`: minimise this instead of
     J. Raises EngineError where no order will do or the request makes no sense.
     Source: Duan, Li, Zhou (1993), algorithm RLO, remarks 2 and 3 (there u = +K x).
     """
@@ -79,7 +80,7 @@ def rlo_steps(plant: Plant, K: object, wrong: Perturbations | None = None, norm:
     """`rlo` in steps: yields (fraction done, best so far or None), (1.0, result) last; stop iterating to cancel."""
     wanted = check_functional(plant, K)
     regions = _regions(plant, region)
-    highest = max(1, plant.n - plant.p) if max_order is None else int(max_order)
+    highest = max(1, plant.n - len(seen_rows(plant.A, plant.C)[0])) if max_order is None else int(max_order)
     if not 1 <= highest <= plant.n:
         raise EngineError(f"max_order must lie between 1 and {plant.n}; it is {highest}.")
     task = _Task(plant, wanted, coprime_factors(plant), every_entry(plant) if wrong is None else wrong,
@@ -104,6 +105,9 @@ def rlo_steps(plant: Plant, K: object, wrong: Perturbations | None = None, norm:
             yield 1.0, RobustObserver(best.observer, best.value, tuple(attempts), evaluations)
             return
     missed = min((a.gap for a in attempts), default=np.inf)
+    if missed < 1e-9:
+        raise EngineError(f"Observers of K x exist up to order {highest} in this region, but the condition number of "
+                          f"[T; C] is beyond {worst_condition:g} in all that were tried; allow more or widen the region.")
     raise EngineError(f"No observer of K x up to order {highest} has its poles in this region (K is missed by "
                       f"{missed:.2g} at best); allow a higher order or a wider region.")
 
