@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg.lapack import dposv  # pyright: ignore[reportAttributeAccessIssue]
 
 from .belief import Belief, symmetric
 from .errors import EngineError
 from .linear_filter import LinearFilter
 
-__all__ = ["KalmanFilter", "joseph", "short_form"]
+__all__ = ["KalmanFilter", "gain_of", "joseph", "short_form"]
 
 SINGULAR = ("The covariance S of the innovation is singular: give every sensor some noise R, or use the "
             "square-root filter.")
@@ -20,10 +21,21 @@ def gain(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.nd
     """S = C P Cᵀ + R (p×p) and M = P Cᵀ S⁻¹ (n×p). Raises EngineError where S is singular."""
     CP = C @ P
     S = CP @ C.T + R
-    try:
-        return S, np.linalg.solve(S, CP).T
-    except np.linalg.LinAlgError as problem:
-        raise EngineError(SINGULAR) from problem
+    return S, gain_of(S, CP)
+
+
+def gain_of(S: np.ndarray, across: np.ndarray) -> np.ndarray:
+    """M = P_xy S⁻¹ (n×p) from S (p×p) and P_yx (p×n), by Cholesky, or by elimination where rounding spoilt S.
+
+    Raises EngineError where S is singular.
+    """
+    _, solution, failure = dposv(S, across)
+    if failure:
+        try:
+            solution = np.linalg.solve(S, across)
+        except np.linalg.LinAlgError as problem:
+            raise EngineError(SINGULAR) from problem
+    return solution.T
 
 
 def joseph(P: np.ndarray, C: np.ndarray, R: np.ndarray, M: np.ndarray) -> np.ndarray:

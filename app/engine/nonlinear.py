@@ -12,7 +12,7 @@ import numpy as np
 from .belief import Belief, Correction, as_covariance, symmetric
 from .errors import EngineError, ShapeError
 from .jacobian import columns, expand
-from .kalman import SINGULAR, joseph
+from .kalman import gain_of, joseph
 from .noise import root
 from .track import Schedule, Track, as_record
 
@@ -71,14 +71,12 @@ class NonlinearFilter(ABC):
         expected, S, across = self.expected(belief, u)
         nu = y - expected
         seen = np.isfinite(nu)
-        try:
-            if seen.all():
-                M = np.linalg.solve(S, across.T).T
-            else:
-                M = np.zeros((self.n, self.p))
-                M[:, seen] = np.linalg.solve(S[np.ix_(seen, seen)], across[:, seen].T).T
-        except np.linalg.LinAlgError as problem:
-            raise EngineError(SINGULAR) from problem
+        if np.count_nonzero(seen) == seen.size:
+            M = gain_of(S, across.T)
+        else:
+            M = np.zeros((self.n, self.p))
+            if seen.any():
+                M[:, seen] = gain_of(S[np.ix_(seen, seen)], across[:, seen].T)
         after = Belief(belief.mean + M @ np.where(seen, nu, 0.0), self.narrowed(belief, u, S, M))
         return Correction(after, nu, S, M)
 
@@ -209,7 +207,7 @@ class UnscentedKalmanFilter(NonlinearFilter):
         later = columns(self.f, self.points(self._fitting(belief)), as_input(u), "f", self.n)
         prior = self.predict(belief, u)
         expected, S, across = self._expected(later, prior.mean, as_input(u_next))
-        M = np.linalg.solve(S, across.T).T
+        M = gain_of(S, across.T)
         nu = np.asarray(y, dtype=float).reshape(-1) - expected
         return Belief(prior.mean + M @ nu, self.narrowed(prior, as_input(u_next), S, M))
 
