@@ -23,7 +23,7 @@ WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
 PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 NAME_WIDTH = 0.56  # of a pole's label on the board
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
-GLASS, UNSTABLE, INK = (236, 240, 246), (246, 214, 214), (40, 44, 52)
+GLASS, UNSTABLE, INK = (244, 247, 251), (246, 214, 214), (40, 44, 52)
 
 
 class BoardView:
@@ -73,16 +73,16 @@ class BoardView:
     # --- drawing ---------------------------------------------------------------------------------------------------
     def _draw(self, language: str) -> None:
         scene, root, b = self._scene, self._root, self._board
-        scene.add_box(f"{root}/glass", GLASS, (WIDTH + 0.3, 0.04, HEIGHT + 0.3), opacity=0.72, cast_shadow=True,
+        scene.add_box(f"{root}/glass", GLASS, (WIDTH + 0.3, 0.04, HEIGHT + 0.3), cast_shadow=False,
                       receive_shadow=False)
         if b.re_high > 0:
             left, right = self.local(complex(max(0.0, b.re_low), 0))[0], WIDTH / 2
-            scene.add_box(f"{root}/unstable", UNSTABLE, (right - left, 0.02, HEIGHT), opacity=0.8, cast_shadow=False,
+            scene.add_box(f"{root}/unstable", UNSTABLE, (right - left, 0.02, HEIGHT), cast_shadow=False,
                           receive_shadow=False, position=((left + right) / 2, -0.025, 0.0))
         for side in (-1, 1):
-            scene.add_box(f"{root}/foot{side}", (150, 156, 166), (0.08, 0.5, 0.06), cast_shadow=True,
+            scene.add_box(f"{root}/foot{side}", (150, 156, 166), (0.08, 0.5, 0.06), cast_shadow=False,
                           position=(side * WIDTH * 0.42, 0.0, -HEIGHT / 2 - FOOT + 0.03))
-            scene.add_box(f"{root}/leg{side}", (150, 156, 166), (0.06, 0.06, FOOT), cast_shadow=True,
+            scene.add_box(f"{root}/leg{side}", (150, 156, 166), (0.06, 0.06, FOOT), cast_shadow=False,
                           position=(side * WIDTH * 0.42, 0.02, -HEIGHT / 2 - FOOT / 2))
         self._draw_grid()
         scene.add_label(f"{root}/title", b.title(language), position=(0.0, -0.06, HEIGHT / 2 + 0.33),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import html
-import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -25,6 +25,7 @@ from .transport import Transport
 
 Post = Callable[[SetKnobs | Do], None]
 LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
+APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
 LECTURE = 1.28  # how much wider the panels are in lecture mode
 
 
@@ -47,7 +48,6 @@ class Screen:
         self._transport: Transport | None = None
         self._style: viser.GuiHtmlHandle | None = None
         self._picture: Picture | None = None
-        self._lock = threading.Lock()
         self._notes: list[Any] = []
         self._looked = False
         self._help: Any = None
@@ -82,7 +82,10 @@ class Screen:
         self._picture = None
 
     def show(self, picture: Picture) -> None:
-        """Show what changed since the last picture, in one message."""
+        """Show what changed since the last picture: first panels and plots, then the stage.
+
+        A browser draws a batch that touches only panels at once; one that touches the scene waits for a frame.
+        """
         before, self._picture = self._picture, picture
         with self._client.atomic():
             if self._panel is not None:
@@ -90,21 +93,25 @@ class Screen:
             if self._transport is not None:
                 self._transport.show(picture)
             self._show_style(picture)
+            self._show_charts(picture, before)
+        self._client.flush()
+        time.sleep(APART)
+        with self._client.atomic():
             if before is None or before.outcome is not picture.outcome:
                 self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture))
-                for figure in picture.figures:
-                    chart = self._charts.get(figure.id)
-                    if chart is not None:
-                        chart.show(figure, picture.resting)
-            elif picture.resting and not before.resting:
-                for figure in picture.figures:
-                    if figure.id in self._charts:
-                        self._charts[figure.id].show(figure, True)
             for board in picture.outcome.boards:
                 self._board(board, picture).show(board)
             self._landscape(picture)
             self._show_map(picture)
         self._client.flush()
+
+    def _show_charts(self, picture: Picture, before: Picture | None) -> None:
+        changed = before is None or before.outcome is not picture.outcome
+        if not changed and (before is None or before.resting or not picture.resting):
+            return
+        for figure in picture.figures:
+            if figure.id in self._charts:
+                self._charts[figure.id].show(figure, picture.resting)
 
     def pose(self, t: float) -> None:
         """Stage and cursors at time t."""

@@ -11,7 +11,7 @@ import viser
 
 from ..figures import COLOURS
 from ..lesson import Stage
-from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Rod, Spring, Vector
+from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Spring, Vector
 from . import phrases
 from .meshes import helix
 
@@ -52,17 +52,16 @@ class StageView:
         scene = self._scene
         scene.set_up_direction("+z")
         scene.configure_default_lights(False)
-        scene.configure_environment_map("studio", environment_intensity=0.35)
-        scene.add_light_ambient("/light/ambient", color=(255, 255, 255), intensity=0.35)
-        scene.add_light_directional("/light/key", color=(255, 250, 240), intensity=1.25, position=(-4.0, -6.0, 9.0),
-                                    cast_shadow=True)
-        scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.3, position=(6.0, -5.0, 4.0),
+        scene.configure_environment_map(None)
+        scene.add_light_hemisphere("/light/sky", sky_color=(255, 255, 255), ground_color=(196, 202, 214), intensity=2.1)
+        scene.add_light_directional("/light/key", color=(255, 248, 236), intensity=2.3, position=(-4.0, -6.0, 9.0),
                                     cast_shadow=False)
-        scene.add_grid("/floor", width=40.0, height=40.0, cell_size=0.5, section_size=2.0, cell_color=(232, 235, 240),
-                       section_color=(216, 221, 228), plane_color=(246, 247, 250), plane_opacity=1.0,
-                       shadow_opacity=0.16, fade_distance=34.0, position=(0.0, 0.0, -0.002))
-        scene.set_background_image(_sky(), format="png")
-        scene.configure_fog(22.0, 46.0, color=(255, 255, 255))
+        scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.5, position=(6.0, -5.0, 4.0),
+                                    cast_shadow=False)
+        scene.add_grid("/floor", width=40.0, height=40.0, cell_size=0.5, section_size=2.0, cell_color=(226, 230, 237),
+                       section_color=(208, 214, 224), shadow_opacity=0.0, fade_distance=34.0, position=(0.0, 0.0, -0.002))
+        scene.add_image("/shadow", _shade(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
+                        position=(0.0, 0.1, 0.002))
 
     def follow_window(self) -> None:
         """Look again from the last named place whenever the window or a panel changes its shape."""
@@ -105,23 +104,20 @@ class StageView:
     def _factor(self, body: Body, language: str, size: float) -> None:
         """How many times motion is exaggerated, beside the plant."""
         words = phrases.EXAGGERATED.format(body.gain)(language) if body.gain != 1 else ""
-        self._scene.add_label("/factor", words, position=(1.95, -0.9, 0.12), anchor="center-left",
+        self._scene.add_label("/factor", words, position=(2.35, -0.6, 0.12), anchor="center-left",
                               font_screen_scale=0.9 * size, visible=bool(words))
 
     def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
-        scene, shape, tint = self._scene, part.shape, rgb(colour)
-        cast = opacity is None
+        scene, shape = self._scene, part.shape
+        look = {"color": rgb(colour), "opacity": opacity, "cast_shadow": False, "receive_shadow": False}
         if isinstance(shape, Box):
-            return scene.add_box(name, tint, shape.size, opacity=opacity, cast_shadow=cast)
+            return scene.add_box(name, dimensions=shape.size, **look)
         if isinstance(shape, Cylinder):
-            return scene.add_cylinder(name, shape.radius, shape.height, tint, opacity=opacity, cast_shadow=cast)
+            return scene.add_cylinder(name, shape.radius, shape.height, **look)
         if isinstance(shape, Ball):
-            return scene.add_icosphere(name, shape.radius, tint, opacity=opacity, cast_shadow=cast)
-        if isinstance(shape, Spring):
-            vertices, faces = helix(shape.radius, shape.turns, shape.wire)
-        elif isinstance(shape, Rod):
-            vertices, faces = _rod(shape.radius)
-        return scene.add_mesh_simple(name, vertices, faces, color=tint, opacity=opacity, cast_shadow=cast)
+            return scene.add_icosphere(name, shape.radius, **look)
+        vertices, faces = helix(shape.radius, shape.turns, shape.wire) if isinstance(shape, Spring) else _rod(shape.radius)
+        return scene.add_mesh_simple(name, vertices, faces, **look)
 
     def show(self, stage: Stage | None, language: str, size: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
@@ -171,11 +167,11 @@ class StageView:
             self._last[prefix + name] = pose
 
 
-def _sky() -> np.ndarray:
-    """A calm gradient: grey-blue above, white at the horizon."""
-    top, low = np.array([214.0, 224.0, 237.0]), np.array([252.0, 253.0, 255.0])
-    share = np.clip(np.linspace(0.0, 1.7, 128), 0.0, 1.0)[:, None, None]
-    return np.broadcast_to(top + (low - top) * share, (128, 8, 3)).astype(np.uint8)
+def _shade() -> np.ndarray:
+    """A soft shadow to lay under the plant: a picture costs a slow machine far less than cast shadows."""
+    y, x = np.mgrid[-1:1:96j, -1:1:128j]
+    alpha = 95 * np.clip(1 - np.sqrt((np.abs(x) / 0.95) ** 2.6 + (np.abs(y) / 0.9) ** 2.6), 0.0, 1.0) ** 1.3
+    return np.dstack([np.full((96, 128, 3), 40), alpha]).astype(np.uint8)
 
 
 def _segments(pairs: list[tuple[Vector, Vector]]) -> np.ndarray:

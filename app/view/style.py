@@ -27,6 +27,7 @@ math mtable{--b:linear-gradient(currentColor,currentColor);padding:.15em .3em;bo
  background:var(--b) top left/.4em 1.4px no-repeat,var(--b) bottom left/.4em 1.4px no-repeat,
  var(--b) top right/.4em 1.4px no-repeat,var(--b) bottom right/.4em 1.4px no-repeat}
 math mtd{padding:.16em .3em}
+canvas[data-engine]{background:linear-gradient(#d3deec,#f4f7fb 45%%,#ffffff)}
 %(veil)s
 """
 VEIL = ".uplot canvas,.ol-figure svg{filter:blur(9px);opacity:.65}.ol-caption,.ol-live,.ol-table{visibility:hidden}"
