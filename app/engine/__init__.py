@@ -1,10 +1,27 @@
 """The engine: pure numerics of observers and estimate feedback. Arrays in, frozen records out."""
 
+from .adc import AdcNoise, with_coloured_noise
 from .analysis import Controllability, Mode, Observability, controllability, observability
+from .belief import Belief, Correction, RootBelief, as_covariance, symmetric
+from .bilinear import BilinearForm, BilinearObserver, BilinearPlant, bilinear_functional_observer
+from .bilinear_run import BilinearRun, simulate_bilinear
+from .canonise import Canonisation, canonise, canonise_right
 from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
+from .consistency import InnovationTest, SquaredError, Whiteness, chi2_band, innovation_test, nees, nis, whiteness
 from .convert import from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
+from .coprime import CoprimeFactors, coprime_factors
 from .decomposition import KalmanDecomposition, kalman_decomposition, reachable_subspace, unobservable_subspace
 from .errors import EngineError, PoleError, RiccatiError, ShapeError
+from .functional import FunctionalObserver, functional_observer
+from .functional_loop import (
+    FunctionalRun,
+    error_index,
+    error_transfer,
+    peak_gain,
+    perturbed_loop,
+    run_functional,
+    worst_error_gain,
+)
 from .gramian import (
     Gramians,
     StableSplit,
@@ -16,75 +33,160 @@ from .gramian import (
     reachability_gramian,
     split_stable,
 )
+from .jacobian import columns, each_column, expand, jacobian
+from .kalman import KalmanFilter, gain_of, joseph, short_form
+from .linear_filter import LinearFilter
+from .ltr import Recovered, recover, recover_at_output, transmission_zeros
+from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
+from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
 from .optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
+from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
 from .placement import Placement, match_poles, move_pole, observer_gain, place
 from .plant import Plant, as_matrix
 from .pole_sets import Poles, check_poles, pole_text
 from .recovery import RecoveryMap, recovery_map
+from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
 from .scenario import Run, Scenario
+from .sensitivity import Sensitivity, sensitivity
 from .simulate import autonomous_error, separation_meter, simulate
 from .spectrum import Spectrum, amplitude_response, frequency_response, psd
+from .square_root import SquareRootFilter
+from .track import Schedule, Track, as_record, means_along
 
 __all__ = [
+    "AdcNoise",
+    "Attempt",
+    "Belief",
+    "BilinearForm",
+    "BilinearObserver",
+    "BilinearPlant",
+    "BilinearRun",
+    "Canonisation",
+    "ChannelMargins",
     "ClosedLoop",
     "Controllability",
+    "CoprimeFactors",
+    "Correction",
     "DiscreteFilter",
+    "DiskMargin",
     "EngineError",
+    "ExtendedKalmanFilter",
+    "FunctionalObserver",
+    "FunctionalRun",
     "Gramians",
+    "InnovationTest",
     "KalmanDecomposition",
+    "KalmanFilter",
+    "LinearFilter",
+    "LoopMargins",
     "Mode",
+    "MultiMargins",
+    "Norm",
     "Observability",
     "Optimal",
+    "Perturbations",
     "Placement",
     "Plant",
     "PoleError",
     "Poles",
+    "Recovered",
     "RecoveryMap",
+    "Region",
     "RiccatiError",
+    "RobustObserver",
+    "RootBelief",
     "Run",
     "Scenario",
+    "Schedule",
+    "Sensitivity",
     "ShapeError",
     "Spectrum",
+    "SquareRootFilter",
+    "SquaredError",
     "StableSplit",
+    "Track",
     "TransferFunction",
     "Truncation",
+    "UnscentedKalmanFilter",
+    "Whiteness",
     "amplitude_response",
+    "as_covariance",
     "as_matrix",
+    "as_record",
     "autonomous_error",
     "balanced_truncation",
+    "bilinear_functional_observer",
+    "canonise",
+    "canonise_right",
     "check_poles",
+    "chi2_band",
     "closed_loop",
+    "columns",
     "compensator",
     "controllability",
+    "coprime_factors",
+    "criterion",
     "dlqe",
     "dlqr",
+    "each_column",
+    "error_index",
+    "error_transfer",
+    "every_entry",
+    "expand",
     "frequency_response",
     "from_control",
     "from_json",
     "from_mat",
+    "functional_observer",
+    "gain_of",
     "gramians",
     "hankel_singular_values",
+    "innovation_test",
+    "jacobian",
+    "joseph",
     "kalman_decomposition",
     "load_plant",
+    "loop_margins",
     "lqe",
     "lqr",
     "match_poles",
+    "means_along",
     "move_pole",
+    "nees",
+    "nis",
     "observability",
     "observability_gramian",
     "observer_gain",
+    "peak_gain",
+    "perturbations",
+    "perturbed_loop",
     "place",
     "pole_text",
     "psd",
     "reachability_gramian",
     "reachable_subspace",
+    "recover",
+    "recover_at_output",
     "recovery_map",
+    "rlo",
+    "rlo_steps",
+    "run_functional",
+    "sensitivity",
     "separation_meter",
+    "short_form",
     "simulate",
+    "simulate_bilinear",
     "split_stable",
+    "state_feedback_margins",
+    "symmetric",
     "to_control",
     "to_json",
     "to_mat",
     "to_tf",
+    "transmission_zeros",
     "unobservable_subspace",
+    "vertices",
+    "whiteness",
+    "with_coloured_noise",
+    "worst_error_gain",
 ]
