@@ -56,7 +56,7 @@ def parser() -> argparse.ArgumentParser:
 
     serve = commands.add_parser("serve", help="serve the lessons to browsers (default)", allow_abbrev=False)
     serve.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
-    serve.add_argument("--port", type=_port, default=8080, help="port, or the next free one (default %(default)s)")
+    serve.add_argument("--port", type=_port, default=8080, help="port, or the next free one; 0 for any (default %(default)s)")
     serve.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     serve.add_argument("--lang", choices=LANGUAGES, default="en", help="language that a page opens in")
     serve.add_argument("--max-sessions", type=_count, default=200, metavar="N", help="most tabs (default %(default)s)")
@@ -80,8 +80,8 @@ def parser() -> argparse.ArgumentParser:
 
 
 def _port(words: str) -> int:
-    if not words.isascii() or not words.isdigit() or not 1 <= int(words[:9]) <= 65535:
-        raise argparse.ArgumentTypeError(f"{words[:40]} is not a port; give a number from 1 to 65535")
+    if not words.isascii() or not words.isdigit() or not 0 <= int(words[:9]) <= 65535:
+        raise argparse.ArgumentTypeError(f"{words[:40]} is not a port; give a number from 1 to 65535, or 0 for a free one")
     return int(words)
 
 

@@ -46,9 +46,10 @@ COMMANDS: tuple[Command, ...] = (
 
 @dataclass(frozen=True)
 class SetKnobs:
-    """New values for knobs, as they came in."""
+    """New values for knobs, as they came in. Edits of one `grip` belong to one drag, and to one step of undo."""
 
     values: Mapping[str, Any]
+    grip: int | None = None
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
+
 from .lesson import Design
 
 MERGE = 0.8  # s within which changes of the same knobs are one step of undo
@@ -14,7 +16,7 @@ class History:
     def __init__(self, design: Design) -> None:
         self._designs = [design]
         self._at = 0
-        self._key: frozenset[str] | None = None
+        self._key: Hashable = None
         self._time = -1e9
 
     @property
@@ -22,11 +24,11 @@ class History:
         """The present design."""
         return self._designs[self._at]
 
-    def push(self, design: Design, key: frozenset[str] | None, now: float) -> None:
-        """A new present; a quick change of the same knobs replaces the last one."""
+    def push(self, design: Design, key: Hashable, now: float, held: bool = False) -> None:
+        """A new present. A quick change with the same key replaces the last one, a `held` one however slow."""
         if design == self.design:
             return
-        merge = key is not None and key == self._key and now - self._time < MERGE and self._at == len(self._designs) - 1
+        merge = key is not None and key == self._key and (held or now - self._time < MERGE) and self._at == len(self._designs) - 1
         if merge and self._at > 0:
             self._designs[self._at] = design
         else:

@@ -10,7 +10,7 @@ import logging
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -241,26 +241,27 @@ class TabWorker:
 
     def _set(self, edits: list[SetKnobs]) -> None:
         """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it."""
-        design, keys, refused = self._desk().history.design, set[str](), None
+        design, keys, refused, grip = self._desk().history.design, set[str](), None, None
         for edit in edits:
             try:
                 design = self._lesson.apply(design, edit.values)
                 keys |= edit.values.keys()
+                grip = edit.grip if edit.grip is not None else grip
             except KnobError as problem:
                 refused = problem
         if keys:
-            self._adopt(design, frozenset(keys))
+            self._adopt(design, (frozenset(keys), grip), grip is not None)
         if refused is not None:
             raise refused
 
-    def _adopt(self, design: Design, key: frozenset[str] | None) -> None:
+    def _adopt(self, design: Design, key: Hashable, held: bool = False) -> None:
         """Make a design the present one; whatever fails on the way, the last good one stays."""
         history = self._desk().history
         if design == history.design and self._picture is not None and design == self._picture.design:
             self._redraw()
             return
         before = history.save()
-        history.push(design, key, self._clock())
+        history.push(design, key, self._clock(), held)
         self._draw_present(before)
 
     def _draw_present(self, before: tuple[tuple[Design, ...], int]) -> None:

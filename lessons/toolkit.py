@@ -204,6 +204,13 @@ def number(value: float, digits: int = 3) -> str:
     return f"{value:.{digits}g}"
 
 
+def tiny(value: float) -> str:
+    """The order of magnitude of a rounding error as words: 10⁻¹⁵, or 0."""
+    if value == 0 or not np.isfinite(value):
+        return "0" if value == 0 else "∞"
+    return "10" + str(round(float(np.log10(abs(value))))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
 def matrix(M: np.ndarray, digits: int = 3, changed: Sequence[tuple[int, int]] = ()) -> str:
     """A matrix as LaTeX with its present entries; `changed` ones stand out."""
     def entry(i: int, j: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable
 from itertools import pairwise
 from types import MappingProxyType
@@ -30,7 +31,7 @@ class BoardView:
     """One board: drawn once, then only its poles move."""
 
     def __init__(self, client: viser.ClientHandle, board: Board, language: str, size: float,
-                 drag: Callable[[dict[str, Any]], None]) -> None:
+                 drag: Callable[[dict[str, Any], int], None]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
         self._board, self._size, self._language = board, size, language
         self._root = f"/board/{board.id}"
@@ -43,6 +44,8 @@ class BoardView:
         self._labels: list[viser.LabelHandle] = []
         self._stems: list[Any] = []
         self._signature: tuple[Any, ...] = ()
+        self._shown: tuple[complex, ...] | None = None
+        self._grip = time.monotonic_ns()  # told apart from the grips of every other board
         self._grabbed: tuple[int, tuple[complex, ...]] | None = None
         self._surface: viser.MeshHandle | None = None
         self._draw(language)
@@ -121,11 +124,15 @@ class BoardView:
 
     def show(self, board: Board) -> None:
         """Move the poles to where the design has them."""
-        self._board = board
+        before, self._board = self._shown, board
         signature = (len(board.poles), board.fixed, board.knob)
         if signature != self._signature:
             self._make_poles(board)
             self._signature = signature
+            before = None
+        self._shown = board.poles
+        if before == board.poles:
+            return  # nothing moved: no message, and no frame of the scene
         taken: list[tuple[float, float]] = []
         for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
             handle.position = self.local(pole, 0.03)
@@ -187,9 +194,10 @@ class BoardView:
                 return
             if event.phase == "start" or self._grabbed is None:
                 self._grabbed = (index, board.poles)
+                self._grip += 1
             origin, poles = self._grabbed
             to = self.s_at(event.end_position)
-            self._drag({board.knob: move_pole(poles, origin, to, SNAP * board.im_high), **dict(board.also)})
+            self._drag({board.knob: move_pole(poles, origin, to, SNAP * board.im_high), **dict(board.also)}, self._grip)
             if event.phase == "end":
                 self._grabbed = None
         return moved

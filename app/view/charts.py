@@ -24,7 +24,7 @@ from ..figures import (
 from .svg import draw
 
 DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({"solid": None, "dash": (9, 5), "dot": (2, 4)})
-HEIGHT = 205
+HEIGHT = 180
 SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import viser
 
 from ..figures import COLOURS, MapFigure
+from . import phrases
 from .stage import rgb
 from .ticks import ticks
 
@@ -24,6 +25,7 @@ class MapBoard:
         self._figure: MapFigure | None = None
         self._image: viser.ImageHandle | None = None
         self._mark: viser.IcosphereHandle | None = None
+        self._title: viser.LabelHandle | None = None
         self._across = np.array([1.0, 0.0, 0.0])
         self._up = np.array([0.0, math.cos(TILT), math.sin(TILT)])
 
@@ -42,6 +44,11 @@ class MapBoard:
             else:
                 self._mark.position = where
 
+    def _name(self, figure: MapFigure) -> str:
+        empty = bool(np.all(figure.values < 0))
+        tail = phrases.MAP_EMPTY(self._language) if empty else f"→  {figure.x_label}   ↑  {figure.y_label}"
+        return f"{figure.title(self._language)}   {tail}"
+
     def _paint(self, figure: MapFigure) -> None:
         colours = np.array([(226, 229, 234), *(rgb(COLOURS[role]) for _, role in figure.categories)], dtype=np.uint8)
         small = colours[np.asarray(figure.values, dtype=int)[::-1] + 1]
@@ -59,6 +66,8 @@ class MapBoard:
                 self._clicked(np.array(event.ray_origin), np.array(event.ray_direction))
         else:
             self._image.image = image
+        if self._title is not None and self._title.text != self._name(figure):
+            self._title.text = self._name(figure)
 
     def _letter(self, figure: MapFigure) -> None:
         for x in ticks(float(figure.x[0]), float(figure.x[-1]), 5):
@@ -67,9 +76,9 @@ class MapBoard:
         for y in ticks(float(figure.y[0]), float(figure.y[-1]), 4):
             self._scene.add_label(f"/map/y{y:g}", f"{y:g}".replace("-", "−"), anchor="center-right",
                                   position=self._at(float(figure.x[0]), y, left=0.06), font_screen_scale=0.75)
-        self._scene.add_label("/map/title", f"{figure.title(self._language)}   →  {figure.x_label}   ↑  {figure.y_label}",
+        self._title = self._scene.add_label("/map/title", "",
                               anchor="bottom-center", font_screen_scale=0.85,
-                              position=tuple(CENTRE + self._up * (DEPTH / 2 + 0.06)))
+                              position=tuple(CENTRE + self._up * (DEPTH / 2 - 0.2)))
 
     def _at(self, x: float, y: float, left: float = 0.0, down: float = 0.0) -> tuple[float, float, float]:
         assert self._figure is not None

@@ -211,7 +211,7 @@ class Screen:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
                 self._client, board, picture.state.language, print_size(picture),
-                lambda values: self._post(SetKnobs(values)))
+                lambda values, grip: self._post(SetKnobs(values, grip)))
         return self._boards[board.id]
 
     def _show_map(self, picture: Picture) -> None:

@@ -141,12 +141,17 @@ class StageView:
         if stage.u is not None and self._forces is not None:
             arrows = body.arrows(x, stage.u[max(index, 0)].tolist(), body.gain)
             seen = [(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > SHORTEST]
-            self._forces.points = _segments(seen)
+            self._draw(self._forces, _segments(seen))
 
     def _join(self, true: Sequence[tuple[float, float, float]], believed: Sequence[tuple[float, float, float]]) -> None:
         if self._errors is not None:
             pairs = zip(true, believed, strict=True)
-            self._errors.points = _segments([pair for pair in pairs if math.dist(*pair) > 0.3 * SHORTEST])
+            self._draw(self._errors, _segments([pair for pair in pairs if math.dist(*pair) > 0.3 * SHORTEST]))
+
+    @staticmethod
+    def _draw(handle: viser.ArrowsHandle | viser.LineSegmentsHandle, points: np.ndarray) -> None:
+        if not np.array_equal(handle.points, points):
+            handle.points = points
 
     def _place(self, handles: dict[str, viser.SceneNodeHandle], prefix: str, poses: Mapping[str, Pose],
                size: float = 1.0) -> None:

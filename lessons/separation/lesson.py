@@ -38,6 +38,7 @@ from ..toolkit import (
     run_knobs,
     stage,
     state_figures,
+    tiny,
 )
 
 MODEL = MODELS["deck"]
@@ -118,8 +119,8 @@ def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
 
 
 def _live(loop: ClosedLoop, meter: float) -> Text:
-    union = (Text(f"The 12 poles of the loop are the union of both boards to {loop.union_error:.0e}.",
-                  f"闭环的 12 个极点就是两块板上极点的并集，误差 {loop.union_error:.0e}。")
+    union = (Text(f"The 12 poles of the loop are the union of both boards to about {tiny(loop.union_error)}.",
+                  f"闭环的 12 个极点就是两块板上极点的并集，误差约 {tiny(loop.union_error)}。")
              if loop.union_error < 1e-6 else
              Text(f"The 12 poles of the loop differ from the boards by {100 * loop.union_error:.1f} %.",
                   f"闭环的 12 个极点与两块板上的极点相差 {100 * loop.union_error:.1f} %。"))

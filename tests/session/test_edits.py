@@ -197,3 +197,16 @@ def test_posting_does_no_work_of_its_own() -> None:
 def test_an_unknown_lesson_is_refused_when_the_session_is_made() -> None:
     with pytest.raises(KeyError, match="There is no lesson nowhere"):
         Session({"toy": toy()}, FakeView(), "nowhere")
+
+
+def test_a_slow_drag_is_one_step_of_undo_and_the_next_drag_another() -> None:
+    """A hand may rest in the middle of a drag for longer than quick changes merge."""
+    tab = Tab()
+    for gain, grip in ((2.0, 1), (3.0, 1), (4.0, 1), (5.0, 2)):
+        tab.session.post(SetKnobs({"gain": gain}, grip))
+        tab.session.step(0.0)
+        tab.clock.advance(3 * MERGE)
+    tab.do("undo")
+    assert tab["gain"] == 4.0
+    tab.do("undo")
+    assert tab["gain"] == 1.0
