@@ -19,7 +19,7 @@ from .boards import BoardView
 from .charts import Chart
 from .mapboard import MapBoard
 from .panel import Panel
-from .stage import StageView
+from .stage import PHONE, StageView
 from .style import sheet
 from .transport import Transport
 
@@ -29,9 +29,9 @@ APART = 0.002  # s between two batches, so that the server's loop sends the firs
 LECTURE = 1.28  # how much wider the panels are in lecture mode
 
 
-def print_size(picture: Picture) -> float:
-    """How large the letters in the scene are."""
-    return 1.45 if picture.state.lecture else 1.0
+def print_size(picture: Picture, aspect: float) -> float:
+    """How large the letters in the scene are: larger in a hall, smaller on a phone."""
+    return (1.45 if picture.state.lecture else 1.0) * (0.7 if aspect < PHONE else 1.0)
 
 
 class Screen:
@@ -74,7 +74,7 @@ class Screen:
             gui.main_panel.set_width(LEFT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
             self._commands(language)
             self._stage.furnish()
-            self._stage.build(picture.outcome.stage, language, print_size(picture))
+            self._stage.build(picture.outcome.stage, language, print_size(picture, self._client.camera.aspect))
             if not self._looked:
                 self._stage.camera("all")
                 self._stage.follow_window()
@@ -98,7 +98,7 @@ class Screen:
         time.sleep(APART)
         with self._client.atomic():
             if before is None or before.outcome is not picture.outcome:
-                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture))
+                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, self._client.camera.aspect))
             for board in picture.outcome.boards:
                 self._board(board, picture).show(board)
             self._landscape(picture)
@@ -210,7 +210,7 @@ class Screen:
     def _board(self, board: Board, picture: Picture) -> BoardView:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
-                self._client, board, picture.state.language, print_size(picture),
+                self._client, board, picture.state.language, print_size(picture, self._client.camera.aspect),
                 lambda values, grip: self._post(SetKnobs(values, grip)))
         return self._boards[board.id]
 

@@ -15,6 +15,7 @@ from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Spring, Vector
 from . import phrases
 from .meshes import helix
 
+PHONE = 0.62  # width over height below which the panels lie over the lower half
 NARROW = 0.90  # width over height of a canvas that just shows both boards
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
@@ -76,10 +77,12 @@ class StageView:
         position, target = CAMERAS[self._preset]
         self._aspect = self._client.camera.aspect
         back = max(1.0, NARROW / max(self._aspect, 0.2))  # a narrow window looks from farther away
+        drop = 0.14 * back * abs(position[1] - target[1]) if self._aspect < PHONE else 0.0  # above a phone's sheet
+        aim = np.array(target) - (0.0, 0.0, drop)
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)
-            self._client.camera.position = np.array(target) + back * (np.array(position) - np.array(target))
-            self._client.camera.look_at = target
+            self._client.camera.position = aim + back * (np.array(position) - np.array(target))
+            self._client.camera.look_at = aim
             self._client.camera.fov = 0.62
 
     def build(self, stage: Stage | None, language: str, size: float = 1.0) -> None:

@@ -27,6 +27,9 @@ math mtable{--b:linear-gradient(currentColor,currentColor);padding:.15em .3em;bo
  background:var(--b) top left/.4em 1.4px no-repeat,var(--b) bottom left/.4em 1.4px no-repeat,
  var(--b) top right/.4em 1.4px no-repeat,var(--b) bottom right/.4em 1.4px no-repeat}
 math mtd{padding:.16em .3em}
+@media (max-width:36em){
+ .mantine-Paper-root[style*="width: 20em"],.mantine-Paper-root[style*="width: 20em"] [style*="width: 20em"]{
+  width:100vw!important;max-height:52vh}}
 canvas[data-engine]{background:linear-gradient(#d3deec,#f4f7fb 45%%,#ffffff)}
 %(veil)s
 """
