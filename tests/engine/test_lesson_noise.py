@@ -1,0 +1,125 @@
+"""Lesson 8: the valley between two noises, its bottom, the peak, and runs against Lyapunov."""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+import pytest
+from scipy.linalg import expm
+from scipy.optimize import minimize
+from scipy.stats import chi2
+
+from lessons.noise.lesson import LESSON, PLANT, RUNS
+from lessons.noise.variance import parts_of, ray_of
+
+W, V = 0.04, 4e-4
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+def variances_of(gain) -> np.ndarray:
+    """Lyapunov by python-control, for any stabilising gain."""
+    L = np.reshape(gain, (2, 1))
+    return control.lyap(PLANT.A - L @ PLANT.C, W * PLANT.B @ PLANT.B.T + V * L @ L.T)
+
+
+@pytest.mark.parametrize("weights", [(1.0, 0.0), (0.0, 1.0), (1.0, 0.3)])
+def test_the_minimum_over_gains_is_the_kalman_gain_whatever_is_judged(weights):
+    """Searched without any Riccati equation, from a gain far away."""
+    found = minimize(lambda g: float(np.dot(weights, np.diag(variances_of(g)))), [2.0, 2.0], method="Nelder-Mead",
+                     options={"xatol": 1e-9, "fatol": 1e-14, "maxiter": 2000})
+    o = outcome()
+    assert np.allclose(found.x, o.gains["L_kalman"][:, 0], rtol=2e-3)
+    assert found.fun == pytest.approx(float(np.dot(weights, np.diag(o.extra.kalman.solution))), rel=1e-8)
+
+
+def test_the_valley_touches_the_floor_at_kalmans_speed_only():
+    ray = outcome(speed=1.0).extra.ray
+    floor = np.diag(outcome().extra.kalman.solution)
+    ratio = (ray.process + ray.sensor) / floor
+    assert (ratio >= 1 - 1e-12).all()
+    for i in range(2):
+        assert ray.speed[np.argmin(ratio[:, i])] == pytest.approx(101 ** 0.25, rel=0.06)  # a step of the grid
+        assert (np.diff(np.sign(np.diff(ratio[:, i]))) != 0).sum() >= 1
+    assert outcome(speed=1.0).metrics["variance_ratio"] == pytest.approx(1.0, abs=1e-9)
+
+
+def test_kalmans_speed_is_the_fourth_root_that_spectral_factorisation_gives():
+    for w, v in ((0.04, 4e-4), (0.5, 2e-4), (0.01, 1e-2)):
+        assert outcome(w=w, v=v).metrics["kalman_speed"] == pytest.approx((1 + w / v) ** 0.25, rel=1e-9)
+
+
+def test_the_ray_equals_one_lyapunov_equation_after_another():
+    pattern = (-3 - 1j, -3 + 1j)
+    ray = ray_of(PLANT, pattern, np.array([0.5, 4.0, 60.0]), W, V)
+    for k, speed in enumerate(ray.speed):
+        q = np.array(pattern) / np.sqrt(10) * speed
+        L = control.place(PLANT.A.T, PLANT.C.T, q).T
+        assert np.allclose(ray.process[k] + ray.sensor[k], np.diag(variances_of(L)), rtol=1e-8)
+        parts = parts_of(PLANT, L, W, V)
+        assert np.allclose(ray.sensor[k], np.diag(parts.sensor), rtol=1e-8)
+
+
+@pytest.mark.parametrize("pattern", [(-2 - 3j, -2 + 3j), (-2.0, -2.0), (-1.0, -7.0)])
+def test_the_peak_is_that_of_the_matrix_exponential(pattern):
+    speed = float(np.sqrt(abs(pattern[0] * pattern[1])))
+    peak = ray_of(PLANT, pattern, np.array([speed]), W, V).peak[0]
+    l1 = -np.real(sum(pattern)) - 0.5
+    L = np.array([[l1], [np.real(pattern[0] * pattern[1]) - 1 - 0.5 * l1]])
+    F = PLANT.A - L @ PLANT.C
+    assert peak == pytest.approx(max(abs(expm(F * t)[1, 0]) for t in np.linspace(0, 5, 4001)), rel=1e-5)
+
+
+def test_fast_observers_scale_as_the_text_says():
+    """σ of the velocity with the power 3/2 of the speed, of the position with 1/2, the peak in proportion."""
+    slow, fast = outcome(speed=5.0).metrics, outcome(speed=10.0).metrics
+    assert slow["velocity_rms"] == pytest.approx(0.73, abs=5e-3) and fast["velocity_rms"] == pytest.approx(2.12, abs=5e-3)
+    assert fast["velocity_rms"] / slow["velocity_rms"] == pytest.approx(2**1.5, rel=0.03)
+    assert fast["position_rms"] / slow["position_rms"] == pytest.approx(2**0.5, rel=0.02)
+    assert fast["peak"] / slow["peak"] == pytest.approx(2.0, rel=0.03)
+    assert (round(slow["peak"], 1), round(fast["peak"], 1)) == (2.1, 4.4)
+    assert outcome(speed=1.0).metrics["velocity_rms"] == pytest.approx(0.117, abs=5e-4)
+
+
+def test_only_the_ratio_of_the_noises_chooses_the_gain():
+    one, ten = outcome(speed=1.0), outcome(speed=1.0, w=0.4, v=4e-3)
+    assert np.allclose(one.gains["L"], ten.gains["L"], rtol=1e-9)
+    assert ten.metrics["velocity_rms"] / one.metrics["velocity_rms"] == pytest.approx(np.sqrt(10), rel=1e-9)
+
+
+def test_slow_and_fast_twins_have_opposite_causes():
+    slow, fast = outcome(speed=0.3).metrics, outcome(speed=1.77).metrics
+    assert slow["velocity_rms"] == pytest.approx(0.162, abs=5e-4)
+    assert fast["velocity_rms"] == pytest.approx(slow["velocity_rms"], rel=0.02)
+    assert slow["sensor_share"] < 0.01 and 0.7 < fast["sensor_share"] < 0.8
+
+
+@pytest.mark.parametrize("speed, seed", [(1.0, 1), (5.0, 2), (0.3, 3)])
+def test_lyapunov_is_the_variance_of_many_runs(speed, seed):
+    """At single instants the mean square over independent runs is exactly χ²: 99.99 % bands, no tuning."""
+    *_, (fraction, done) = LESSON.job.run(outcome(speed=speed, seed=seed))
+    trials, promised = done.extra.trials, np.diagonal(done.extra.grown, axis1=1, axis2=2)
+    assert fraction == 1.0 and trials.count == RUNS
+    low, high = chi2.ppf([5e-5, 1 - 5e-5], RUNS) / RUNS
+    for k in (20, 100, 250, -1):
+        assert (low < trials.square[k] / promised[k]).all() and (trials.square[k] / promised[k] < high).all()
+    settled = np.diag(done.extra.parts.total)
+    if speed >= 1:
+        assert np.allclose(promised[-1], settled, rtol=0.03)  # holding v over a step costs little here
+    assert promised[0] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_runs_carry_over_to_another_view_of_the_same_design_only():
+    *_, (_, done) = LESSON.job.run(outcome())
+    assert LESSON.carry(done, outcome(watch="position")).extra.trials is done.extra.trials
+    assert LESSON.carry(done, outcome(w=0.05)).extra.trials is None
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_the_exam_answer_is_control_lqe(seed):
+    item = LESSON.exam(seed)
+    a, w, v = (float(item.numbers[k]) for k in ("a", "W", "V"))
+    L, _, _ = control.lqe(np.array([[-a]]), np.eye(1), np.eye(1), np.array([[w]]), np.array([[v]]))
+    assert item.answer == pytest.approx(float(L[0, 0]), abs=1e-9)
