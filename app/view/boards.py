@@ -24,7 +24,7 @@ WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
 PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 NAME_WIDTH = 0.56  # of a pole's label on the board
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
-GLASS, UNSTABLE, INK = (244, 247, 251), (246, 214, 214), (40, 44, 52)
+GLASS, UNSTABLE, INK = (255, 255, 255), (246, 214, 214), (40, 44, 52)
 
 
 class BoardView:
