@@ -1,0 +1,176 @@
+"""The deck that really moves, the filter that believes something about it, and two ways to update a covariance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import (
+    AdcNoise,
+    Belief,
+    DiscreteFilter,
+    KalmanFilter,
+    Plant,
+    Scenario,
+    Schedule,
+    Track,
+    joseph,
+    short_form,
+    simulate,
+    with_coloured_noise,
+)
+from app.plants import MODELS
+from app.plants.platform import deck_disturbance
+
+MODEL = MODELS["deck"]
+DT, COUNT = 0.04, 301  # s and samples: 12 s
+HORIZON = DT * (COUNT - 1)
+SKIP = 50  # samples at the start that no test looks at
+GROUND = 4e-10  # m² s, intensity of each ground motion
+COUPLE = 3e-4  # N² s, intensity of an unknown draught that presses one side down and the other up
+SIGMA = 1e-3  # m/s, white part of a reading
+SPREAD = np.array([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2])  # standard deviations of the start
+SCALE = 1 / np.outer(SPREAD, SPREAD)
+HUGE = 1e6  # a covariance that has lost all sense is cut to this
+SINE = 0.16  # Hz, of the report's figure 11
+WHITE, COLOURED, CARRIED = "white", "coloured", "carried"
+ADC = AdcNoise(SIGMA, 6.0, 0.9, DT)
+LEARNING = 60  # samples that the filter with 22 states takes its gain from the recursion
+STEPS = 25  # for the comparison of the two updates
+
+
+@lru_cache(maxsize=1)
+def tuned() -> KalmanFilter:
+    """The filter that knows the deck, the disturbances and a white sensor noise of σ² as they are."""
+    B, V = MODEL.plant.B, SIGMA**2 * DT * np.eye(4)
+    G = np.column_stack([deck_disturbance(), B[:, 1] - B[:, 0]])
+    return KalmanFilter.from_plant(MODEL.plant, np.diag([GROUND, GROUND, COUPLE]), V, DT, G)
+
+
+@dataclass(frozen=True, eq=False)
+class Truth:
+    """What happens, whoever watches: states (n_t, 6), readings (n_t, 4), what the sensors would read without noise, forces."""
+
+    x: np.ndarray
+    y: np.ndarray
+    clean: np.ndarray
+    u: np.ndarray
+
+
+def draw(seed: int, coloured: bool, force: float, kick: float) -> Truth:
+    """One run of the deck from a drawn start, the forces known, the ground and the sensors noisy."""
+    kf = tuned()
+    t = DT * np.arange(COUNT)
+    u = np.outer(force * np.sin(2 * np.pi * SINE * t), [1.0, 1.0, 0.5])
+    rng = np.random.default_rng([seed, 7])
+    x0 = SPREAD * rng.standard_normal(6)
+    kicks = ((DT * round(kick / DT), MODEL.kick),) if kick >= 0 else ()
+    sampled = Plant(kf.A, kf.B, kf.C, dt=DT)
+    run = simulate(Scenario(sampled, x0=x0, xhat0=np.zeros(6), horizon=HORIZON, dt=DT, reference=u, W=kf.Q, G=np.eye(6),
+                            impulses=kicks, seed=seed))
+    clean = run.x @ kf.C.T
+    noise = ADC.draw(COUNT, 4, rng) if coloured else SIGMA * rng.standard_normal((COUNT, 4))
+    return Truth(run.x, clean + noise, clean, u)
+
+
+truth = lru_cache(maxsize=8)(draw)
+
+
+@dataclass(frozen=True, eq=False)
+class Watcher:
+    """A filter with what it expects before any measurement: Riccati solution, schedule and start."""
+
+    filter: KalmanFilter
+    steady: DiscreteFilter
+    schedule: Schedule
+    start: Belief
+
+
+@lru_cache(maxsize=16)
+def watcher(noise: str, q: float, r: float, p0: float) -> Watcher:
+    """The filter that believes q times the true Q, r times the true R and p0 times the true spread of the start."""
+    kf = tuned()
+    if noise == CARRIED:
+        base = with_coloured_noise(kf, ADC)
+        Q = base.Q.copy()
+        Q[:6, :6] *= q
+        kf = KalmanFilter(base.A, base.B, base.C, Q, r * base.R, dt=DT)
+        steady = kf.steady
+        P = steady.solution.copy()
+        P[:6, :6], P[:6, 6:], P[6:, :6] = np.diag(p0 * SPREAD**2), 0.0, 0.0
+        P[6:, 6:] = np.kron(np.eye(4), ADC.relaxations[1] * np.eye(len(ADC.relaxations[0])))
+        start = Belief(np.zeros(kf.n), P)
+        return Watcher(kf, steady, _then_steady(kf, steady, kf.schedule(start, LEARNING)), start)
+    kf, start = _believing(q, r * (ADC.variance / SIGMA**2 if noise == COLOURED else 1.0), p0)
+    return Watcher(kf, kf.steady, kf.schedule(start, COUNT), start)
+
+
+def _believing(q: float, r: float, p0: float) -> tuple[KalmanFilter, Belief]:
+    """The filter with six states and its belief before the first reading."""
+    kf = tuned()
+    return KalmanFilter(kf.A, kf.B, kf.C, q * kf.Q, r * kf.R, dt=DT), Belief(np.zeros(6), np.diag(p0 * SPREAD**2))
+
+
+def _then_steady(kf: KalmanFilter, steady: DiscreteFilter, first: Schedule) -> Schedule:
+    """A schedule that goes over to the Riccati solution after its first samples, where the two hardly differ."""
+    S = kf.C @ steady.solution @ kf.C.T + kf.R
+    last = (steady.solution, steady.filtered, S, steady.filter_gain)
+    parts = (first.prior, first.posterior, first.S, first.gains)
+    return Schedule(COUNT, *(np.concatenate([part, end[None]]) for part, end in zip(parts, last, strict=True)))
+
+
+def watch(who: Watcher, what: Truth) -> Track:
+    """The record through the filter."""
+    return who.filter.run(who.start, what.y, what.u, schedule=who.schedule)
+
+
+@dataclass(frozen=True, eq=False)
+class Forms:
+    """Distances ‖P − P_ref‖/‖P_ref‖ (STEPS,) of Joseph's form and the short form, and their smallest eigenvalues.
+
+    Eigenvalues are those of P with its variances brought to one, the least over the record.
+    """
+
+    joseph: np.ndarray
+    short: np.ndarray
+    least_joseph: float
+    least_short: float
+
+
+@lru_cache(maxsize=16)
+def compare(q: float, r: float, p0: float, single: bool) -> Forms:
+    """Both updates beside Joseph's in double precision: in single precision, or in double with the final gain all along."""
+    kf, start = _believing(q, r, p0)
+    final = None if single else kf.steady.filter_gain
+    true = _covariances(kf, start.covariance, np.float64, final, True)
+    records = np.stack([_covariances(kf, start.covariance, np.float32 if single else np.float64, final, safe)
+                        for safe in (True, False)])
+    gaps = np.abs((records - true) * SCALE).max(axis=(2, 3)) / np.abs(true * SCALE).max(axis=(1, 2))
+    spread = np.sqrt(np.maximum(np.abs(np.diagonal(records, axis1=2, axis2=3)), 1e-30))
+    even = (records + np.swapaxes(records, 2, 3)) / (2 * spread[..., None] * spread[..., None, :])
+    least = np.clip(np.linalg.eigvalsh(even)[..., 0].min(axis=1), -1.0, 1.0)
+    gaps = np.minimum(gaps, HUGE)
+    return Forms(gaps[0], gaps[1], float(least[0]), float(least[1]))
+
+
+def _covariances(kf: KalmanFilter, P: np.ndarray, size: type, final: np.ndarray | None, safe: bool) -> np.ndarray:
+    """P[k|k] (STEPS, 6, 6) in the precision `size`, with the optimal gain or the `final` one, by Joseph's form or the short one."""
+    A, C, Q, R, P = (np.asarray(M, dtype=size) for M in (kf.A, kf.C, kf.Q, kf.R, P))
+    record = np.empty((STEPS, len(A), len(A)))
+    for k in range(STEPS):
+        M = _gain(P, C, R) if final is None else final
+        P = joseph(P, C, R, M) if safe else short_form(P, C, M)
+        record[k] = P
+        P = A @ P @ A.T + Q
+    return np.clip(record, -HUGE, HUGE)
+
+
+def _gain(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> np.ndarray:
+    CP = C @ P
+    S = CP @ C.T + R
+    try:
+        return np.linalg.solve(S, CP).T
+    except np.linalg.LinAlgError:  # single precision may lose R beside C P Cᵀ
+        return (np.linalg.pinv(S) @ CP).T

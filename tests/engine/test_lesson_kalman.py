@@ -1,0 +1,196 @@
+"""Lesson 9: the gain converges to Riccati, the tuned filter is consistent, the wrong ones are found out."""
+
+from __future__ import annotations
+
+import control
+import numpy as np
+import pytest
+from scipy.linalg import expm, solve_discrete_are
+from scipy.stats import chi2
+
+from app.engine import chi2_band
+from lessons.kalman.filters import ADC, DT, MODEL, SIGMA, compare, truth, tuned, watch, watcher
+from lessons.kalman.lesson import LESSON, RUNS
+from lessons.kalman.report import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+def flags(o) -> set[str]:
+    return {c.id for c in o.checks if not c.holds}
+
+
+@pytest.fixture(scope="module")
+def tried():
+    """The button pressed for three filters: NIS and NEES of many runs."""
+    def press(**changes):
+        *_, (fraction, done) = LESSON.job.run(outcome(**changes))
+        assert fraction == 1.0 and done.extra.trials.count == RUNS
+        return done.metrics
+    return {"tuned": press(q=1.0, r=1.0), "decoy": press(), "carried": press(noise="carried", q=1.0, r=1.0)}
+
+
+# --- the gain --------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("q, r, p0", [(1.0, 1.0, 1.0), (20.0, 0.47, 100.0), (0.3, 2.0, 0.01)])
+def test_the_recursion_ends_at_the_riccati_solution(q, r, p0):
+    who = watcher("white", q, r, p0)
+    kf = who.filter
+    P = solve_discrete_are(kf.A.T, kf.C.T, kf.Q, kf.R)
+    M = P @ kf.C.T @ np.linalg.inv(kf.C @ P @ kf.C.T + kf.R)
+    assert np.allclose(who.schedule.gains[-1], M, atol=1e-6 * np.abs(M).max())
+    L, _, _ = control.dlqe(kf.A, np.eye(6), kf.C, kf.Q, kf.R)
+    assert np.allclose(L, kf.A @ who.schedule.gains[-1], atol=1e-6 * np.abs(M).max())  # the predictor gain A M
+
+
+def test_the_model_is_sampled_exactly():
+    kf = tuned()
+    assert np.allclose(kf.A, expm(MODEL.plant.A * DT), atol=1e-12)
+    assert np.allclose(kf.R, SIGMA**2 * np.eye(4))
+
+
+def test_one_step_by_hand_is_the_first_step_of_the_record():
+    who, what = watcher("white", 1.0, 1.0, 1.0), truth(1, False, 1.0, -1.0)
+    kf, P = who.filter, who.start.covariance
+    track = watch(who, what)
+    S = kf.C @ P @ kf.C.T + kf.R
+    M = P @ kf.C.T @ np.linalg.inv(S)
+    x = M @ what.y[0]
+    after = (np.eye(6) - M @ kf.C) @ P
+    assert np.allclose(track.means[0], x, atol=1e-12)
+    assert np.allclose(who.schedule.posterior[0], after, atol=1e-14)
+    assert np.allclose(track.predicted[1], kf.A @ x + kf.B @ what.u[0], atol=1e-12)
+    assert np.allclose(who.schedule.prior[1], kf.A @ after @ kf.A.T + kf.Q, atol=1e-14)
+
+
+# --- the tests of consistency ----------------------------------------------------------------------------------------
+def test_tuned_nis_is_the_number_of_measurements_and_nees_of_states(tried):
+    """NIS of different samples are independent: χ² over all of them. NEES is not: a wider look, from a tenth of them."""
+    for name in ("tuned", "carried"):
+        low, high = chi2.ppf([5e-4, 1 - 5e-4], 4 * 251 * RUNS) / (251 * RUNS)
+        assert low < tried[name]["trials_nis"] < high, name
+        low, high = chi2.ppf([5e-4, 1 - 5e-4], 6 * 5 * RUNS) / (5 * RUNS)
+        assert low < tried[name]["trials_nees"] < high, name
+
+
+def test_the_decoy_has_a_fitting_nis_and_a_hopeless_nees(tried):
+    assert 3.6 < tried["decoy"]["trials_nis"] < 4.5
+    assert tried["decoy"]["trials_nees"] > 30
+
+
+@pytest.mark.parametrize("changes, expected", [
+    ({"q": 1.0, "r": 1.0}, set()), ({}, {"white", "nees"}), ({"q": 1.0, "r": 0.1}, {"nis", "nees"}),
+    ({"q": 1.0, "r": 10.0}, {"nis"}), ({"q": 0.01, "r": 1.0}, {"nis", "white", "nees"}), ({"q": 100.0, "r": 1.0}, {"nis", "white"}),
+    ({"noise": "coloured", "q": 1.0, "r": 1.0}, {"white"}), ({"noise": "carried", "q": 1.0, "r": 1.0}, set()),
+])
+def test_detuned_filters_are_flagged(changes, expected):
+    found = flags(outcome(**changes))
+    assert expected <= found if expected else not found
+
+
+def test_the_tuned_filter_is_rarely_flagged_and_the_white_belief_in_a_converter_mostly():
+    """Twenty seeds: at 5 % each more than five alarms of the innovation tests have a chance of 3e-4."""
+    def alarms(**changes):
+        return sum(bool(outcome(seed=seed, **changes).metrics["failures"]) for seed in range(20))
+    assert alarms(q=1.0, r=1.0) <= 5
+    assert alarms(noise="coloured", q=1.0, r=1.0) >= 15
+
+
+def test_whiteness_sees_a_wrong_ratio_and_nis_a_wrong_scale():
+    """The gain depends on Q/R alone, and so do the innovations: a common factor changes S only."""
+    good, scaled = outcome(q=1.0, r=1.0), outcome(q=3.0, r=3.0, p0=3.0)
+    assert np.allclose(scaled.extra.track.innovations, good.extra.track.innovations, atol=1e-9 * SIGMA)
+    assert scaled.metrics["nis_mean"] == pytest.approx(good.metrics["nis_mean"] / 3, rel=1e-6)
+    assert {c.id for c in scaled.checks if not c.holds} == {"nis", "nees"}
+
+
+def test_too_little_q_leaves_memory_and_too_much_the_opposite():
+    first = {q: outcome(q=q, r=1.0).extra.test.whiteness.correlation[0].mean() for q in (0.01, 1.0, 100.0)}
+    assert first[0.01] > 0.2 and abs(first[1.0]) < 0.1 and first[100.0] < -0.2
+
+
+def test_no_belief_about_a_white_r_makes_the_converter_white():
+    assert not [r for r in np.geomspace(0.05, 20, 9) if outcome(noise="coloured", q=1.0, r=float(r)).metrics["white_p"] > 0.017]
+
+
+def test_numbers_of_the_text():
+    start, good = outcome().metrics, outcome(q=1.0, r=1.0).metrics
+    assert start["nis_mean"] == pytest.approx(4.14, abs=0.006) and start["nees_mean"] == pytest.approx(61, abs=0.5)
+    assert good["nis_mean"] == pytest.approx(3.90, abs=0.006) and good["nees_mean"] == pytest.approx(6.09, abs=0.006)
+    assert good["S_over_R"] == pytest.approx(1.48, abs=0.006)
+    assert outcome(q=20.0, r=0.47).metrics["nis_mean"] == pytest.approx(3.87, abs=0.006)
+    carried = outcome(noise="carried", q=1.0, r=1.0)
+    assert carried.metrics["nis_mean"] == pytest.approx(4.08, abs=0.006)
+    assert carried.metrics["nees_mean"] == pytest.approx(6.31, abs=0.03)
+    assert carried.extra.watcher.filter.n == 6 + 16
+
+
+# --- two updates -----------------------------------------------------------------------------------------------------
+def test_joseph_is_the_true_covariance_for_any_gain_and_the_short_form_is_not():
+    """A constant gain from the start: variances of 20 000 drawn errors are the judge, not either form."""
+    who = watcher("white", 1.0, 1.0, 1.0)
+    kf, M, rng, runs = who.filter, who.steady.filter_gain, np.random.default_rng(3), 20_000
+    keep, joseph, short = np.eye(6) - M @ kf.C, who.start.covariance, who.start.covariance
+    e = rng.multivariate_normal(np.zeros(6), joseph, runs)
+    for _ in range(6):
+        e = e @ keep.T - rng.normal(0, SIGMA, (runs, 4)) @ M.T
+        e = e @ kf.A.T + rng.multivariate_normal(np.zeros(6), kf.Q, runs)
+        joseph = kf.A @ (keep @ joseph @ keep.T + M @ kf.R @ M.T) @ kf.A.T + kf.Q
+        short = kf.A @ keep @ short @ kf.A.T + kf.Q
+    drawn = e.var(axis=0)
+    assert np.abs(drawn / np.diag(joseph) - 1).max() < 0.06  # six standard deviations of a variance of 20 000
+    assert np.abs(np.diag(short) / drawn - 1).max() > 0.5
+    frozen = compare(1.0, 1.0, 1.0, False)
+    assert frozen.short.max() > 0.1 and frozen.joseph.max() == 0.0
+
+
+def test_single_precision_ruins_the_short_form_first():
+    plain, hard = compare(1.0, 1.0, 1.0, True), compare(1.0, 0.01, 1e4, True)
+    assert plain.joseph.max() < plain.short.max() < 1e-3
+    assert hard.least_short < 0 < hard.least_joseph
+
+
+# --- the report --------------------------------------------------------------------------------------------------------
+def test_published_bands_of_nis():
+    assert chi2_band(4) == pytest.approx((0.484, 11.143), abs=5e-4)
+    assert chi2_band(4, 1000) == pytest.approx((3.827, 4.177), abs=1e-3)
+
+
+def test_slips_of_the_report_are_named_with_numbers():
+    table = {line: next(f for f in LESSON.figures(outcome(q=1.0, r=1.0, line=line)) if f.id == "report")
+             for line in ("near-r", "short", "means", "joseph", "gain")}
+    said = {line: " ".join(cell.en for row in f.rows for cell in row if not isinstance(cell, str)) for line, f in table.items()}
+    assert "slip" in said["near-r"] and "1.48" in said["near-r"]
+    assert "slip" in said["short"] and "slip" in said["means"] and "77 σ" in said["means"]
+    assert "slip" not in said["joseph"] and "slip" not in said["gain"]
+    assert PRINTED_MEAN / (PRINTED_SIGMA / PRINTED_SAMPLES**0.5) > 50
+
+
+def test_the_known_sine_leaves_no_peak_in_the_output_error():
+    """Figure 11 of the report: a known force at 0.16 Hz is in the output and not in its error."""
+    loud = next(f for f in LESSON.figures(outcome(q=1.0, r=1.0, force=2.0)) if f.id == "tracking")
+    near = int(np.argmin(np.abs(loud.f - 0.16)))
+    output, error = (c.y for c in loud.curves)
+    assert output[near] > 100 * error[near]
+    quiet = next(f for f in LESSON.figures(outcome(q=1.0, r=1.0, force=0.0)) if f.id == "tracking")
+    assert np.allclose(quiet.curves[1].y, error, rtol=1e-6)
+    assert output[near] > 10 * quiet.curves[0].y[near]
+
+
+def test_the_converters_noise_has_the_variance_that_its_density_promises():
+    f = np.linspace(1e-4, 0.5 / DT, 200_001)
+    assert ADC.density(f).mean() * 0.5 / DT == pytest.approx(ADC.variance, rel=1e-3)
+
+
+def test_runs_carry_over_to_another_sample_only():
+    *_, (_, done) = LESSON.job.run(outcome(q=1.0, r=1.0))
+    assert LESSON.carry(done, outcome(q=1.0, r=1.0, k=5)).extra.trials is done.extra.trials
+    assert LESSON.carry(done, outcome(q=1.1, r=1.0)).extra.trials is None
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+def test_the_exam_answer_is_the_product_of_information(seed):
+    item = LESSON.exam(seed)
+    a, p, Q, R = (float(item.numbers[k]) for k in ("a", "p", "Q", "R"))
+    assert 1 / item.answer == pytest.approx(1 / (a * a * p + Q) + 1 / R)
