@@ -61,6 +61,8 @@ class Board:
 class Stage:
     """What the 3-D stage plays: a body along the true trajectory and, as a ghost, along its estimate.
 
+    A record of x or xhat is what `body.pose` takes: the plant's state, and after it whatever else a body shows that no
+    equation moves (where sensors stand, which are on, an ellipsoid of states).
     `spread` is a radius per time (stage units) of the uncertainty at each anchor, if there is noise.
     """
 
@@ -185,8 +187,14 @@ class Lesson:
         return design.with_values(**{name: self.knob(name).check(value) for name, value in changes.items()})
 
     def shown(self, knob: Knob, design: Design) -> bool:
-        """Whether the knob matters now and its widget is shown."""
-        return not knob.hidden and (knob.when is None or design[knob.when[0]] in knob.when[1])
+        """Whether the knob matters now and its widget is shown: its condition holds, and that of the knob it names."""
+        return not knob.hidden and self._matters(knob, design)
+
+    def _matters(self, knob: Knob, design: Design) -> bool:
+        if knob.when is None:
+            return True
+        name, values = knob.when
+        return design[name] in values and self._matters(self.knob(name), design)
 
 
 def student_seed(student: str, task: str) -> int:

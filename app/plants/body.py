@@ -67,12 +67,16 @@ Shape = Box | Cylinder | Ball | Spring | Rod
 
 @dataclass(frozen=True)
 class Part:
-    """One solid part. `twin` parts are drawn a second time, translucent, where the estimate says they are."""
+    """One solid part. `twin` parts are drawn a second time, translucent, where the estimate says they are.
+
+    `opacity` below 1 lets what is behind or inside shine through: a region rather than a thing.
+    """
 
     name: str
     shape: Shape
     colour: str = "#9AA3AE"
     twin: bool = False
+    opacity: float | None = None
 
 
 @dataclass(frozen=True)

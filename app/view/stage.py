@@ -33,6 +33,13 @@ def rgb(colour: str) -> tuple[int, int, int]:
     return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
+def aspect_of(camera: viser.CameraHandle) -> float:
+    """Width over height of the canvas; 1 where the browser says nothing sensible of it."""
+    if camera.image_height > 0 and camera.image_width > 0:
+        return camera.image_width / camera.image_height
+    return 1.0
+
+
 class StageView:
     """One tab's stage. Sends only what changed since the last pose."""
 
@@ -67,7 +74,7 @@ class StageView:
         """Look again from the last named place whenever the window or a panel changes its shape."""
         @self._client.camera.on_update
         async def _(camera: viser.CameraHandle) -> None:
-            if abs(camera.aspect - self._aspect) > 0.03 * self._aspect:
+            if abs(aspect_of(camera) - self._aspect) > 0.03 * self._aspect:
                 self.camera(self._preset)
                 self._client.flush()
 
@@ -75,7 +82,7 @@ class StageView:
         """Look from one of the named places."""
         self._preset = preset if preset in CAMERAS else "all"
         position, target = CAMERAS[self._preset]
-        self._aspect = self._client.camera.aspect
+        self._aspect = aspect_of(self._client.camera)
         back = max(1.0, NARROW / max(self._aspect, 0.2))  # a narrow window looks from farther away
         drop = 0.14 * back * abs(position[1] - target[1]) if self._aspect < PHONE else 0.0  # above a phone's sheet
         aim = np.array(target) - (0.0, 0.0, drop)
@@ -94,7 +101,7 @@ class StageView:
             return
         body = stage.body
         for part in body.parts:
-            self._solid[part.name] = self._add(f"/plant/{part.name}", part, part.colour, None)
+            self._solid[part.name] = self._add(f"/plant/{part.name}", part, part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
                 self._ghost[part.name] = self._add(f"/ghost/{part.name}", part, GHOST_COLOUR, 0.42)
         none = _segments([])
