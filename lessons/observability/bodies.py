@@ -1,0 +1,163 @@
+"""Bodies whose state holds more than the plant's: where the sensors stand, which are on, and the cloud of states.
+
+The record that the stage plays is (state, sensors, cloud). Of the cloud: middle (3), half axes (3), rotation
+(w, x, y, z), truth (3), in typical sizes; right, away, up.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from types import MappingProxyType
+
+from app.plants.body import (
+    METAL,
+    PLANT,
+    STEEL,
+    UNTURNED,
+    Arrow,
+    Ball,
+    Body,
+    Box,
+    Part,
+    Pose,
+    Rod,
+    Vector,
+    between,
+    bounded,
+)
+from app.plants.deck_body import deck_body
+from app.plants.platform import Parameters
+from app.words import Text
+
+CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
+LEAST = 0.025  # an ellipsoid is never drawn thinner
+FAR, ARM = 3.4, 3.1  # typical sizes: nothing is drawn farther out; how long the axes and the needle are
+ORANGE, OFF, ON = "#D55E00", (196, 201, 209), (0, 114, 178)
+DOWN = (0.0, 1.0, 0.0, 0.0)  # half a turn: a rod that hangs instead of standing
+K = Parameters()
+
+CLOUD_PARTS = (
+    Part("cloud", Ball(1.0), ORANGE, opacity=0.38),
+    Part("truth", Ball(0.055), PLANT),
+    Part("axis right", Rod(0.012), STEEL),
+    Part("axis away", Rod(0.012), STEEL),
+    Part("axis up", Rod(0.012), STEEL),
+)
+
+
+def _hung(point: Sequence[float]) -> Vector:
+    x, y, z = (min(max(float(v), -FAR), FAR) * CLOUD for v in point)
+    return MIDDLE[0] + x, MIDDLE[1] + y, MIDDLE[2] + z
+
+
+def _axis(along: int) -> Pose:
+    step = [0.0, 0.0, 0.0]
+    step[along] = ARM * CLOUD
+    low, high = (tuple(m + sign * d for m, d in zip(MIDDLE, step, strict=True)) for sign in (-1, 1))
+    return between(low, high)  # type: ignore[arg-type]
+
+
+AXES = MappingProxyType({"axis right": _axis(0), "axis away": _axis(1), "axis up": _axis(2)})
+
+
+def cloud_poses(c: Sequence[float]) -> dict[str, Pose]:
+    """The ellipsoid of states that the data so far allow, the true one, and the axes."""
+    half = tuple(max(float(h) * CLOUD, LEAST) for h in c[3:6])
+    return {**AXES, "cloud": Pose(_hung(c[:3]), (float(c[6]), float(c[7]), float(c[8]), float(c[9])), half),  # type: ignore[arg-type]
+            "truth": Pose(_hung(c[10:13]))}
+
+
+@lru_cache(maxsize=128)
+def _deck_with(place: float) -> Body:
+    return deck_body(K.a, K.b, place, K.h)
+
+
+def _carried(deck: Pose, across: float, up: float, y: float) -> Vector:
+    """Where a point of the deck is when the deck stands at this pose."""
+    angle = -2 * math.atan2(deck.wxyz[2], deck.wxyz[0])
+    c, s = math.cos(angle), math.sin(angle)
+    x, _, z = deck.position
+    return x + c * across - s * up, y, z + s * across + c * up
+
+
+def _deck_pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+    """State (6), places of both vertical sensors in m, which of the three are on (1 or 0), cloud (13)."""
+    state, (left, right), on = x[:6], x[6:8], x[8:11]
+    poses = dict(_deck_with(round(-float(left), 4)).pose(state, gain))
+    other = _deck_with(round(float(right), 4)).pose(state, gain)
+    for name in ("sensor", "servo", "test mass"):
+        poses[f"{name} right"] = other[f"{name} right"]
+    across = Pose(_carried(poses["deck"], -1.45, 0.19, -0.45), poses["deck"].wxyz)
+    poses["sensor across"] = across
+    poses["needle across"] = between(across.position, _carried(poses["deck"], -1.05, 0.19, -0.45))
+    for name, lit in zip(("left", "right", "across"), on, strict=True):
+        live = float(lit) > 0.5
+        poses[f"sensor {name}"] = replace(poses[f"sensor {name}"], colour=ON if live else OFF)
+        mark = f"test mass {name}" if name != "across" else "needle across"
+        if not live:  # a sensor that is off has lost its mark as well as its colour
+            poses[mark] = replace(poses[mark], scale=(0.02, 0.02, 0.02))
+    return poses | cloud_poses(x[11:])
+
+
+def _deck() -> Body:
+    base = _deck_with(K.s)
+    parts = tuple(replace(part, twin=False) if part.name.startswith(("sensor", "test mass")) else part
+                  for part in base.parts)
+    return Body(
+        (*parts, Part("sensor across", Box((0.3, 0.3, 0.16), 0.03), STEEL), Part("needle across", Rod(0.045), METAL),
+         *CLOUD_PARTS),
+        _deck_pose, lambda x, u, gain: base.arrows(x[:6], u, gain), lambda x, gain: base.anchors(x[:6], gain), base.gain,
+        Text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow",
+             "蓝色为开启的传感器；上方是目前数据所允许的状态（x 向右，z 向上，θ 向后）"))
+
+
+def columns_body(count: int, label: Text) -> Body:
+    """A plant without a shape: one column a state, as high as the state; the needle in the cloud points along C."""
+    width = min(0.5, 4.4 / count)
+    base, full = 1.1, 0.75
+
+    def place(i: int) -> float:
+        return (i - (count - 1) / 2) * min(0.8, 4.8 / count)
+
+    def top(x: Sequence[float], i: int) -> Vector:
+        return place(i), 0.0, base + bounded(float(x[i]) * full, 0.95)
+
+    fixed = {"plinth": Pose((0.0, 0.0, 0.06))} | {f"foot {i}": Pose((place(i), 0.0, base)) for i in range(count)}
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        poses = dict(fixed)
+        for i in range(count):
+            head = top(x, i)
+            rise = head[2] - base
+            poses[f"head {i}"] = Pose(head)
+            poses[f"stem {i}"] = Pose((head[0], 0.0, base), UNTURNED if rise >= 0 else DOWN, (1.0, 1.0, max(abs(rise), 1e-6)))
+        poses["needle"] = between(_hung((0, 0, 0)), _hung([ARM * float(c) for c in x[count:count + 3]]))
+        return poses | cloud_poses(x[count + 3:])
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        return ()
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return tuple(top(x, i) for i in range(count))
+
+    parts = [Part("plinth", Box((5.2, 1.2, 0.12), 0.04), STEEL), Part("needle", Rod(0.03), METAL), *CLOUD_PARTS]
+    for i in range(count):
+        parts += [Part(f"foot {i}", Box((width, 0.5, 0.03), 0.0), STEEL), Part(f"stem {i}", Rod(0.2 * width), METAL),
+                  Part(f"head {i}", Box((width, 0.4, 0.12), 0.03), PLANT, twin=True)]
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, label)
+
+
+COLUMNS_CAPTION = Text("One column a state; above, the states that the data so far allow, and the direction of C",
+                       "每个柱子是一个状态；上方是目前数据所允许的状态，以及 C 的方向")
+DECK_BODY = _deck()
+
+
+@lru_cache(maxsize=32)
+def body_of(name: str, count: int) -> Body:
+    """The body of a case with `count` states."""
+    return DECK_BODY if name == "deck" else columns_body(count, COLUMNS_CAPTION)
+
+
