@@ -19,6 +19,7 @@ from .pole_sets import Poles, check_poles
 
 __all__ = ["BilinearForm", "BilinearObserver", "BilinearPlant", "bilinear_functional_observer"]
 
+Three = tuple[np.ndarray, np.ndarray, np.ndarray]
 MET = 1e-9  # a solvability condition counts as met below this, relative to its terms
 
 
@@ -108,8 +109,8 @@ class BilinearObserver:
     canonical_C: Canonisation
     K1: np.ndarray
     canonical_K1: Canonisation
-    T: tuple[np.ndarray, np.ndarray, np.ndarray]
-    V: tuple[np.ndarray, np.ndarray, np.ndarray]
+    T: Three
+    V: Three
     Q: np.ndarray
     canonical_Q: Canonisation
     right: np.ndarray
@@ -142,6 +143,16 @@ class BilinearObserver:
         """K₁ K̃ᴿ (r×q): ε = K₁ K̃ᴿ w."""
         return self.K1 @ self.canonical_K1.unit_right
 
+    def forms(self, L: np.ndarray) -> tuple[BilinearForm, BilinearForm]:
+        """(17) with (13), and (18) with (19), for any L (q×m): also for one that misses the conditions (15), (16).
+
+        Raises ShapeError for an L of another shape.
+        """
+        gain, shape = as_matrix(L, "L"), (self.order, self.plant.m)
+        if gain.shape != shape:
+            raise ShapeError(f"L must be {shape[0]}×{shape[1]}; it is {gain.shape[0]}×{gain.shape[1]}.")
+        return _forms(self.plant, self.K, self.canonical_C.summary, self.readout, self.T, self.V, gain)
+
     def residuals(self) -> tuple[float, float, float]:
         """Largest entries of (V₂ − L V₁) F T₂, A T₃, F T₃ (conditions (15), (16)); NaN without an L."""
         if self.L is None:
@@ -157,8 +168,8 @@ class _Coordinates:
     C: Canonisation
     K1: np.ndarray
     c1: Canonisation
-    T: tuple[np.ndarray, np.ndarray, np.ndarray]
-    V: tuple[np.ndarray, np.ndarray, np.ndarray] = field(init=False)
+    T: Three
+    V: Three = field(init=False)
 
     def __post_init__(self) -> None:
         V, m, q = np.linalg.inv(np.hstack(self.T)), self.T[0].shape[1], self.T[1].shape[1]
@@ -215,7 +226,7 @@ def bilinear_functional_observer(
         reason = "One L only; " + ("its poles are stable." if stable else "its poles are not stable: no observer.")
     elif solved and not stable:
         reason = "A family of L, but with poles that are not stable the error does not decay."
-    forms = (None, None) if L is None or A_L is None else _forms(plant, wanted, at, L, A_L)
+    forms = (None, None) if L is None else _forms(plant, wanted, at.C.summary, at.K1 @ at.c1.unit_right, at.T, at.V, L)
     return BilinearObserver(plant, wanted, asked, at.C, at.K1, at.c1, at.T, at.V, Q, cQ, right, defect, size, case,
                             A_star, B_star, controllable, pi, L, A_L, reached, *forms, solved and stable, reason,
                             3 * plant.m + wanted.shape[0] >= 2 * plant.n)
@@ -243,11 +254,11 @@ def _choose(A_star: np.ndarray, B_star: np.ndarray, asked: Poles, case: int,
     return pi, "A family of L: the poles can be chosen." if controllable else "A family of L: some poles stay put."
 
 
-def _forms(plant: BilinearPlant, K: np.ndarray, at: _Coordinates, L: np.ndarray,
-           A_L: np.ndarray) -> tuple[BilinearForm, BilinearForm]:
+def _forms(plant: BilinearPlant, K: np.ndarray, summary: np.ndarray, readout: np.ndarray, T: Three, V: Three,
+           L: np.ndarray) -> tuple[BilinearForm, BilinearForm]:
     """Step 8: (17) with (13), and (18) with (19)."""
-    (T1, T2, _), P = at.T, at.V[1] - L @ at.V[0]
-    readout, direct = at.K1 @ at.c1.unit_right, K @ at.C.summary
+    (T1, T2, _), P = T, V[1] - L @ V[0]
+    A_L, direct = P @ plant.A @ T2, K @ summary
     PB, U = P @ plant.B, P @ plant.F @ T1
     return (BilinearForm(A_L, P @ plant.A @ T1, PB, U, L, direct, readout),
             BilinearForm(A_L, P @ plant.A @ (T1 + T2 @ L), PB, U, np.zeros_like(L), direct + readout @ L, readout))
