@@ -18,6 +18,7 @@ __all__ = ["HEADER", "csv_rows", "plain", "run_record", "save_csv"]
 HEADER = ("figure", "kind", "series", "x", "y", "value")
 Row = tuple[str, str, str, float, float | str, float | str]
 SERIES = ("t", "x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
+PLAYED = ("t", "x", "xhat", "u")
 
 
 def save_csv(figures: Sequence[Figure], path: str | Path) -> None:
@@ -101,9 +102,9 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
     """A run as plain data, ready for JSON: lesson, knobs, gains, poles, metrics, checks, series.
 
     Complex numbers are [re, im]; NaN and infinity, which JSON has not, are null. `series` holds the run's time-first
-    arrays t (n_t,), x, xhat, e, u_asked, u_applied, y, yhat, w, v (n_t, …) in SI units, and is empty without a run.
+    arrays t (n_t,), x, xhat, e, u_asked, u_applied, y, yhat, w, v (n_t, …) in SI units; a lesson whose run is of another
+    kind gives t, x, xhat, u as its stage plays them. It is empty where nothing moves.
     """
-    series = {} if outcome.run is None else {name: plain(getattr(outcome.run, name)) for name in SERIES}
     return {
         "lesson": design.lesson,
         "knobs": {name: plain(value) for name, value in design.values},
@@ -112,8 +113,16 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
         "metrics": plain(outcome.metrics),
         "checks": [{"id": c.id, "text": {"en": c.text.en, "zh": c.text.zh}, "holds": bool(c.holds),
                     "value": plain(c.value)} for c in outcome.checks],
-        "series": series,
+        "series": _series(outcome),
     }
+
+
+def _series(outcome: Outcome) -> dict[str, Any]:
+    if outcome.run is not None:
+        return {name: plain(getattr(outcome.run, name)) for name in SERIES}
+    if outcome.stage is None:
+        return {}
+    return {name: plain(values) for name in PLAYED if (values := getattr(outcome.stage, name)) is not None}
 
 
 def plain(value: Any) -> Any:
