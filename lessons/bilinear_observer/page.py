@@ -1,0 +1,157 @@
+"""The worked example of the paper: what is printed in each step, ours beside it, and where a line leads by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.engine import BilinearObserver
+from app.figures import TableFigure
+from app.plants.bilinear import POLE, PRINTED_L
+from app.words import Text, same
+
+from .problems import PAPER, PROBLEMS
+
+STEPS_TAB = Text("Eight steps", "八个步骤")
+NONE, FATAL = "none", "l4"
+HEADINGS = (
+    Text("1: canonise C, then K₁; the coordinates T and V", "1：对 C 和 K₁ 作典范化，得坐标变换 T、V"),
+    Text("2: form Q and canonise it", "2：构造 Q 并作典范化"),
+    Text("3: is condition (21) met", "3：条件 (21) 是否成立"),
+    Text("4: has Q a left divisor of zero", "4：Q 是否有左零因子"),
+    Text("5: A* and B*, controllable or not", "5：A*、B* 及其能控性"),
+    Text("6: π by placing the pole", "6：由极点配置求 π"),
+    Text("7: the gain L", "7：增益 L"),
+    Text("8: the observer", "8：写出观测器"),
+)
+
+
+@dataclass(frozen=True)
+class Line:
+    """One printed line: its step, what it is, the digits as printed, ours, and the pole it leads to by itself."""
+
+    id: str
+    step: int
+    name: Text
+    printed: str
+    ours: Callable[[BilinearObserver], np.ndarray | None]
+    alone: Callable[[BilinearObserver], float] | None = None
+
+
+def pole_of(o: BilinearObserver, L: np.ndarray) -> float:
+    """A_L = (V₂ − L V₁) A T₂ for any L (1×m), a number here."""
+    return ((o.V[1] - L @ o.V[0]) @ o.plant.A @ o.T[1]).item()
+
+
+def base_of(o: BilinearObserver) -> np.ndarray:
+    """V₂ [F T₂, A T₃, F T₃] Q̃ (q×m), the part of L that does not depend on the pole."""
+    return o.right @ o.canonical_Q.summary
+
+
+def _swapped(entry: int) -> Callable[[BilinearObserver], float]:
+    def alone(o: BilinearObserver) -> float:
+        assert o.L is not None
+        L = o.L.copy()
+        L[0, entry] = PRINTED_L[0, entry]
+        return pole_of(o, L)
+    return alone
+
+
+def _entry(entry: int) -> Callable[[BilinearObserver], np.ndarray | None]:
+    return lambda o: None if o.L is None else o.L[:, entry]
+
+
+def _divisor(o: BilinearObserver) -> float:
+    assert o.pi is not None
+    return pole_of(o, base_of(o) + o.pi @ np.array([[-0.64, 1.55, -1.28, 1.0]]))
+
+
+def _by_pi(pi: float) -> Callable[[BilinearObserver], float]:
+    return lambda o: pole_of(o, base_of(o) + pi * o.canonical_Q.zero_left)
+
+
+def _plain(part: str) -> Callable[[BilinearObserver], np.ndarray | None]:
+    return lambda o: None if o.without_derivative is None else getattr(o.without_derivative, part)
+
+
+def _same_pole(o: BilinearObserver) -> float:
+    return POLE
+
+
+LINES = (
+    Line("v2", 1, same("V₂"), "0, 0, 0, 0, 5, 6", lambda o: o.V[1]),
+    Line("t2", 1, same("T₂ᵀ"), "0, 0, 0, 0, 0.2, 0", lambda o: o.T[1]),
+    Line("t3", 1, same("T₃ᵀ"), "0, 0, 0, 0, −1.2, 1", lambda o: o.T[2] if o.T[2].shape[1] == 1 else None),
+    Line("q1", 2, Text("row 1 of Q", "Q 第 1 行"), "−0.40, 5.40, 2.40", lambda o: o.Q[0]),
+    Line("q2", 2, Text("row 2 of Q", "Q 第 2 行"), "0, 11.00, 1.00", lambda o: o.Q[1]),
+    Line("q3", 2, Text("row 3 of Q", "Q 第 3 行"), "0.20, −4.20, 0.80", lambda o: o.Q[2]),
+    Line("q4", 2, Text("row 4 of Q", "Q 第 4 行"), "0, −19.00, 1.00", lambda o: o.Q[3] if len(o.Q) == 4 else None),
+    Line("divisor", 2, same("Q̄ᴸ"), "−0.64, 1.55, −1.28, 1.00",
+         lambda o: o.canonical_Q.zero_left if o.canonical_Q.zero_left.size else None, _divisor),
+    Line("defect", 3, Text("columns of Q̄ᴿ", "Q̄ᴿ 的列数"), "0", lambda o: np.array([float(o.canonical_Q.zero_right.shape[1])])),
+    Line("family", 4, Text("rows of Q̄ᴸ", "Q̄ᴸ 的行数"), "1", lambda o: np.array([float(len(o.canonical_Q.zero_left))])),
+    Line("star", 5, same("A*, B*"), "−6.47, 2.53",
+         lambda o: np.array([o.A_star.item(), o.B_star.item()]) if o.B_star.size == 1 else None,
+         _by_pi((-6.47 - POLE) / 2.53)),
+    Line("pi", 6, same("π"), "9.29", lambda o: o.pi, _by_pi(9.29)),
+    Line("l1", 7, same("L₁"), "−12.49", _entry(0), _swapped(0)),
+    Line("l2", 7, same("L₂"), "17.68", _entry(1), _swapped(1)),
+    Line("l3", 7, same("L₃"), "−18.99", _entry(2), _swapped(2)),
+    Line("l4", 7, same("L₄"), "2.29", lambda o: None if o.L is None or o.L.shape[1] < 4 else o.L[:, 3], _swapped(3)),
+    Line("chi-y", 8, Text("χ̇: of y", "χ̇：y 的系数"), "−273.64, −213.93, 408.38, −198.94", _plain("Y"), _same_pole),
+    Line("chi-u", 8, Text("χ̇: of u", "χ̇：u 的系数"), "8.85", _plain("B")),
+    Line("chi-uy", 8, Text("χ̇: of u y", "χ̇：u y 的系数"), "−44.26, 27.98, −81.33, 36.08", _plain("U")),
+    Line("g", 8, Text("ĝ: of y", "ĝ：y 的系数"), "−11.49, 19.68, −15.99, 13.29", _plain("G_y"), _same_pole),
+)
+DOUBTED = tuple(line for line in LINES if line.alone is not None)
+OPTIONS = ((NONE, Text("none yet", "暂未选定")), *((line.id, line.name) for line in DOUBTED))
+
+
+def words(values: np.ndarray | None, digits: int = 4) -> str:
+    """Numbers as a cell of a table shows them: one digit or two more than the paper prints."""
+    if values is None:
+        return "—"
+    cells = [f"{v:.{digits}f}".rstrip("0").rstrip(".") for v in np.ravel(values)]
+    return ", ".join("0" if cell in ("-0", "") else cell for cell in cells).replace("-", "−")
+
+
+def steps_figures(problem: str, o: BilinearObserver, step: int, line: str) -> tuple[TableFigure, TableFigure]:
+    """This step with the paper's digits beside ours, and all lines that can be doubted."""
+    return _step(problem, o, step), _page(line)
+
+
+def _step(problem: str, o: BilinearObserver, step: int) -> TableFigure:
+    printed = problem == PAPER
+    rows = tuple((line.name, line.printed if printed else "—", words(line.ours(o))) for line in LINES if line.step == step)
+    heading = HEADINGS[step - 1]
+    moved = printed and step >= 6 and o.asked[0].real != POLE
+    caption = (Text("The paper works this problem for the pole −30 only; the last column follows your pole.",
+                    "论文只对极点 −30 作了计算；最后一列随你选的极点而变。") if moved
+               else Text("The paper's digits stand beside ours.", "论文所印的数字与我们的结果并列。") if printed
+               else Text("The paper does not treat this problem, so its column stays empty.", "论文没有讨论这个问题，因此该列为空。"))
+    return TableFigure("step", heading, (Text("item", "项目"), Text("printed", "论文所印"), Text("ours", "我们的结果")),
+                       rows, tab=STEPS_TAB, caption=caption)
+
+
+def _page(line: str) -> TableFigure:
+    o = PROBLEMS[PAPER].solved
+    rows = []
+    for each in DOUBTED:
+        assert each.alone is not None
+        here = each.id == line
+        name = Text(f"▸ {each.name.en}", f"▸ {each.name.zh}") if here else each.name
+        rows.append((name, each.printed, words(np.array([each.alone(o)]), 2) if here else "·"))
+    chosen = next((each for each in DOUBTED if each.id == line), None)
+    if chosen is None:
+        caption = Text("Choose a line in doubt: the last column then says which pole it leads to by itself.",
+                       "选一行存疑的数字，最后一列便给出照它计算得到的极点。")
+    else:
+        assert chosen.alone is not None
+        pole = words(np.array([chosen.alone(o)]), 2)
+        caption = Text(f"With only {chosen.name.en} as printed and all else exact, the observer's pole is {pole}.",
+                       f"只有“{chosen.name.zh}”照论文所印、其余全部精确时，观测器的极点为 {pole}。")
+    return TableFigure("page", Text("the paper's lines, for the pole −30", "论文各行（极点 −30）"),
+                       (Text("line", "行"), Text("printed", "论文所印"), Text("pole by itself", "由它得到的极点")),
+                       tuple(rows), tab=STEPS_TAB, caption=caption)

@@ -1,0 +1,64 @@
+"""Four problems on one plant, one for each thing that can happen when an observer is sought."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from app.engine import BilinearObserver, BilinearPlant, bilinear_functional_observer
+from app.plants import bilinear as example
+from app.plants.body import Body
+from app.plants.gauge_body import gauge_body
+from app.words import Text
+
+PAPER, BLIND, TUNED, STUCK = "paper", "three", "three-fitting", "stuck"
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Which states are measured (from 0), what is wanted, the body, and the eight steps for the pole −30."""
+
+    id: str
+    label: Text
+    measured: tuple[int, ...]
+    plant: BilinearPlant
+    K: np.ndarray
+    body: Body
+    solved: BilinearObserver
+
+    def observer(self, pole: float) -> BilinearObserver:
+        """The eight steps for another pole."""
+        if pole == example.POLE:
+            return self.solved
+        return bilinear_functional_observer(self.plant.A, self.plant.B, self.plant.F, self.plant.C, self.K, pole)
+
+
+def _problem(name: str, label: Text, measured: tuple[int, ...], K: np.ndarray) -> Problem:
+    plant = example.with_sensors(measured)
+    solved = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, example.POLE)
+    return Problem(name, label, measured, plant, K, gauge_body(plant.n, measured), solved)
+
+
+def _fitting() -> np.ndarray:
+    """K = (1, 2, 3, ·, 5, ·) that three sensors allow: measured states may be added to it at will."""
+    row, _ = example.fitting_functional(example.with_sensors((0, 1, 2)), example.POLE)
+    row = row * 5 / row[0, 4]
+    row[0, :3] = 1, 2, 3
+    row.setflags(write=False)
+    return row
+
+
+PROBLEMS: Mapping[str, Problem] = MappingProxyType({p.id: p for p in (
+    _problem(PAPER, Text("as in the paper: x₁ … x₄ measured", "与论文相同：测 x₁ … x₄"), (0, 1, 2, 3), example.K),
+    _problem(BLIND, Text("only x₁, x₂, x₃ measured", "只测 x₁、x₂、x₃"), (0, 1, 2), example.K),
+    _problem(TUNED, Text("x₁, x₂, x₃ measured, another K", "测 x₁、x₂、x₃，换一个 K"), (0, 1, 2), _fitting()),
+    _problem(STUCK, Text("x₁, x₃, x₅, x₆ measured", "测 x₁、x₃、x₅、x₆"), (0, 2, 4, 5), example.K),
+)})
+
+
+def nearest_gain(observer: BilinearObserver) -> np.ndarray:
+    """L of least squares: what comes nearest to condition (20) where no L meets it."""
+    return observer.right @ np.linalg.pinv(observer.Q)
