@@ -134,11 +134,11 @@ def _distance(outcome: Outcome) -> TimeFigure:
 def _forms(outcome: Outcome) -> TimeFigure:
     f, m = outcome.extra.forms, outcome.metrics
     single = outcome.design["arithmetic"] == "single"
-    lost = m["short_least"] < 0
-    said = (Text(f"Single precision: the short form is off by up to {m['short_gap']:.1e}, Joseph's by {m['joseph_gap']:.1e}"
-                 f"{'; the short form is no covariance any more.' if lost else '.'}",
-                 f"单精度：简短形式最多偏差 {m['short_gap']:.1e}，Joseph 形式 {m['joseph_gap']:.1e}"
-                 f"{'；简短形式已不再是协方差。' if lost else '。'}") if single else
+    lost = (Text("; neither is a covariance any more.", "；两者都已不再是协方差。") if m["joseph_least"] < 0 else
+            Text("; the short form is no covariance any more.", "；简短形式已不再是协方差。") if m["short_least"] < 0 else
+            Text(".", "。"))
+    said = (Text(f"Single precision: the short form is off by up to {m['short_gap']:.1e}, Joseph's by {m['joseph_gap']:.1e}{lost.en}",
+                 f"单精度：简短形式最多偏差 {m['short_gap']:.1e}，Joseph 形式 {m['joseph_gap']:.1e}{lost.zh}") if single else
             Text(f"With the final gain from the start the short form is wrong by up to {m['short_gap']:.1e}; Joseph's is right for "
                  "every gain.",
                  f"从一开始就用稳态增益时，简短形式最多偏差 {m['short_gap']:.1e}；Joseph 形式对任何增益都正确。"))

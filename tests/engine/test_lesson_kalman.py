@@ -146,9 +146,10 @@ def test_joseph_is_the_true_covariance_for_any_gain_and_the_short_form_is_not():
 
 
 def test_single_precision_ruins_the_short_form_first():
-    plain, hard = compare(1.0, 1.0, 1.0, True), compare(1.0, 0.01, 1e4, True)
+    plain, hard, harder = (compare(q, r, p0, True) for q, r, p0 in ((1.0, 1.0, 1.0), (1.0, 0.01, 1e4), (0.05, 0.01, 1e4)))
     assert plain.joseph.max() < plain.short.max() < 1e-3
     assert hard.least_short < 0 < hard.least_joseph
+    assert harder.least_joseph < 0  # Joseph's is no cure for everything: A P Aᵀ is rounded too
 
 
 # --- the report --------------------------------------------------------------------------------------------------------
