@@ -6,10 +6,10 @@ from types import MappingProxyType
 
 from app.lesson import Lesson
 
+from .bilinear_observer.lesson import LESSON as bilinear_observer
 from .duality.lesson import LESSON as duality
 from .error_dynamics.lesson import LESSON as error_dynamics
 from .hidden_modes.lesson import LESSON as hidden_modes
-from .kalman.lesson import LESSON as kalman
 from .noise.lesson import LESSON as noise
 from .observability.lesson import LESSON as observability
 from .saturation.lesson import LESSON as saturation
@@ -17,6 +17,7 @@ from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
 
 LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (
-    virtual_sensor, error_dynamics, observability, separation, duality, hidden_modes, saturation, noise, kalman,
+    virtual_sensor, error_dynamics, observability, separation, duality, hidden_modes, saturation, noise,
+    bilinear_observer,
 )})
 OPENING = "separation"  # the lesson that the page opens on
