@@ -47,7 +47,8 @@ def serve(host: str, port: int, lesson: str | None, language: str, max_sessions:
     from .view.server import LabServer  # viser is loaded only here
 
     server = LabServer(LESSONS, host, port, opening, language, max_sessions)
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    for ending in (signal.SIGINT, signal.SIGTERM):  # a background shell starts us with SIGINT ignored
+        signal.signal(ending, signal.default_int_handler)
     print(server.url, flush=True)
     try:
         server.wait()

@@ -176,7 +176,7 @@ def test_bad_input_is_status_2_and_one_sentence(words: list[str], told: str, cap
     (b'{"version": 1, "lesson": "separation", "knobs": {"delay": 1' + b"0" * 400 + b"}}", "finite"),
     (b'{"version": 1, "lesson": "separation", "knobs": {"delay": [[[]]]}}', "must be a number"),
     (b'{"version": 1, "lesson": "separation", "knobs": {"foo": 1}}', "no knob foo"),
-    (b"[" * 100_000, "too large for a computer"),
+    (b"[" * 100_000, "not a design"),
 ])
 def test_a_broken_state_file_is_status_2_and_one_sentence(text: bytes, told: str, capsys, tmp_path: Path) -> None:
     file = tmp_path / "state.json"

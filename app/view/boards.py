@@ -197,6 +197,8 @@ class BoardView:
                 self._grip += 1
             origin, poles = self._grabbed
             to = self.s_at(event.end_position)
+            if not (math.isfinite(to.real) and math.isfinite(to.imag)):
+                return  # a camera or a pointer of nonsense
             self._drag({board.knob: move_pole(poles, origin, to, SNAP * board.im_high), **dict(board.also)}, self._grip)
             if event.phase == "end":
                 self._grabbed = None

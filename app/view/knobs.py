@@ -42,6 +42,12 @@ def label_of(knob: Knob, language: str) -> str:
     return knob.label(language) + (f" [{knob.unit}]" if knob.unit else "")
 
 
+def slider_label(knob: Number, value: float, language: str) -> str:
+    """What stands beside a slider; one that moves in decades says its value, for the slider shows the logarithm."""
+    name = label_of(knob, language)
+    return f"{name} = {value:.3g}, lg" if knob.scale == "log" else name
+
+
 class NumberWidget:
     """A slider with its number field; logarithmic knobs move in decades and show their value in the label."""
 
@@ -67,8 +73,7 @@ class NumberWidget:
         return 10.0 ** value if self._log else value
 
     def _label(self, value: float) -> str:
-        name = label_of(self._knob, self._language)
-        return f"{name} = {value:.3g}, lg" if self._log else name
+        return slider_label(self._knob, value, self._language)
 
     def show(self, value: Any, visible: bool, resting: bool) -> None:
         if self._handle.visible != visible:

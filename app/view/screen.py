@@ -19,7 +19,7 @@ from .boards import BoardView
 from .charts import Chart
 from .mapboard import MapBoard
 from .panel import Panel
-from .stage import PHONE, StageView
+from .stage import PHONE, StageView, aspect_of
 from .style import sheet
 from .transport import Transport
 
@@ -74,7 +74,7 @@ class Screen:
             gui.main_panel.set_width(LEFT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
             self._commands(language)
             self._stage.furnish()
-            self._stage.build(picture.outcome.stage, language, print_size(picture, self._client.camera.aspect))
+            self._stage.build(picture.outcome.stage, language, print_size(picture, aspect_of(self._client.camera)))
             if not self._looked:
                 self._stage.camera("all")
                 self._stage.follow_window()
@@ -98,7 +98,7 @@ class Screen:
         time.sleep(APART)
         with self._client.atomic():
             if before is None or before.outcome is not picture.outcome:
-                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, self._client.camera.aspect))
+                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, aspect_of(self._client.camera)))
             for board in picture.outcome.boards:
                 self._board(board, picture).show(board)
             self._landscape(picture)
@@ -210,7 +210,7 @@ class Screen:
     def _board(self, board: Board, picture: Picture) -> BoardView:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
-                self._client, board, picture.state.language, print_size(picture, self._client.camera.aspect),
+                self._client, board, picture.state.language, print_size(picture, aspect_of(self._client.camera)),
                 lambda values, grip: self._post(SetKnobs(values, grip)))
         return self._boards[board.id]
 

@@ -11,7 +11,7 @@ from tab import Tab, eventually
 
 from app.knobs import Number
 from app.lesson import Lesson
-from app.view.knobs import label_of
+from app.view.knobs import slider_label
 from lessons import LESSONS
 
 GLYPHS = """() => {
@@ -45,7 +45,7 @@ def move_a_slider(tab: Tab, lesson: Lesson) -> None:
     start, before, moved = lesson.start(), tab.shown(), []
     for knob in lesson.knobs:
         if isinstance(knob, Number) and lesson.shown(knob, start):
-            tab.slide(label_of(knob, "en"), "ArrowLeft" if start[knob.name] >= knob.high else "ArrowRight", 4)
+            tab.slide(slider_label(knob, start[knob.name], "en"), "ArrowLeft" if start[knob.name] >= knob.high else "ArrowRight", 4)
             moved.append(knob.name)
             tab.pause(4)
             if tab.shown() != before:

@@ -143,7 +143,7 @@ def test_a_tab_that_leaves_takes_its_session_and_thread_with_it(enter: Enter, se
     end = time.monotonic() + 10
     while (server.sessions or workers() > before) and time.monotonic() < end:
         time.sleep(0.02)
-    assert not server.sessions and workers() == before
+    assert not server.sessions and workers() <= before  # a thread of an earlier test may end meanwhile
 
 
 def test_a_connection_that_never_looks_costs_no_session(server: LabServer) -> None:
