@@ -10,6 +10,7 @@ from .bilinear_observer.lesson import LESSON as bilinear_observer
 from .duality.lesson import LESSON as duality
 from .error_dynamics.lesson import LESSON as error_dynamics
 from .hidden_modes.lesson import LESSON as hidden_modes
+from .kalman.lesson import LESSON as kalman
 from .noise.lesson import LESSON as noise
 from .observability.lesson import LESSON as observability
 from .saturation.lesson import LESSON as saturation
@@ -17,7 +18,7 @@ from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
 
 LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (
-    virtual_sensor, error_dynamics, observability, separation, duality, hidden_modes, saturation, noise,
+    virtual_sensor, error_dynamics, observability, separation, duality, hidden_modes, saturation, noise, kalman,
     bilinear_observer,
 )})
 OPENING = "separation"  # the lesson that the page opens on
