@@ -67,7 +67,7 @@ class NumberWidget:
                 post(knob.name, value)
 
     def _to(self, value: float) -> float:
-        return round(math.log10(value), 6) if self._log else float(value)
+        return round(math.log10(value), 3) if self._log else float(value)
 
     def _from(self, value: float) -> float:
         return 10.0 ** value if self._log else value
