@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
-from . import bilinear, classics, notes, platform, tutorial
+from . import bilinear, classics, duan, notes, platform, tutorial
 from .record import Published, Result, verify_one
 
 __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"]
@@ -13,7 +13,8 @@ __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"
 
 def records() -> tuple[Published, ...]:
     """All published values that this version can compute, in the order of the sources."""
-    return (*tutorial.RECORDS, *notes.RECORDS, *platform.RECORDS, *bilinear.RECORDS, *classics.RECORDS)
+    return (*tutorial.RECORDS, *notes.RECORDS, *duan.RECORDS, *platform.RECORDS, *bilinear.RECORDS,
+            *classics.RECORDS)
 
 
 def verify_all(published: Iterable[Published]) -> tuple[Result, ...]:
