@@ -1,0 +1,162 @@
+"""The two examples as the lesson uses them: criterion in closed form, loops, runs, worst cases.
+
+House sign u = −K x̂ throughout; the source has u = +K x̂, so its K, N and M are minus ours, F, T and L the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from app.engine import (
+    FunctionalObserver,
+    FunctionalRun,
+    Perturbations,
+    functional_observer,
+    peak_gain,
+    perturbed_loop,
+    vertices,
+)
+from app.knobs import KnobError
+from app.lesson import Design
+from app.plants.body import Body
+from app.plants.duan import EXAMPLE_1, EXAMPLE_2, Example
+from app.plants.duan_body import rack_body
+from app.words import Text
+
+ONE, TWO = "1", "2"
+HORIZON, DT = 6.0, 0.015
+BEST = -5 / 3  # least J of example 1 with unit weights
+FREQUENCIES = np.geomspace(0.02, 20.0, 120)  # Hz
+MOST = 1e3  # gains and signals beyond are drawn at the edge
+SLOWEST = -0.01  # rad/s: an observer pole nearer to the imaginary axis is refused
+NEAR = 1e-3  # two real poles of example 2 must be farther apart than this
+NORMS: MappingProxyType[str, Any] = MappingProxyType({"1": 1, "2": 2, "inf": "inf"})
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One example with its body, and the knobs that hold its poles and the three model errors."""
+
+    example: Example
+    body: Body
+    poles: str
+    deltas: tuple[str, str, str]
+
+
+CASES: MappingProxyType[str, Case] = MappingProxyType({
+    ONE: Case(EXAMPLE_1, rack_body(2, 1, (3.0, 3.0, 3.0, 20.0)), "pole", ("a1", "a2", "c")),
+    TWO: Case(EXAMPLE_2, rack_body(3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)), "pair", ("b1", "b2", "d")),
+})
+
+
+def weighted(design: Design) -> Perturbations:
+    """The directions of the model error with the design's weights, the same α for all of A."""
+    w = CASES[design["example"]].example.wrong
+    return replace(w, alpha=np.full(len(w.A), design["alpha"]), beta=np.full(len(w.C), design["beta"]),
+                   gamma=np.full(len(w.C), design["gamma"]))
+
+
+def deltas(design: Design) -> tuple[np.ndarray, np.ndarray]:
+    """(δ of A, δ of C) that the plant really has."""
+    a1, a2, c = (design[name] for name in CASES[design["example"]].deltas)
+    return np.array([a1, a2]), np.array([c])
+
+
+def errors(design: Design) -> tuple[np.ndarray, np.ndarray]:
+    """ΔA, ΔC of the true plant."""
+    w, (a, c) = CASES[design["example"]].example.wrong, deltas(design)
+    return np.tensordot(a, w.A, 1), np.tensordot(c, w.C, 1)
+
+
+def turn(design: Design) -> np.ndarray:
+    """W: 1 for the first example, [1 w; 0 1] for the second."""
+    return np.eye(1) if design["example"] == ONE else np.array([[1.0, design["w12"]], [0.0, 1.0]])
+
+
+def norm_of(design: Design) -> Any:
+    """The norm of J; in the first example all three are the same number."""
+    return NORMS[design["norm"]]
+
+
+def observer_of(design: Design, W: np.ndarray | None = None) -> FunctionalObserver:
+    """The observer of the design, in other coordinates W if given. Raises KnobError for poles that give none."""
+    case = CASES[design["example"]]
+    poles = design[case.poles]
+    if max(p.real for p in poles) > SLOWEST:
+        raise KnobError(Text("An observer pole is not in the left half plane (Re s ≤ −0.01), so its error would not decay; drag it left.",
+                             "有观测器极点不在左半平面（Re s ≤ −0.01），误差不会衰减；请把它向左拖。"))
+    if len(poles) == 2 and abs(poles[0] - poles[1]) < NEAR:
+        raise KnobError(Text("The two poles coincide, so [T; C] is singular and K cannot be reached; move them apart.",
+                             "两个极点重合，[T; C] 奇异，K 无法由它们给出；请把极点分开。"))
+    return functional_observer(case.example.plant, case.example.K, len(poles), poles,
+                               W=turn(design) if W is None else W, wrong=weighted(design), norm=norm_of(design))
+
+
+def start_of(design: Design) -> np.ndarray:
+    """z(0): as published, or carried along into the coordinates W."""
+    z0 = np.array(CASES[design["example"]].example.z0)
+    return turn(design) @ z0 if design["example"] == TWO and design["carried"] else z0
+
+
+def criterion_1(s: np.ndarray, design: Design) -> np.ndarray:
+    """The three parts of J of example 1 over s (3, n): 2α|s|, β|s² + 4s + 3|, γ|50 + 30s|; equal in all norms."""
+    return np.array([2 * design["alpha"] * np.abs(s), design["beta"] * np.abs(s * s + 4 * s + 3),
+                     design["gamma"] * np.abs(50 + 30 * s)])
+
+
+def criterion_2(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
+    """The three parts of J of example 2 over s1, s2 (3, …): both real, or conjugate (Re and Im are then the rows).
+
+    Every matrix in J has one column that is not zero: J = 2α‖W 1‖ + β‖W l′‖ + γ|1 + s1 + s2 − s1 s2|.
+    """
+    pair = np.iscomplexobj(s1)
+    l1, l2 = (-s * (s + 1) * (s + 2) for s in (s1, s2))
+    ones = np.array([1.0, 0.0 if pair else 1.0])
+    rows = np.array([np.real(l1), -np.imag(l2) if pair else l2])
+    order = {1: 1, 2: 2, "inf": np.inf}[norm_of(design)]
+    W = turn(design)
+    known = np.full(np.shape(s1), 2 * design["alpha"] * np.linalg.norm(W @ ones, order))
+    seen = design["beta"] * np.linalg.norm(np.tensordot(W, rows, 1), order, axis=0)
+    return np.array([known, seen, design["gamma"] * np.abs(np.real(1 + s1 + s2 - s1 * s2))])
+
+
+def steering(s1: np.ndarray, s2: np.ndarray) -> np.ndarray:
+    """Largest entry of |N| of example 2 for W = I and real poles: N = ±[1 − s2, s1 − 1]/(s2 − s1)."""
+    apart = np.maximum(np.abs(s2 - s1), 1e-12)
+    return np.maximum(np.abs(1.0 - s2), np.abs(1.0 - s1)) / apart
+
+
+def shown(run: FunctionalRun) -> FunctionalRun:
+    """The run over the whole horizon, held where it has left every scale."""
+    count = round(HORIZON / DT) + 1
+    if len(run.t) == count:
+        return run
+    index = np.minimum(np.arange(count), len(run.t) - 1)
+    return replace(run, t=DT * np.arange(count), x=run.x[index], z=run.z[index], y=run.y[index], v=run.v[index],
+                   u=run.u[index], e_u=run.e_u[index])
+
+
+def gains_over_frequency(observer: FunctionalObserver, pairs: Any) -> tuple[np.ndarray, float]:
+    """|v → e_u| of the loop for each (ΔA, ΔC), over FREQUENCIES (len(pairs), n_f), and the peak of all but the first.
+
+    MOST where a loop is unstable. The peak is exact for the pair that is highest on the grid.
+    """
+    loops = [perturbed_loop(observer, dA, None, dC) for dA, dC in pairs]
+    A, B, C = (np.stack([getattr(loop, name) for loop in loops]) for name in "ABC")
+    s = 2j * np.pi * np.append(FREQUENCIES, 1e-7)  # and all but a constant
+    solved = np.linalg.solve(s[None, :, None, None] * np.eye(A.shape[1]) - A[:, None], B[:, None] + 0j)
+    gain = np.abs((C[:, None] @ solved)[..., 0, 0])
+    unstable = np.max(np.real(np.linalg.eigvals(A)), axis=1) >= 0
+    gain[unstable] = MOST
+    k = 1 + int(np.argmax(gain[1:].max(axis=1)))
+    peak = np.inf if unstable[1:].any() else peak_gain(A[k], B[k], C[k], np.zeros((1, 1)))[0]
+    return np.minimum(gain[:, :-1], MOST), float(min(peak, MOST))
+
+
+def vertices_of(design: Design) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """(ΔA, ΔC) at the eight sign patterns of the design's |δ|."""
+    return vertices(CASES[design["example"]].example.wrong, *deltas(design))

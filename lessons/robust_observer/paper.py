@@ -1,0 +1,87 @@
+"""The printed paper's slips as questions: a transformed observer, sizes of products, columns of the free M′.
+
+All on example 2 with poles −4 and −3, in the paper's sign u = +K x and its letters: m outputs, p observer states.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from app.engine import FunctionalObserver, functional_observer
+from app.plants.duan import EXAMPLE_2
+
+TURN = np.array([[2.0, 1.0], [0.5, -1.0]])  # Λ
+REMARKS = MappingProxyType({
+    "printed": "(F, ΛF, ΛL, ΛNΛ⁻¹, M)",
+    "left": "(F, ΛT, ΛL, NΛ⁻¹, M)",
+    "forward": "(ΛFΛ⁻¹, ΛT, ΛL, NΛ, M)",
+    "similar": "(ΛFΛ⁻¹, ΛT, ΛL, NΛ⁻¹, M)",
+})
+LINES = MappingProxyType({"TA": "TΔA", "LC": "LΔC", "MC": "MΔC", "N": "N"})
+COLUMNS = MappingProxyType({"np": "n + p − r*", "nm": "n + m − r*", "mp": "m + p − r*"})
+PRINTED_SIZES = MappingProxyType({"TA": (2, 3), "LC": (2, 2), "MC": (1, 3), "N": (1, 2)})
+
+
+@dataclass(frozen=True)
+class Gaps:
+    """How far (2b) and (2c) are missed, relative; None where the matrices do not even fit together."""
+
+    dynamics: float | None
+    output: float | None
+
+    @property
+    def met(self) -> bool:
+        return self.dynamics is not None and self.output is not None and max(self.dynamics, self.output) < 1e-9
+
+
+@lru_cache(maxsize=1)
+def printed_observer() -> FunctionalObserver:
+    """Example 2 with poles −4, −3 and W = I, in the paper's sign."""
+    return functional_observer(EXAMPLE_2.plant, EXAMPLE_2.K_printed, 2, [-4, -3], wrong=EXAMPLE_2.wrong)
+
+
+def _gap(a: np.ndarray, b: np.ndarray) -> float | None:
+    return float(np.linalg.norm(a - b) / np.linalg.norm(a)) if a.shape == b.shape else None
+
+
+@lru_cache(maxsize=len(REMARKS))
+def remark_3(choice: str) -> Gaps:
+    """(2b) T A − F T = L C and (2c) K = N T + M C for the five matrices that a version of remark 3 gives."""
+    o, back = printed_observer(), np.linalg.inv(TURN)
+    moved_F, T, L, N = TURN @ o.F @ back, TURN @ o.T, TURN @ o.L, o.N @ back
+    if choice == "printed":
+        F, T, N = o.F, TURN @ o.F, None  # Λ N Λ⁻¹ is (2×2)(1×2)(2×2): no product
+    elif choice == "left":
+        F = o.F
+    else:
+        F, N = moved_F, o.N @ TURN if choice == "forward" else N
+    A, C = o.plant.A, o.plant.C
+    fits = T.shape[1] == A.shape[0]
+    return Gaps(_gap(L @ C, T @ A - F @ T) if fits else None,
+                _gap(o.K, N @ T + o.M @ C) if fits and N is not None else None)
+
+
+@lru_cache(maxsize=len(LINES))
+def true_size(line: str) -> tuple[int, int]:
+    """The size that the product really has."""
+    o = printed_observer()
+    product = {"TA": o.T @ EXAMPLE_2.dA, "LC": o.L @ EXAMPLE_2.dC, "MC": o.M @ EXAMPLE_2.dC, "N": o.N}[line]
+    return product.shape[0], product.shape[1]
+
+
+def free_columns() -> int:
+    """Columns of M′: the dependences between the rows of T and of C, m + p − rank [T; C]."""
+    o = printed_observer()
+    rows = np.vstack([o.T, o.plant.C])
+    return int(len(rows) - np.linalg.matrix_rank(rows))
+
+
+def claimed_columns(choice: str) -> int:
+    """What a formula for the columns of M′ gives here."""
+    o = printed_observer()
+    n, m, p, rank = o.plant.n, o.plant.p, o.order, int(np.linalg.matrix_rank(np.vstack([o.T, o.plant.C])))
+    return {"np": n + p, "nm": n + m, "mp": m + p}[choice] - rank
