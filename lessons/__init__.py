@@ -13,12 +13,13 @@ from .hidden_modes.lesson import LESSON as hidden_modes
 from .kalman.lesson import LESSON as kalman
 from .noise.lesson import LESSON as noise
 from .observability.lesson import LESSON as observability
+from .robust_observer.lesson import LESSON as robust_observer
 from .saturation.lesson import LESSON as saturation
 from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
 
 LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (
-    virtual_sensor, error_dynamics, observability, separation, duality, hidden_modes, saturation, noise, kalman,
+    virtual_sensor, error_dynamics, observability, separation, duality, hidden_modes, saturation, noise, kalman, robust_observer,
     bilinear_observer,
 )})
 OPENING = "separation"  # the lesson that the page opens on
