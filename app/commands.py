@@ -49,12 +49,14 @@ def serve(host: str, port: int, lesson: str | None, language: str, max_sessions:
     server = LabServer(LESSONS, host, port, opening, language, max_sessions)
     for ending in (signal.SIGINT, signal.SIGTERM):  # a background shell starts us with SIGINT ignored
         signal.signal(ending, signal.default_int_handler)
-    print(server.url, flush=True)
     try:
+        print(server.url, flush=True)
         server.wait()
     except KeyboardInterrupt:
         pass
     finally:
+        for ending in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(ending, signal.SIG_IGN)  # it is ending already
         server.stop()
     return 0
 

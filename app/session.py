@@ -14,7 +14,7 @@ from .edits import SetKnobs
 from .knobs import KnobError, Track
 from .lesson import Task, Verdict
 from .picture import TaskState
-from .tab import FRAME, REST, TabWorker
+from .tab import FRAME, JUST_ENDED, REST, TabWorker
 from .words import Text
 
 __all__ = ["FRAME", "PREDICT_FIRST", "REST", "SPEEDS", "Session"]
@@ -227,6 +227,8 @@ class Session(TabWorker):
             return
         if self._job is not None:
             self._cancel(silent=False)
+            return
+        if self._clock() - self._job_ended < JUST_ENDED:
             return
         self._job = self._lesson.job.run(self._picture.outcome)
         self._view.progress(0.0, self._lesson.job.label)

@@ -28,6 +28,7 @@ log = logging.getLogger(__name__)
 
 FRAME = 1 / 30  # s between poses while playing
 REST = 0.25  # s without an edit after which the final picture is drawn
+JUST_ENDED = 0.7  # s after a long job in which its button means "cancel" to a hand that was about to press it
 SLICE = 0.015  # s of a long job between two looks at the mailbox
 
 CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
@@ -80,6 +81,7 @@ class TabWorker:
         self._picture: Picture | None = None
         self._job: Iterator[tuple[float, Outcome]] | None = None
         self._resting = True
+        self._job_ended = -1e9
         self._last_edit = self._last_tick = clock()
         self._thread: threading.Thread | None = None
 
@@ -316,7 +318,7 @@ class TabWorker:
             while time.monotonic() - start < SLICE and self._mailbox.empty():
                 fraction, outcome = next(job)
         except StopIteration:
-            self._job = None
+            self._job, self._job_ended = None, self._clock()
         if outcome is not self._picture.outcome:
             self._keep(outcome)
         return fraction

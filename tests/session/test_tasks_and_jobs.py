@@ -233,3 +233,16 @@ def test_a_lesson_without_a_job_ignores_the_command() -> None:
     tab = Tab()
     tab.do("run_job")
     assert not tab.view.calls
+
+
+def test_a_cancel_that_comes_just_after_the_end_does_not_start_the_job_again() -> None:
+    """A hand aims at the word "cancel" and the job ends before it presses."""
+    work = Worker(steps=2)
+    work.tab.do("run_job")
+    tab = work.step(4)
+    assert tab.view.of("progress")[-1] is None
+    tab.do("run_job")
+    assert work.started == 1
+    tab.clock.advance(1.0)
+    tab.do("run_job")
+    assert work.started == 2
