@@ -52,9 +52,10 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
         return ((LARGE, -0.32, level(float(x[states]), PER_G, gain)),)
 
     seen = ", ".join(str(i + 1) for i in sorted(lit))
+    last = "x" + str(states).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
     return Body(_parts(states, lit), pose, arrows, anchors, 1.0, Text(
-        f"Small gauges: the states x₁ … x{states}, of which {seen} are measured and lit; large gauge: g and its ghost ĝ",
-        f"小表为状态 x₁ … x{states}，其中 {seen} 可测，亮灯；大表为 g，虚影为估计值 ĝ"))
+        f"Small gauges: the states x₁ … {last}, of which {seen} are measured and lit; large gauge: g and its ghost ĝ",
+        f"小表为状态 x₁ … {last}，其中 {seen} 可测，亮灯；大表为 g，虚影为估计值 ĝ"))
 
 
 def _parts(states: int, lit: frozenset[int]) -> tuple[Part, ...]:

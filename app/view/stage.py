@@ -18,6 +18,7 @@ from .meshes import helix
 PHONE = 0.62  # width over height below which the panels lie over the lower half
 NARROW = 0.90  # width over height of a canvas that just shows both boards
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
+LARGEST_CLOUD = 0.9  # stage units
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
 BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
@@ -52,6 +53,7 @@ class StageView:
         self._last: dict[str, Pose] = {}
         self._forces: viser.ArrowsHandle | None = None
         self._errors: viser.LineSegmentsHandle | None = None
+        self._clouds: list[viser.IcosphereHandle] = []
         self._stage: Stage | None = None
         self._preset, self._aspect = "all", 1.0
 
@@ -96,6 +98,7 @@ class StageView:
         """Put a plant on the stage, instead of the last one."""
         self._last, self._solid, self._ghost = {}, {}, {}
         self._forces = self._errors = None
+        self._clouds = []
         self._stage, self._body = stage, stage.body if stage is not None else None
         if stage is None:
             return
@@ -108,6 +111,10 @@ class StageView:
         self._forces = self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                               head_radius=0.09, head_length=0.16)
         self._errors = self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.028)
+        self._clouds = [] if stage.spread is None or stage.xhat is None else [
+            self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.16, cast_shadow=False,
+                                      receive_shadow=False)
+            for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         self._factor(body, language, size)
 
     def _factor(self, body: Body, language: str, size: float) -> None:
@@ -131,7 +138,7 @@ class StageView:
     def show(self, stage: Stage | None, language: str, size: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
-            for handle in (*self._solid.values(), *self._ghost.values()):
+            for handle in (*self._solid.values(), *self._ghost.values(), *self._clouds):
                 handle.remove()
             self.build(stage, language, size)
         self._stage = stage
@@ -147,11 +154,21 @@ class StageView:
         if stage.xhat is not None and self._ghost:
             xhat = stage.xhat[max(index, 0)].tolist()
             self._place(self._ghost, "ghost ", body.pose(xhat, body.gain), INSIDE)
-            self._join(body.anchors(x, body.gain), body.anchors(xhat, body.gain))
+            believed = body.anchors(xhat, body.gain)
+            self._join(body.anchors(x, body.gain), believed)
+            if stage.spread is not None:
+                self._cloud(believed, float(stage.spread[max(index, 0)]))
         if stage.u is not None and self._forces is not None:
             arrows = body.arrows(x, stage.u[max(index, 0)].tolist(), body.gain)
             seen = [(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > SHORTEST]
             self._draw(self._forces, _segments(seen))
+
+    def _cloud(self, believed: Sequence[Vector], radius: float) -> None:
+        """How unsure the estimate is: a translucent ball about each anchor, never larger than the stage can hold."""
+        size = min(max(radius, 1e-3), LARGEST_CLOUD)
+        for handle, place in zip(self._clouds, believed, strict=True):
+            handle.position = place
+            handle.scale = size
 
     def _join(self, true: Sequence[tuple[float, float, float]], believed: Sequence[tuple[float, float, float]]) -> None:
         if self._errors is not None:
