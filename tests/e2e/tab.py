@@ -28,12 +28,18 @@ T = TypeVar("T")
 
 
 def eventually(look: Callable[[], T], wanted: Callable[[T], Any], what: str, patience: float = PATIENCE) -> T:
-    """The first value of `look` that is `wanted`; fails with the last one seen."""
+    """The first value of `look` that is `wanted`; fails with the last one seen.
+
+    While the page is laid out anew, for a language or a size of print, what is looked at may be gone for a moment.
+    """
     deadline = time.monotonic() + patience
     while True:
-        seen = look()
-        if wanted(seen):
-            return seen
+        try:
+            seen: Any = look()
+            if wanted(seen):
+                return seen
+        except Error as gone:
+            seen = gone
         assert time.monotonic() < deadline, f"{what}: not within {patience:g} s; last seen {str(seen)[:300]}"
         time.sleep(0.1)
 

@@ -16,7 +16,7 @@ from lessons import LESSONS
 
 GLYPHS = """() => {
   const pen = new OffscreenCanvas(48, 48).getContext('2d', {willReadFrequently: true});
-  pen.font = '40px ' + getComputedStyle(document.querySelector('.ol-question')).fontFamily;
+  pen.font = '40px ' + getComputedStyle(document.querySelector('.ol-question') || document.body).fontFamily;
   return Array.from('观测器极点', sign => {
     pen.clearRect(0, 0, 48, 48); pen.fillText(sign, 2, 42);
     return Array.from(pen.getImageData(0, 0, 48, 48).data).join();
