@@ -18,8 +18,17 @@ from .saturation.lesson import LESSON as saturation
 from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
 
-LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in (
-    virtual_sensor, error_dynamics, observability, separation, duality, hidden_modes, saturation, noise, kalman, robust_observer,
+LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in sorted((
+    virtual_sensor,
+    error_dynamics,
+    observability,
+    separation,
+    duality,
+    hidden_modes,
+    saturation,
+    noise,
+    kalman,
+    robust_observer,
     bilinear_observer,
-)})
+), key=lambda lesson: lesson.number)})
 OPENING = "separation"  # the lesson that the page opens on

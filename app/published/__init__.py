@@ -13,8 +13,14 @@ __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"
 
 def records() -> tuple[Published, ...]:
     """All published values that this version can compute, in the order of the sources."""
-    return (*tutorial.RECORDS, *notes.RECORDS, *duan.RECORDS, *platform.RECORDS, *bilinear.RECORDS,
-            *classics.RECORDS)
+    return (
+        *tutorial.RECORDS,
+        *notes.RECORDS,
+        *duan.RECORDS,
+        *platform.RECORDS,
+        *bilinear.RECORDS,
+        *classics.RECORDS,
+    )
 
 
 def verify_all(published: Iterable[Published]) -> tuple[Result, ...]:
