@@ -36,6 +36,9 @@ from .gramian import (
 from .jacobian import columns, each_column, expand, jacobian
 from .kalman import KalmanFilter, gain_of, joseph, short_form
 from .linear_filter import LinearFilter
+from .loop_spectrum import NoisyLoop, noisy_loop
+from .lqg import Lqg, lqg
+from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
 from .ltr import Recovered, recover, recover_at_output, transmission_zeros
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
 from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
@@ -79,8 +82,10 @@ __all__ = [
     "KalmanFilter",
     "LinearFilter",
     "LoopMargins",
+    "Lqg",
     "Mode",
     "MultiMargins",
+    "NoisyLoop",
     "Norm",
     "Observability",
     "Optimal",
@@ -96,6 +101,8 @@ __all__ = [
     "RobustObserver",
     "RootBelief",
     "Run",
+    "SampledLqg",
+    "SampledRun",
     "Scenario",
     "Schedule",
     "Sensitivity",
@@ -148,12 +155,14 @@ __all__ = [
     "load_plant",
     "loop_margins",
     "lqe",
+    "lqg",
     "lqr",
     "match_poles",
     "means_along",
     "move_pole",
     "nees",
     "nis",
+    "noisy_loop",
     "observability",
     "observability_gramian",
     "observer_gain",
@@ -171,6 +180,8 @@ __all__ = [
     "rlo",
     "rlo_steps",
     "run_functional",
+    "sampled_cost",
+    "sampled_lqg",
     "sensitivity",
     "separation_meter",
     "short_form",

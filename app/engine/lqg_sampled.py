@@ -1,0 +1,160 @@
+"""LQG on a computer: exact sampling of plant, cost and noise, with the steady filter or the recursive one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from .belief import Belief, as_covariance
+from .compensator import compensator
+from .errors import EngineError, ShapeError
+from .kalman import KalmanFilter
+from .loop_spectrum import NoisyLoop, noisy_loop
+from .noise import root, step_covariance
+from .optimal import Optimal, dlqr
+from .plant import Plant, as_matrix
+from .scan import affine_scan
+from .track import Schedule
+
+__all__ = ["SampledLqg", "SampledRun", "sampled_cost", "sampled_lqg"]
+
+
+@dataclass(frozen=True, eq=False)
+class SampledRun:
+    """A run of a sampled loop, time first: t (n_t,), x, xhat (after the reading), u, y (with its noise)."""
+
+    t: np.ndarray
+    x: np.ndarray
+    xhat: np.ndarray
+    u: np.ndarray
+    y: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLqg:
+    """An LQG loop that runs every `plant.dt` seconds: u[k] = −K x̂[k|k], held until the next sample.
+
+    plant: x⁺ = A x + B u, exact. K (m×n), regulator with its Riccati solution, filter: the Kalman filter with the
+    noise of one step (R = V/dt). controller is the compensator with the steady gain M, from y to u; it uses the
+    reading of its own sample.
+    """
+
+    plant: Plant
+    K: np.ndarray
+    regulator: Optimal
+    filter: KalmanFilter
+
+    @cached_property
+    def controller(self) -> Plant:
+        """x̂⁻⁺ = (A − BK)(x̂⁻ + M(y − C x̂⁻)), u = −K(x̂⁻ + M(y − C x̂⁻)) with x̂⁻ the prediction: sign included."""
+        return self.controller_with(self.filter.steady.filter_gain)
+
+    @cached_property
+    def late_controller(self) -> Plant:
+        """The compensator that answers one sample late, u[k] = −K x̂[k|k−1]: x̂⁺ = (A − BK − LC) x̂ + L y, L = A M."""
+        return compensator(self.plant, self.K, self.filter.steady.predictor_gain)
+
+    def controller_with(self, M: np.ndarray) -> Plant:
+        """The compensator with a filter gain M (n×p) frozen at one instant of the recursive filter."""
+        p, K = self.plant, self.K
+        keep, step = np.eye(p.n) - M @ p.C, p.A - p.B @ K
+        return Plant(step @ keep, step @ M, -K @ keep, -K @ M, p.dt, tuple(f"{s}_hat" for s in p.state_names),
+                     p.output_names, p.input_names, name=f"sampled compensator of {p.name}".strip())
+
+    def loop(self, process: object | None = None, readings: object | None = None) -> NoisyLoop:
+        """The loop with the steady filter under white noise: covariances of a step (n×n) and of a reading (p×p).
+
+        By default those that the filter believes. Signals are taken at the samples.
+        """
+        return noisy_loop(self.plant, self.controller, np.eye(self.plant.n),
+                          self.filter.Q if process is None else process, self.filter.R if readings is None else readings)
+
+    def schedule(self, P0: object, steps: int) -> Schedule:
+        """Gains of the recursive filter (Joseph's form) over `steps` samples, from the covariance P0 of x̂⁻[0]."""
+        return self.filter.schedule(Belief(np.zeros(self.plant.n), as_covariance(P0, "P0", self.plant.n)), steps)
+
+    def run(self, steps: int, seed: int, x0: object, xhat0: object | None = None, gains: Schedule | None = None,
+            process: object | None = None, readings: object | None = None) -> SampledRun:
+        """`steps` samples from x0 and the prediction xhat0 (default zero), with the noise of a seed.
+
+        `gains`: a schedule of the recursive filter, or None for the steady one. process (n×n), readings (p×p): true
+        covariances, by default those believed. The same seed gives the same noise to both filters.
+        """
+        p, n = self.plant, self.plant.n
+        z = np.concatenate([_vector(x0, "x0", n), _vector(np.zeros(n) if xhat0 is None else xhat0, "xhat0", n)])
+        for_w, for_v = np.random.default_rng(seed).spawn(2)
+        Qw = self.filter.Q if process is None else as_covariance(process, "process", n)
+        Rv = self.filter.R if readings is None else as_covariance(readings, "readings", p.p)
+        w = for_w.standard_normal((steps, n)) @ root(Qw).T
+        v = for_v.standard_normal((steps, p.p)) @ root(Rv).T
+        fixed = self.filter.steady.filter_gain
+        path = np.empty((steps, 2 * n))
+        early = 0 if gains is None else min(steps, int(np.argmax(gains.index == gains.index[-1])))
+        for k in range(early):  # gains that still change
+            path[k] = z
+            A, E = self._step(gains.gains[gains.index[k]])  # type: ignore[union-attr]
+            z = A @ z + E @ v[k]
+            z[:n] += w[k]
+        M = fixed if gains is None else gains.gains[gains.index[-1]]
+        A, E = self._step(M)
+        forcing = v[early:] @ E.T
+        forcing[:, :n] += w[early:]
+        path[early:] = affine_scan(A, forcing[:-1], z, steps - 1 - early) if steps > early else path[early:]
+        x, predicted = path[:, :n], path[:, n:]
+        y = x @ p.C.T + v
+        seen = y - predicted @ p.C.T
+        xhat = predicted + seen @ M.T
+        for k in range(early):
+            xhat[k] = predicted[k] + gains.gains[gains.index[k]] @ seen[k]  # type: ignore[union-attr]
+        return SampledRun(p.dt * np.arange(steps), x, xhat, -xhat @ self.K.T, y)
+
+    def _step(self, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(x, x̂⁻)⁺ = A (x, x̂⁻) + E v with the filter gain M."""
+        p, built = self.plant, self.controller_with(M)
+        Dk = np.asarray(built.D)
+        A = np.block([[p.A + p.B @ Dk @ p.C, p.B @ built.C], [built.B @ p.C, built.A]])
+        return A, np.vstack([p.B @ Dk, built.B])
+
+
+def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(Q_d, R_d, N_d) with ∫₀ᵈᵗ xᵀQx + uᵀRu dt = xᵀQ_d x + 2xᵀN_d u + uᵀR_d u for u held over the step.
+
+    From ∫ e^{Mᵀs} diag(Q, R) e^{Ms} ds with M = [A B; 0 0]. Shapes n×n, m×m, n×m.
+    """
+    n, m = plant.n, plant.m
+    M = np.zeros((n + m, n + m))
+    M[:n, :n], M[:n, n:] = plant.A, plant.B
+    weight = np.zeros_like(M)
+    weight[:n, :n], weight[n:, n:] = as_covariance(Q, "Q", n), as_covariance(R, "R", m)
+    whole = step_covariance(M.T, weight, dt)
+    return whole[:n, :n], whole[n:, n:], whole[:n, n:]
+
+
+def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: float, G: object | None = None) -> SampledLqg:
+    """The LQG loop that minimises the continuous cost average of xᵀQx + uᵀRu with a computer's held input.
+
+    Plant, cost and noise are sampled exactly (Van Loan), R = V/dt; K from the discrete Riccati equation. Weights and
+    intensities as in `lqg`. Platform report (003), equations (53)–(59) and section 5.3.2. Raises as `lqg` does.
+    """
+    if plant.dt:
+        raise EngineError("The plant is sampled already; this samples a continuous one.")
+    G = plant.B if G is None else as_matrix(G, "G")
+    if G.shape[0] != plant.n:
+        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+    kf = KalmanFilter.from_plant(plant, W, V, dt, G)
+    sampled = Plant(kf.A, kf.B, kf.C, kf.D, dt, plant.state_names, plant.input_names, plant.output_names, plant.units,
+                    plant.name)
+    if np.any(sampled.D):
+        raise EngineError("A sampled loop that answers in the same sample needs a plant without a direct path (D = 0).")
+    Qd, Rd, Nd = sampled_cost(plant, Q, R, dt)
+    regulator = dlqr(sampled.A, sampled.B, Qd, Rd, Nd)
+    return SampledLqg(sampled, regulator.gain, regulator, kf)
+
+
+def _vector(value: object, name: str, length: int) -> np.ndarray:
+    vector = np.asarray(value, dtype=float).ravel()
+    if vector.size != length or not np.isfinite(vector).all():
+        raise ShapeError(f"{name} must have {length} finite entries.")
+    return vector
