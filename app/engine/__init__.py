@@ -11,6 +11,8 @@ from .consistency import InnovationTest, SquaredError, Whiteness, chi2_band, inn
 from .convert import from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
 from .coprime import CoprimeFactors, coprime_factors
 from .decomposition import KalmanDecomposition, kalman_decomposition, reachable_subspace, unobservable_subspace
+from .diophantine import Diophantine, diophantine, sylvester
+from .dominance import Dominance, dominance, dominance_of, relative_gains
 from .errors import EngineError, PoleError, RiccatiError, ShapeError
 from .functional import FunctionalObserver, functional_observer
 from .functional_loop import (
@@ -41,6 +43,7 @@ from .lqg import Lqg, lqg
 from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
 from .ltr import Recovered, recover, recover_at_output, transmission_zeros
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
+from .mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
 from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
 from .optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
 from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
@@ -52,6 +55,7 @@ from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
 from .scenario import Run, Scenario
 from .sensitivity import Sensitivity, sensitivity
 from .simulate import autonomous_error, separation_meter, simulate
+from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
 from .spectrum import Spectrum, amplitude_response, frequency_response, psd
 from .square_root import SquareRootFilter
 from .track import Schedule, Track, as_record, means_along
@@ -70,8 +74,11 @@ __all__ = [
     "Controllability",
     "CoprimeFactors",
     "Correction",
+    "Coupling",
+    "Diophantine",
     "DiscreteFilter",
     "DiskMargin",
+    "Dominance",
     "EngineError",
     "ExtendedKalmanFilter",
     "FunctionalObserver",
@@ -83,6 +90,8 @@ __all__ = [
     "LinearFilter",
     "LoopMargins",
     "Lqg",
+    "LoopShape",
+    "Mixing",
     "Mode",
     "MultiMargins",
     "NoisyLoop",
@@ -122,6 +131,7 @@ __all__ = [
     "as_record",
     "autonomous_error",
     "balanced_truncation",
+    "best_mixing",
     "bilinear_functional_observer",
     "canonise",
     "canonise_right",
@@ -132,9 +142,14 @@ __all__ = [
     "compensator",
     "controllability",
     "coprime_factors",
+    "coupling",
     "criterion",
+    "diagonal_controller",
+    "diophantine",
     "dlqe",
     "dlqr",
+    "dominance",
+    "dominance_of",
     "each_column",
     "error_index",
     "error_transfer",
@@ -154,13 +169,16 @@ __all__ = [
     "kalman_decomposition",
     "load_plant",
     "loop_margins",
+    "loop_shaped",
     "lqe",
     "lqg",
     "lqr",
     "match_poles",
     "means_along",
+    "mixing_matrix",
     "move_pole",
     "nees",
+    "negated",
     "nis",
     "noisy_loop",
     "observability",
@@ -171,12 +189,16 @@ __all__ = [
     "perturbed_loop",
     "place",
     "pole_text",
+    "polynomial_roots",
     "psd",
+    "rational",
     "reachability_gramian",
     "reachable_subspace",
+    "realise",
     "recover",
     "recover_at_output",
     "recovery_map",
+    "relative_gains",
     "rlo",
     "rlo_steps",
     "run_functional",
@@ -184,11 +206,13 @@ __all__ = [
     "sampled_lqg",
     "sensitivity",
     "separation_meter",
+    "series",
     "short_form",
     "simulate",
     "simulate_bilinear",
     "split_stable",
     "state_feedback_margins",
+    "sylvester",
     "symmetric",
     "to_control",
     "to_json",

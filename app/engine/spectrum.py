@@ -65,6 +65,8 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
     if a.shape != (n, n) or len(b) != n or c.shape[1] != n or d.shape != (len(c), b.shape[1]):
         raise ShapeError(f"A, B, C, D do not fit together: {a.shape}, {b.shape}, {c.shape}, {d.shape}.")
     w = np.atleast_1d(np.asarray(omega, dtype=float))
+    if n == 0:
+        return np.tile(d.astype(complex), (len(w), 1, 1))
     points = np.exp(1j * w * dt) if dt else 1j * w
     poles, vectors = np.linalg.eig(a)
     if np.linalg.cond(vectors) > WORST_EIGENVECTORS:
