@@ -35,6 +35,7 @@ from .gramian import (
     reachability_gramian,
     split_stable,
 )
+from .hardware import Hardware, coil_driver
 from .jacobian import columns, each_column, expand, jacobian
 from .kalman import KalmanFilter, gain_of, joseph, short_form
 from .linear_filter import LinearFilter
@@ -44,6 +45,7 @@ from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
 from .ltr import Recovered, recover, recover_at_output, transmission_zeros
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
 from .mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
+from .monte_carlo import MonteCarlo, monte_carlo, welch_expectation
 from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
 from .optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
 from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
@@ -52,6 +54,8 @@ from .plant import Plant, as_matrix
 from .pole_sets import Poles, check_poles, pole_text
 from .recovery import RecoveryMap, recovery_map
 from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
+from .sampled_control import SampledController, recursive_controller, sampled_controller
+from .sampled_loop import SampledLoop, sampled_loop
 from .scenario import Run, Scenario
 from .sensitivity import Sensitivity, sensitivity
 from .simulate import autonomous_error, separation_meter, simulate
@@ -59,6 +63,7 @@ from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomi
 from .spectrum import Spectrum, amplitude_response, frequency_response, psd
 from .square_root import SquareRootFilter
 from .track import Schedule, Track, as_record, means_along
+from .trial import ResponseMeasures, Trial, response_measures, run_trial
 
 __all__ = [
     "AdcNoise",
@@ -84,6 +89,7 @@ __all__ = [
     "FunctionalObserver",
     "FunctionalRun",
     "Gramians",
+    "Hardware",
     "InnovationTest",
     "KalmanDecomposition",
     "KalmanFilter",
@@ -93,6 +99,7 @@ __all__ = [
     "Lqg",
     "Mixing",
     "Mode",
+    "MonteCarlo",
     "MultiMargins",
     "NoisyLoop",
     "Norm",
@@ -106,12 +113,15 @@ __all__ = [
     "Recovered",
     "RecoveryMap",
     "Region",
+    "ResponseMeasures",
     "RiccatiError",
     "RobustObserver",
     "RootBelief",
     "Run",
     "SampledLqg",
     "SampledRun",
+    "SampledController",
+    "SampledLoop",
     "Scenario",
     "Schedule",
     "Sensitivity",
@@ -122,6 +132,7 @@ __all__ = [
     "StableSplit",
     "Track",
     "TransferFunction",
+    "Trial",
     "Truncation",
     "UnscentedKalmanFilter",
     "Whiteness",
@@ -138,6 +149,7 @@ __all__ = [
     "check_poles",
     "chi2_band",
     "closed_loop",
+    "coil_driver",
     "columns",
     "compensator",
     "controllability",
@@ -176,6 +188,7 @@ __all__ = [
     "match_poles",
     "means_along",
     "mixing_matrix",
+    "monte_carlo",
     "move_pole",
     "nees",
     "negated",
@@ -204,6 +217,14 @@ __all__ = [
     "run_functional",
     "sampled_cost",
     "sampled_lqg",
+    "recursive_controller",
+    "response_measures",
+    "rlo",
+    "rlo_steps",
+    "run_functional",
+    "run_trial",
+    "sampled_controller",
+    "sampled_loop",
     "sensitivity",
     "separation_meter",
     "series",
@@ -221,6 +242,7 @@ __all__ = [
     "transmission_zeros",
     "unobservable_subspace",
     "vertices",
+    "welch_expectation",
     "whiteness",
     "with_coloured_noise",
     "worst_error_gain",
