@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len, rfft
 from scipy.signal import get_window
 
 from .errors import EngineError
@@ -59,7 +58,7 @@ def monte_carlo(loop: SampledLoop, runs: int, seconds: float, seed: int, segment
     a Welch segment (Hann, half overlap, mean removed), by default a power of two near half a run. A generator: it
     yields every few milliseconds and may be closed at any time. Raises EngineError for an unstable loop.
     """
-    steps = int(round(seconds / loop.dt))
+    steps = round(seconds / loop.dt)
     length = 2 ** int(np.log2(max(steps // 2, 8))) if segment is None else int(segment)
     if not 8 <= length <= steps or runs < 1:
         raise EngineError("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer than a run.")
@@ -165,12 +164,12 @@ def _entries(loop: SampledLoop, unit: float) -> np.ndarray:
 
 def _one(series: np.ndarray, dt: float, length: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Welch density (n_f, k), rms and peak of one run's signals (k, steps)."""
-    window = get_window("hann", length)
+    window = np.asarray(get_window("hann", length))
     total, count = 0.0, 0
     for begin in range(0, series.shape[1] - length + 1, length // 2):
         part = series[:, begin:begin + length]
-        value = rfft((part - part.mean(axis=1, keepdims=True)) * window, axis=1)
-        total, count = total + value.real**2 + value.imag**2, count + 1  # pyright: ignore[reportAttributeAccessIssue]
+        value = np.fft.rfft((part - part.mean(axis=1, keepdims=True)) * window, axis=1)
+        total, count = total + value.real**2 + value.imag**2, count + 1
     density = np.asarray(total).T * (2 * dt / (count * float(np.sum(window**2))))
     density[0] /= 2
     if length % 2 == 0:
@@ -184,9 +183,8 @@ def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
     The transform of window ⋆ window times R(τ) = C F_cᵀ… P Cᵀ, leakage and finite resolution included; only the removal
     of the mean, which touches the lowest two bins, is left out. Raises EngineError for an unstable loop.
     """
-    window = get_window("hann", length)
-    size = next_fast_len(2 * length)
-    overlap = irfft(np.abs(rfft(window, size)) ** 2, size)[:length]
+    window = np.asarray(get_window("hann", length))
+    overlap = np.fft.irfft(np.abs(np.fft.rfft(window, 2 * length)) ** 2, 2 * length)[:length]
     rows = np.vstack([loop.outputs, loop.feedback])
     noise, direct = loop.reading, np.vstack([np.zeros((len(loop.outputs), len(loop.Y))), loop.T[-1]])
     closed, P = loop.closed(), loop.covariance
@@ -195,7 +193,7 @@ def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
         first = closed @ P @ row + loop.noise_in @ noise @ through  # E[w(k+1) signal(k)]
         later = affine_scan(closed, None, first, length - 2) @ row
         R = np.concatenate([[row @ P @ row + through @ noise @ through], later]) * overlap
-        spectrum = rfft(np.concatenate([R, np.zeros(1), R[:0:-1]]))
+        spectrum = np.fft.rfft(np.concatenate([R, np.zeros(1), R[:0:-1]]))
         densities.append(np.real(spectrum)[::2])
     density = np.array(densities).T * (2 * loop.dt / float(np.sum(window**2)))
     density[0] /= 2

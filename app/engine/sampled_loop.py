@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
@@ -12,6 +13,7 @@ from scipy.linalg import solve_discrete_lyapunov
 from .belief import as_covariance
 from .errors import EngineError, ShapeError
 from .hardware import Hardware, coil_driver
+from .loop_spectrum import NoisyLoop
 from .noise import step_covariance
 from .plant import Plant
 from .sampled_control import SampledController
@@ -19,6 +21,7 @@ from .scan import step_matrices
 
 __all__ = ["SampledLoop", "sampled_loop"]
 
+IDEAL = Hardware()
 MOST_DELAY = 1000  # samples
 THIN = 1e-28  # share of a covariance below which its directions are left out
 
@@ -49,7 +52,6 @@ class SampledLoop:
     Gamma: np.ndarray
     hardware: Hardware
     dt: float
-    names: tuple[str, ...] = field(default=())
 
     @property
     def n(self) -> int:
@@ -77,8 +79,7 @@ class SampledLoop:
 
     @cached_property
     def radius(self) -> float:
-        """Largest |pole| of the settled loop; bias and what is not controlled stand apart and count too, a pole at 1 of
-        the bias does not."""
+        """Largest |pole| of the settled loop; the bias, which nothing controls, does not count."""
         return float(np.max(np.abs(np.linalg.eigvals(self._without_bias(self.closed()))), initial=0.0))
 
     @property
@@ -111,8 +112,23 @@ class SampledLoop:
         """Covariance of one reading's noise (p×p): the sensor's, and step²/12 of the converter."""
         return self.sensor @ self.sensor.T + self.hardware.step**2 / 12 * np.eye(len(self.sensor))
 
+    @cached_property
+    def noisy(self) -> NoisyLoop:
+        """The settled loop as long as nothing clips, under its own noise: densities and variances of (outputs, u).
 
-def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence[int], *, hardware: Hardware = Hardware(),
+        Rounding counts as white noise of step²/12; a drifting bias enters as the white noise that it sums up. Its
+        `outputs(T)` take the recorded outputs, its `inputs(T)` the commands.
+        """
+        r, q, p = self.jump.shape[1], len(self.outputs), len(self.Y)
+        white = np.zeros((r + p, r + p))
+        white[:r, :r], white[r:, r:] = np.eye(r), self.reading
+        D = np.zeros((q + len(self.feedback), r + p))
+        D[q:, r:] = self.T[-1]
+        return NoisyLoop(self.closed(), np.hstack([self.jump, self.noise_in]), np.vstack([self.outputs, self.feedback]), D,
+                         white, r, q, self.dt)
+
+
+def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence[int], *, hardware: Hardware = IDEAL,
                  W: object | None = None, V: object | None = None, shaping: Plant | None = None,
                  disturbances: np.ndarray | None = None, outputs: np.ndarray | None = None) -> SampledLoop:
     """The loop of a continuous plant and a sampled controller, exact at the samples.
@@ -216,7 +232,7 @@ def _assembled(mechanics: _Mechanics, controller: SampledController, hardware: H
     ways = [slice(queue + i * m, queue + (i + 1) * m) for i in range(lag)]  # ways[0] is the oldest command
     if lag:
         F_s[:, ways[-1]] = np.eye(m)
-        for older, newer in zip(ways, ways[1:], strict=False):
+        for older, newer in pairwise(ways):
             F[:, older, newer] = np.eye(m)
     if part > 0:
         F[:, :a, ways[0]] += late

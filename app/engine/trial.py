@@ -75,10 +75,7 @@ def run_trial(loop: SampledLoop, steps: int, seed: int | None = None, *, start: 
             w0[loop.x] += np.asarray(jump, dtype=float)
     w = np.empty((steps, loop.n))
     w[0] = w0
-    if loop.hardware.step > 0:
-        done = _rounding(loop, w, push, v, 0, steps - 1)
-    else:
-        done = _clipping(loop, w, push, v)
+    done = _rounding(loop, w, push, v, 0, steps - 1) if loop.hardware.step > 0 else _clipping(loop, w, push, v)
     w = w[:done + 1]
     read, asked, applied = _seen(loop, w, v[:len(w)])
     return Trial(loop, loop.dt * np.arange(len(w)), w, w @ loop.outputs.T, read, asked, applied, len(w) < steps)

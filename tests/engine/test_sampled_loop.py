@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mpmath
 import numpy as np
 import pytest
@@ -13,7 +15,9 @@ from app.engine import (
     EngineError,
     Hardware,
     KalmanFilter,
+    MonteCarlo,
     Plant,
+    SampledLoop,
     ShapeError,
     balanced_truncation,
     coil_driver,
@@ -28,12 +32,15 @@ from app.engine import (
     sampled_loop,
     welch_expectation,
 )
+from app.engine.monte_carlo import _one
 from app.engine.noise import step_covariance
+from app.engine.sampled_loop import thin_root
 from app.plants import platform
 
 DT = 1e-3
 PLANT = platform.plant()
 W, V = 1e-12 * np.eye(2), 1e-10 * np.eye(4)
+IDEAL = Hardware()
 KICK = np.array([0, 0, 0, 0, 0, 0.015, -0.02, 0.09, -0.02, -0.02])
 
 
@@ -50,8 +57,15 @@ BELIEVED, GROUND, K, L = _reduced()
 CONTROLLER = compensator(BELIEVED, K, L)
 
 
-def _loop(hardware: Hardware = Hardware(), **more: object):  # noqa: ANN202
-    return sampled_loop(PLANT, sampled_controller(CONTROLLER, DT), range(3), hardware=hardware, W=W, V=V, **more)  # type: ignore[arg-type]
+def _loop(hardware: Hardware = IDEAL) -> SampledLoop:
+    return sampled_loop(PLANT, sampled_controller(CONTROLLER, DT), range(3), hardware=hardware, W=W, V=V)
+
+
+def _finished(loop: SampledLoop, runs: int, seconds: float, seed: int, segment: int) -> tuple[MonteCarlo, list[float]]:
+    yielded = list(monte_carlo(loop, runs, seconds, seed, segment))
+    result = yielded[-1][1]
+    assert result is not None
+    return result, [fraction for fraction, _ in yielded]
 
 
 def _exact(A: np.ndarray, B: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray]:
@@ -69,6 +83,11 @@ def _exact(A: np.ndarray, B: np.ndarray, duration: float) -> tuple[np.ndarray, n
     return both[:, :n], both[:, n:]
 
 
+def _scipys(method: str) -> tuple[np.ndarray, ...]:
+    peer: Any = signal.cont2discrete((CONTROLLER.A, CONTROLLER.B, CONTROLLER.C, CONTROLLER.D), DT, method)
+    return peer[:4]
+
+
 def _plain(hardware: Hardware, steps: int, seed: int | None, ground: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """States, readings and applied commands by the definition: one sample after another, commands in a queue."""
     driver, dt = coil_driver(hardware, 3), DT
@@ -83,7 +102,7 @@ def _plain(hardware: Hardware, steps: int, seed: int | None, ground: np.ndarray)
     whole = int(hardware.delay / dt + 1e-9)
     part = hardware.delay - whole * dt
     early, late = _exact(A, B, part), _exact(A, B, dt - part)
-    Ac, Bc, Cc, Dc, _ = signal.cont2discrete((CONTROLLER.A, CONTROLLER.B, CONTROLLER.C, CONTROLLER.D), dt, "bilinear")
+    Ac, Bc, Cc, Dc = _scipys("bilinear")
     loop = _loop(hardware)
     jumps, v = np.zeros((steps, loop.n)), np.zeros((steps, 4))
     if seed is not None:
@@ -171,12 +190,10 @@ def test_sampling_leaves_the_variances_of_a_shaped_ground() -> None:
 
 
 def test_tustin_and_hold_are_scipys() -> None:
-    parts = (CONTROLLER.A, CONTROLLER.B, CONTROLLER.C, CONTROLLER.D)
     for method, name in (("tustin", "bilinear"), ("hold", "zoh")):
         ours = sampled_controller(CONTROLLER, DT, method).last  # type: ignore[arg-type]
-        peer = signal.cont2discrete(parts, DT, name)
-        f = np.array([0.1, 1.0, 20.0, 300.0])
-        for frequency in f:
+        peer = _scipys(name)
+        for frequency in (0.1, 1.0, 20.0, 300.0):
             z = np.exp(2j * np.pi * frequency * DT)
             one = ours.C @ np.linalg.solve(z * np.eye(ours.n) - ours.A, ours.B) + ours.D
             two = peer[2] @ np.linalg.solve(z * np.eye(ours.n) - peer[0], peer[1]) + peer[3]
@@ -199,12 +216,8 @@ def test_the_recursive_controller_is_the_kalman_filter_with_feedback(told: str) 
 def test_a_batch_is_the_plain_loop_with_its_own_draws() -> None:
     hardware = Hardware(limit=0.005, step=2e-6, bandwidth=70.0)
     loop = _loop(hardware)
-    result = None
-    for _, result in monte_carlo(loop, 2, 0.5, 11, 256, together=2):
-        pass
-    assert result is not None and result.clipped.max() > 0
-    from app.engine.sampled_loop import thin_root
-
+    result, _ = _finished(loop, 2, 0.5, 11, 256)
+    assert result.clipped.max() > 0
     rng, start = np.random.default_rng(11).spawn(1)[0], thin_root(loop.covariance)
     w = rng.standard_normal((2, start.shape[1])) @ start.T
     v = rng.standard_normal((2, 4)) @ loop.sensor.T
@@ -225,11 +238,8 @@ def test_a_batch_is_the_plain_loop_with_its_own_draws() -> None:
 def test_monte_carlo_meets_its_prediction() -> None:
     """Mean Welch density within 5 standard errors of its expectation at (nearly) every frequency; variances by Lyapunov."""
     loop, runs = _loop(), 60
-    result = None
-    fractions = []
-    for fraction, result in monte_carlo(loop, runs, 8.0, 2, 2048):
-        fractions.append(fraction)
-    assert result is not None and fractions == sorted(fractions) and fractions[-1] == 1.0
+    result, fractions = _finished(loop, runs, 8.0, 2, 2048)
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
     expected = welch_expectation(loop, 2048)
     assert np.array_equal(expected.frequency, result.frequency)
     away = np.abs(result.density - expected.density)[2:] / (result.spread[2:] / np.sqrt(runs))
@@ -250,9 +260,19 @@ def test_the_expectation_is_calibrated() -> None:
     assert np.allclose(area, promised, rtol=1e-3)
 
 
-def test_welch_of_a_batch_is_scipys() -> None:
-    from app.engine.monte_carlo import _one
+def test_the_density_at_a_fine_resolution_is_the_transfer_functions() -> None:
+    """Away from the sharp peaks of the open loop, a long window and the transfer function agree."""
+    loop = _loop(Hardware(bandwidth=100.0, delay=1.4e-3, step=1e-6))
+    expected = welch_expectation(loop, 65536)
+    keep = (expected.frequency > 0.3) & (expected.frequency < 400)
+    f = expected.frequency[keep]
+    promised = loop.noisy.psd(f, np.eye(7))
+    gap = np.abs(expected.density[keep] / promised - 1)
+    assert gap.max() < 0.05 and gap[(f > 3) & (np.abs(f - 30.2) > 3)].max() < 0.01
+    assert np.allclose(loop.noisy.variance(np.eye(7))[:4], np.diag(loop.outputs @ loop.covariance @ loop.outputs.T), rtol=1e-6)
 
+
+def test_welch_of_a_batch_is_scipys() -> None:
     series = np.random.default_rng(4).standard_normal((3, 5000))
     density, rms, peak = _one(series, DT, 1024)
     assert np.allclose(density.T, signal.welch(series, 1 / DT, nperseg=1024)[1], rtol=1e-10)
