@@ -14,6 +14,7 @@ from .decomposition import KalmanDecomposition, kalman_decomposition, reachable_
 from .diophantine import Diophantine, diophantine, sylvester
 from .dominance import Dominance, dominance, dominance_of, relative_gains
 from .errors import EngineError, PoleError, RiccatiError, ShapeError
+from .fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
 from .functional import FunctionalObserver, functional_observer
 from .functional_loop import (
     FunctionalRun,
@@ -53,6 +54,14 @@ from .placement import Placement, match_poles, move_pole, observer_gain, place
 from .plant import Plant, as_matrix
 from .pole_sets import Poles, check_poles, pole_text
 from .recovery import RecoveryMap, recovery_map
+from .residual_threshold import (
+    alarm_probability,
+    binomial_band,
+    needed_noncentrality,
+    residual_threshold,
+    window_energy,
+    window_mean,
+)
 from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
 from .sampled_control import SampledController, recursive_controller, sampled_controller
 from .sampled_loop import SampledLoop, sampled_loop
@@ -64,6 +73,7 @@ from .spectrum import Spectrum, amplitude_response, frequency_response, psd
 from .square_root import SquareRootFilter
 from .track import Schedule, Track, as_record, means_along
 from .trial import ResponseMeasures, Trial, response_measures, run_trial
+from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
 
 __all__ = [
     "AdcNoise",
@@ -81,11 +91,13 @@ __all__ = [
     "Correction",
     "Coupling",
     "Diophantine",
+    "Decoupling",
     "DiscreteFilter",
     "DiskMargin",
     "Dominance",
     "EngineError",
     "ExtendedKalmanFilter",
+    "FaultBank",
     "FunctionalObserver",
     "FunctionalRun",
     "Gramians",
@@ -114,6 +126,7 @@ __all__ = [
     "RecoveryMap",
     "Region",
     "ResponseMeasures",
+    "ResidualGenerator",
     "RiccatiError",
     "RobustObserver",
     "RootBelief",
@@ -134,8 +147,10 @@ __all__ = [
     "TransferFunction",
     "Trial",
     "Truncation",
+    "UnknownInputObserver",
     "UnscentedKalmanFilter",
     "Whiteness",
+    "alarm_probability",
     "amplitude_response",
     "as_covariance",
     "as_matrix",
@@ -144,6 +159,7 @@ __all__ = [
     "balanced_truncation",
     "best_mixing",
     "bilinear_functional_observer",
+    "binomial_band",
     "canonise",
     "canonise_right",
     "check_poles",
@@ -158,6 +174,7 @@ __all__ = [
     "criterion",
     "diagonal_controller",
     "diophantine",
+    "decoupling",
     "dlqe",
     "dlqr",
     "dominance",
@@ -176,6 +193,7 @@ __all__ = [
     "gramians",
     "hankel_singular_values",
     "innovation_test",
+    "isolate",
     "jacobian",
     "joseph",
     "kalman_decomposition",
@@ -190,6 +208,7 @@ __all__ = [
     "mixing_matrix",
     "monte_carlo",
     "move_pole",
+    "needed_noncentrality",
     "nees",
     "negated",
     "nis",
@@ -214,6 +233,8 @@ __all__ = [
     "recursive_controller",
     "relative_gains",
     "response_measures",
+    "residual_generator",
+    "residual_threshold",
     "rlo",
     "rlo_steps",
     "run_functional",
@@ -237,10 +258,13 @@ __all__ = [
     "to_mat",
     "to_tf",
     "transmission_zeros",
+    "unknown_input_observer",
     "unobservable_subspace",
     "vertices",
     "welch_expectation",
     "whiteness",
+    "window_energy",
+    "window_mean",
     "with_coloured_noise",
     "worst_error_gain",
 ]

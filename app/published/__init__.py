@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
-from . import bilinear, classics, duan, notes, platform, tutorial
+from . import bilinear, classics, diagnosis, duan, notes, platform, tutorial
 from .record import Published, Result, verify_one
 
 __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"]
@@ -20,6 +20,7 @@ def records() -> tuple[Published, ...]:
         *platform.RECORDS,
         *bilinear.RECORDS,
         *classics.RECORDS,
+        *diagnosis.RECORDS,
     )
 
 
