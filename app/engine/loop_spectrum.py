@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -54,6 +54,20 @@ class NoisyLoop:
     def inputs(self, T: object | None = None) -> np.ndarray:
         """Rows for T u, k×(p+m); T k×m, by default I."""
         return self._rows(T, slice(self.measured, len(self.C)))
+
+    def watching(self, T: object) -> NoisyLoop:
+        """The same loop with T x in place of y, k×n weights on the plant's states: for signals that no sensor reads."""
+        T = as_matrix(T, "T")
+        zeros = np.zeros((len(T), len(self.A) - T.shape[1]))
+        C = np.vstack([np.hstack([T, zeros]), self.C[self.measured:]])
+        D = np.vstack([np.zeros((len(T), self.D.shape[1])), self.D[self.measured:]])
+        return replace(self, C=C, D=D, measured=len(T))
+
+    def only(self, disturbances: float = 1.0, sensors: float = 1.0) -> NoisyLoop:
+        """The same loop with the intensities of the disturbances and of the sensors' noise multiplied: 0 is without."""
+        scale = np.ones(len(self.noise))
+        scale[:self.disturbances], scale[self.disturbances:] = disturbances, sensors
+        return replace(self, noise=self.noise * np.sqrt(np.outer(scale, scale)))
 
     def psd(self, frequency: object, rows: object | None = None, ground: object | None = None) -> np.ndarray:
         """One-sided density S(f) = 2 Σ H(j2πf) N H(j2πf)ᴴ of each signal, (n_f, k), in units²/Hz.

@@ -75,47 +75,62 @@ class SampledLqg:
         """Gains of the recursive filter (Joseph's form) over `steps` samples, from the covariance P0 of x̂⁻[0]."""
         return self.filter.schedule(Belief(np.zeros(self.plant.n), as_covariance(P0, "P0", self.plant.n)), steps)
 
-    def run(self, steps: int, seed: int, x0: object, xhat0: object | None = None, gains: Schedule | None = None,
-            process: object | None = None, readings: object | None = None) -> SampledRun:
-        """`steps` samples from x0 and the prediction xhat0 (default zero), with the noise of a seed.
+    def draw(self, steps: int, seed: int, process: object | None = None,
+             readings: object | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """White noise of a seed: jumps of the state (steps, n) and noise of the readings (steps, p).
 
-        `gains`: a schedule of the recursive filter, or None for the steady one. process (n×n), readings (p×p): true
-        covariances, by default those believed. The same seed gives the same noise to both filters.
+        process (n×n) and readings (p×p) are their covariances, by default those that the filter believes.
         """
-        p, n = self.plant, self.plant.n
-        z = np.concatenate([_vector(x0, "x0", n), _vector(np.zeros(n) if xhat0 is None else xhat0, "xhat0", n)])
         for_w, for_v = np.random.default_rng(seed).spawn(2)
-        Qw = self.filter.Q if process is None else as_covariance(process, "process", n)
-        Rv = self.filter.R if readings is None else as_covariance(readings, "readings", p.p)
-        w = for_w.standard_normal((steps, n)) @ root(Qw).T
-        v = for_v.standard_normal((steps, p.p)) @ root(Rv).T
-        fixed = self.filter.steady.filter_gain
+        w = self.filter.Q if process is None else as_covariance(process, "process", self.plant.n)
+        v = self.filter.R if readings is None else as_covariance(readings, "readings", self.plant.p)
+        return (for_w.standard_normal((steps, len(w))) @ root(w).T, for_v.standard_normal((steps, len(v))) @ root(v).T)
+
+    def run(self, x0: object, w: np.ndarray, v: np.ndarray, gains: Schedule | None = None, xhat0: object | None = None,
+            truth: Plant | None = None) -> SampledRun:
+        """The loop from x0 and the prediction xhat0 (default zero) under jumps w (n_t, n) and reading noise v (n_t, p).
+
+        w[k] joins the state after sample k. `gains`: a schedule of the recursive filter, or None for the steady one.
+        `truth`: what the plant really is, sampled alike; filter and gain keep to their own. Raises ShapeError.
+        """
+        p, n, steps = self.plant, self.plant.n, len(v)
+        real = p if truth is None else truth
+        if (real.n, real.m, real.p, real.dt) != (n, p.m, p.p, p.dt):
+            raise ShapeError("The true plant must have the states, inputs, outputs and period of the one designed for.")
+        if w.shape != (steps, n) or v.shape != (steps, p.p):
+            raise ShapeError(f"Noise must be of shapes (n_t, {n}) and (n_t, {p.p}); it is {w.shape} and {v.shape}.")
+        z = np.concatenate([_vector(x0, "x0", n), _vector(np.zeros(n) if xhat0 is None else xhat0, "xhat0", n)])
+        early, M = (0, self.filter.steady.filter_gain) if gains is None else (min(steps, len(gains.gains)), gains.gains[-1])
         path = np.empty((steps, 2 * n))
-        early = 0 if gains is None else min(steps, int(np.argmax(gains.index == gains.index[-1])))
         for k in range(early):  # gains that still change
             path[k] = z
-            A, E = self._step(gains.gains[gains.index[k]])  # type: ignore[union-attr]
-            z = A @ z + E @ v[k]
-            z[:n] += w[k]
-        M = fixed if gains is None else gains.gains[gains.index[-1]]
-        A, E = self._step(M)
-        forcing = v[early:] @ E.T
-        forcing[:, :n] += w[early:]
-        path[early:] = affine_scan(A, forcing[:-1], z, steps - 1 - early) if steps > early else path[early:]
+            z = self._next(real, z, gains.gains[k], w[k], v[k])  # type: ignore[union-attr]
+        if early < steps:
+            A, E = self._step(real, M)
+            forcing = v[early:-1] @ E.T
+            forcing[:, :n] += w[early:-1]
+            path[early:] = affine_scan(A, forcing, z, steps - 1 - early)
         x, predicted = path[:, :n], path[:, n:]
-        y = x @ p.C.T + v
-        seen = y - predicted @ p.C.T
+        seen = x @ real.C.T + v - predicted @ p.C.T
         xhat = predicted + seen @ M.T
-        for k in range(early):
-            xhat[k] = predicted[k] + gains.gains[gains.index[k]] @ seen[k]  # type: ignore[union-attr]
-        return SampledRun(p.dt * np.arange(steps), x, xhat, -xhat @ self.K.T, y)
+        if early:
+            xhat[:early] = predicted[:early] + np.einsum("knp,kp->kn", gains.gains[:early], seen[:early])  # type: ignore[union-attr]
+        return SampledRun(p.dt * np.arange(steps), x, xhat, -xhat @ self.K.T, x @ real.C.T + v)
 
-    def _step(self, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _next(self, real: Plant, z: np.ndarray, M: np.ndarray, w: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """(x, x̂⁻) one sample later, with the filter gain M at this one."""
+        p, n = self.plant, self.plant.n
+        x, predicted = z[:n], z[n:]
+        xhat = predicted + M @ (real.C @ x + v - p.C @ predicted)
+        u = -self.K @ xhat
+        return np.concatenate([real.A @ x + real.B @ u + w, p.A @ xhat + p.B @ u])
+
+    def _step(self, real: Plant, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(x, x̂⁻)⁺ = A (x, x̂⁻) + E v with the filter gain M."""
-        p, built = self.plant, self.controller_with(M)
+        built = self.controller_with(M)
         Dk = np.asarray(built.D)
-        A = np.block([[p.A + p.B @ Dk @ p.C, p.B @ built.C], [built.B @ p.C, built.A]])
-        return A, np.vstack([p.B @ Dk, built.B])
+        A = np.block([[real.A + real.B @ Dk @ real.C, real.B @ built.C], [built.B @ real.C, built.A]])
+        return A, np.vstack([real.B @ Dk, built.B])
 
 
 def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -118,7 +118,7 @@ def sensitivity(plant: Plant, controller: Plant | object) -> Sensitivity:
     n, m, p = plant.n, plant.m, plant.p
     cross = np.block([[np.zeros((m, m)), np.asarray(built.D)], [np.asarray(plant.D), np.zeros((p, p))]])
     well = np.eye(m + p) - cross
-    if np.linalg.cond(well) > 1e12:
+    if np.linalg.cond(np.eye(m) - np.asarray(built.D) @ np.asarray(plant.D)) > 1e12:
         raise EngineError("The loop is ill-posed: the direct paths of plant and controller form a loop of gain one.")
     S0 = np.linalg.inv(well)  # (u, y) = S0 (cut disturbances + [C_k x_k; C x])
     A = np.block([[plant.A, np.zeros((n, built.n))], [np.zeros((built.n, n)), built.A]])

@@ -37,7 +37,7 @@ class Weights:
     def Q(self, plant: Plant) -> np.ndarray:
         """α_Q Cᵀ W_y C, n×n, equations (83), (84), (86)."""
         scaled = np.diag(S_Y) @ plant.C
-        return self.alpha_q * scaled.T @ scaled
+        return self.alpha_q * (scaled.T @ scaled)
 
     @property
     def R(self) -> np.ndarray:

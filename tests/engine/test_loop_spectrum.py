@@ -135,6 +135,16 @@ def test_monte_carlo_lies_within_its_chi_square_band_of_the_prediction() -> None
     assert ratio.mean() == pytest.approx(1.0, abs=0.03)
 
 
+def test_causes_add_up_and_states_can_be_watched() -> None:
+    plant, controller, G = random_loop(21)
+    loop = noisy_loop(plant, controller, G, np.eye(2), 0.3)
+    f = np.geomspace(0.01, 3, 9)
+    assert loop.only(sensors=0.0).psd(f) + loop.only(disturbances=0.0).psd(f) == pytest.approx(loop.psd(f), rel=1e-12)
+    assert loop.only(disturbances=0.0).variance() + loop.only(sensors=0.0).variance() == pytest.approx(loop.variance(), rel=1e-9)
+    assert loop.watching(plant.C).psd(f) == pytest.approx(loop.psd(f), rel=1e-12)
+    assert loop.watching(np.eye(3)).variance() == pytest.approx(np.diag(loop.covariance)[:3], rel=1e-12)
+
+
 def test_an_unstable_loop_has_a_density_but_no_variance() -> None:
     loop = noisy_loop(Plant([[1.0]], [[1.0]], [[1.0]]), None, [[1.0]], 1.0)
     assert not loop.stable and np.isfinite(loop.psd(0.3)).all()

@@ -94,7 +94,8 @@ def test_on_one_seed_both_filters_run_into_each_other() -> None:
     P0 = 4 * noisy_loop(platform_lqg.coils(p), None, platform_lqg.ground(p), 1e-12).covariance
     steps = 12_000
     gains = s.schedule(P0, steps)
-    a, b = (s.run(steps, 3, np.zeros(10), gains=g) for g in (None, gains))
+    noise = s.draw(steps, 3)
+    a, b = (s.run(np.zeros(10), *noise, gains=g) for g in (None, gains))
     size = np.abs(a.y[-2000:]).max(axis=0)
     early = np.abs(a.x[:200] @ s.plant.C.T - b.x[:200] @ s.plant.C.T).max(axis=0) / size
     late = np.abs(a.x[-2000:] @ s.plant.C.T - b.x[-2000:] @ s.plant.C.T).max(axis=0) / size
@@ -106,14 +107,26 @@ def test_a_run_is_the_loop_of_its_controller() -> None:
     s = report(1e-9, 0.01)
     P0 = np.diag([1e-6] * 5 + [1e-4] * 5)
     gains = s.schedule(P0, 40)
-    run = s.run(40, 5, 1e-3 * np.ones(10), gains=gains)
-    belief, x = Belief(np.zeros(10), P0), run.x[0]
+    run = s.run(1e-3 * np.ones(10), *s.draw(40, 5), gains=gains)
+    belief = Belief(np.zeros(10), P0)
     for k in range(40):
         belief = s.filter.update(belief, run.y[k])
         assert belief.mean == pytest.approx(run.xhat[k], rel=1e-6, abs=1e-12)
         assert run.u[k] == pytest.approx(-s.K @ belief.mean, rel=1e-6, abs=1e-12)
         belief = s.filter.predict(belief, run.u[k])
-    assert np.isfinite(x).all()
+
+
+def test_a_run_settles_into_the_variance_of_its_loop_and_a_wrong_truth_can_break_it() -> None:
+    plant = Plant([[0.5]], [[1.0]], [[1.0]])
+    s = sampled_lqg(plant, [[1.0]], [[1.0]], 1.0, 0.1, 0.1)
+    run = s.run([0.0], *s.draw(200_000, 1))
+    loop = s.loop()
+    assert np.var(run.x) == pytest.approx(loop.variance()[0], rel=0.03)
+    assert np.var(run.u) == pytest.approx(loop.variance(loop.inputs())[0], rel=0.03)
+    weak = Plant(s.plant.A, 0.2 * s.plant.B, s.plant.C, None, 0.1)
+    silent = np.zeros((400, 1))
+    assert abs(s.run([1.0], silent, silent).x[-1, 0]) < 1e-6
+    assert abs(s.run([1.0], silent, silent, truth=weak).x[-1, 0]) > 1e2
 
 
 def test_the_reduced_plant_gets_the_same_loop() -> None:

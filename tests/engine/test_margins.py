@@ -299,3 +299,10 @@ def test_zeros_of_a_plant_with_two_inputs():
 def test_bad_input_gets_one_sentence(call, sentence):
     with pytest.raises((EngineError, ShapeError), match=sentence):
         call()
+
+
+def test_a_large_static_gain_alone_does_not_make_a_loop_ill_posed() -> None:
+    """A plant without a direct path is well posed under any gain, however large."""
+    plant = Plant([[-1.0]], [[1.0]], [[1.0]])
+    margins = loop_margins(plant, [[-1e9]])
+    assert margins.stable and margins.inputs[0].nearest == pytest.approx(1.0)
