@@ -37,6 +37,18 @@ from .gramian import (
     split_stable,
 )
 from .hardware import Hardware, coil_driver
+from .intermittent import (
+    CriticalLoss,
+    critical_loss,
+    intermittent_covariances,
+    intermittent_steps,
+    lossy_growth,
+    mare,
+    mean_bounds,
+    mean_lower_limit,
+    measured,
+    riccati_step,
+)
 from .jacobian import columns, each_column, expand, jacobian
 from .kalman import KalmanFilter, gain_of, joseph, short_form
 from .linear_filter import LinearFilter
@@ -47,8 +59,11 @@ from .ltr import Recovered, recover, recover_at_output, transmission_zeros
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
 from .mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
 from .monte_carlo import MonteCarlo, monte_carlo, welch_expectation
+from .network_loop import delayed_loop, mean_square_growth
+from .networked import NetworkRun, NetworkScenario, network_meter, promised_error, simulate_network
 from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
 from .optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
+from .packets import Link
 from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
 from .placement import Placement, match_poles, move_pole, observer_gain, place
 from .plant import Plant, as_matrix
@@ -92,6 +107,7 @@ __all__ = [
     "Coupling",
     "Decoupling",
     "Diophantine",
+    "CriticalLoss",
     "DiscreteFilter",
     "DiskMargin",
     "Dominance",
@@ -106,6 +122,7 @@ __all__ = [
     "KalmanDecomposition",
     "KalmanFilter",
     "LinearFilter",
+    "Link",
     "LoopMargins",
     "LoopShape",
     "Lqg",
@@ -114,6 +131,8 @@ __all__ = [
     "MonteCarlo",
     "MultiMargins",
     "NoisyLoop",
+    "NetworkRun",
+    "NetworkScenario",
     "Norm",
     "Observability",
     "Optimal",
@@ -175,6 +194,8 @@ __all__ = [
     "decoupling",
     "diagonal_controller",
     "diophantine",
+    "critical_loss",
+    "delayed_loop",
     "dlqe",
     "dlqr",
     "dominance",
@@ -194,23 +215,32 @@ __all__ = [
     "hankel_singular_values",
     "innovation_test",
     "isolate",
+    "intermittent_covariances",
+    "intermittent_steps",
     "jacobian",
     "joseph",
     "kalman_decomposition",
     "load_plant",
     "loop_margins",
     "loop_shaped",
+    "lossy_growth",
     "lqe",
     "lqg",
     "lqr",
+    "mare",
     "match_poles",
+    "mean_bounds",
+    "mean_lower_limit",
+    "mean_square_growth",
     "means_along",
     "mixing_matrix",
     "monte_carlo",
+    "measured",
     "move_pole",
     "needed_noncentrality",
     "nees",
     "negated",
+    "network_meter",
     "nis",
     "noisy_loop",
     "observability",
@@ -222,6 +252,7 @@ __all__ = [
     "place",
     "pole_text",
     "polynomial_roots",
+    "promised_error",
     "psd",
     "rational",
     "reachability_gramian",
@@ -235,6 +266,7 @@ __all__ = [
     "residual_generator",
     "residual_threshold",
     "response_measures",
+    "riccati_step",
     "rlo",
     "rlo_steps",
     "run_functional",
@@ -249,6 +281,7 @@ __all__ = [
     "short_form",
     "simulate",
     "simulate_bilinear",
+    "simulate_network",
     "split_stable",
     "state_feedback_margins",
     "sylvester",

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
 from . import bilinear, classics, diagnosis, duan, notes, platform, tutorial
+from . import bilinear, classics, duan, network, notes, platform, tutorial
 from .record import Published, Result, verify_one
 
 __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"]
@@ -21,6 +22,7 @@ def records() -> tuple[Published, ...]:
         *bilinear.RECORDS,
         *classics.RECORDS,
         *diagnosis.RECORDS,
+        *network.RECORDS,
     )
 
 
