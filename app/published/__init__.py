@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
-from . import bilinear, classics, diagnosis, duan, notes, platform, tutorial
-from . import bilinear, classics, duan, network, notes, platform, tutorial
+from . import bilinear, classics, diagnosis, duan, network, notes, platform, tutorial
 from .record import Published, Result, verify_one
 
 __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"]
