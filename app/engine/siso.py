@@ -10,6 +10,7 @@ from scipy.linalg import block_diag
 
 from .errors import EngineError, ShapeError
 from .plant import Plant, as_matrix
+from .pole_sets import Poles
 from .spectrum import frequency_response
 
 __all__ = ["LoopShape", "diagonal_controller", "loop_shaped", "negated", "polynomial_roots", "rational",
@@ -65,7 +66,7 @@ def _corner(value: float, may_be_zero: bool = False) -> float:
     return float(value)
 
 
-def polynomial_roots(polynomial: object) -> np.ndarray:
+def polynomial_roots(polynomial: object) -> Poles:
     """Roots of a polynomial, coefficients from the highest power down; each is as exact as its own conditioning allows.
 
     Eigenvalues of the companion matrix lose the small roots of a badly scaled polynomial; Aberth's iteration on the

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
 from . import bilinear, classics, diagnosis, duan, network, notes, platform, tutorial
+from . import bilinear, classics, duan, notes, platform, platform_siso, tutorial
 from .record import Published, Result, verify_one
 
 __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"]
@@ -18,6 +19,7 @@ def records() -> tuple[Published, ...]:
         *notes.RECORDS,
         *duan.RECORDS,
         *platform.RECORDS,
+        *platform_siso.RECORDS,
         *bilinear.RECORDS,
         *classics.RECORDS,
         *diagnosis.RECORDS,
