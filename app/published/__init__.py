@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
-from . import bilinear, classics, diagnosis, duan, network, notes, platform, tutorial
-from . import bilinear, classics, duan, notes, platform, platform_siso, tutorial
+from . import bilinear, classics, diagnosis, duan, network, notes, platform, platform_siso, tutorial
 from .record import Published, Result, verify_one
 
 __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"]
