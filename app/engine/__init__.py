@@ -80,6 +80,7 @@ from .residual_threshold import (
 from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
 from .sampled_control import SampledController, recursive_controller, sampled_controller
 from .sampled_loop import SampledLoop, sampled_loop
+from .sampled_spectrum import MechanicsResponse, loop_density, mechanics_response
 from .scenario import Run, Scenario
 from .sensitivity import Sensitivity, sensitivity
 from .simulate import autonomous_error, separation_meter, simulate
@@ -126,6 +127,7 @@ __all__ = [
     "LoopMargins",
     "LoopShape",
     "Lqg",
+    "MechanicsResponse",
     "Mixing",
     "Mode",
     "MonteCarlo",
@@ -221,6 +223,7 @@ __all__ = [
     "joseph",
     "kalman_decomposition",
     "load_plant",
+    "loop_density",
     "loop_margins",
     "loop_shaped",
     "lossy_growth",
@@ -234,6 +237,7 @@ __all__ = [
     "mean_square_growth",
     "means_along",
     "measured",
+    "mechanics_response",
     "mixing_matrix",
     "monte_carlo",
     "move_pole",

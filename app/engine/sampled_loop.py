@@ -33,9 +33,10 @@ class SampledLoop:
         m = round(Y w + v), s = clip(U w + T m), w⁺ = F w + F_m m + F_s s + jumps.
 
     F (N×N), F_m (N×p), F_s (N×m), Y (p×N), and U (k, m, N), T (k, m, p) for each sample, the last from then on; F too
-    is (k, N, N), F_m (k, N, p) and F_s (k, N, m). x: where the plant's state stands in w. outputs (q×N): what is
-    recorded beside u. jump (N×r), sensor (p×p): roots of the covariances of a sample's noise. Γ (N×d): what the known
-    disturbances, held over a sample, do.
+    is (k, N, N), F_m (k, N, p) and F_s (k, N, m). x, mechanics, control, bias: where the plant, all that is continuous,
+    the controller and the bias stand in w. ways: whole samples of delay, what the command then due does to the
+    mechanics, and what the one before it still does. outputs (q×N): what is recorded beside u. jump (N×r), sensor
+    (p×p): roots of the covariances of a sample's noise. Gamma (N×d): what the known disturbances do, held over a sample.
     """
 
     F: np.ndarray
@@ -45,7 +46,10 @@ class SampledLoop:
     U: np.ndarray
     T: np.ndarray
     x: slice
+    mechanics: slice
+    control: slice
     bias: slice
+    ways: tuple[int, np.ndarray, np.ndarray]
     outputs: np.ndarray
     jump: np.ndarray
     sensor: np.ndarray
@@ -255,7 +259,8 @@ def _assembled(mechanics: _Mechanics, controller: SampledController, hardware: H
         walk[bias] = hardware.walk * np.sqrt(dt) * np.eye(p)
         jump = np.hstack([jump, walk])
     sensor = np.zeros((p, p)) if V is None else _sensor_root(as_covariance(V, "V", p) / dt)
-    return SampledLoop(F, F_m, F_s, Y, U, controller.D, mechanics.x, bias, shown, jump, sensor,
+    return SampledLoop(F, F_m, F_s, Y, U, controller.D, mechanics.x, slice(0, a), control, bias,
+                       (whole, soon, late), shown, jump, sensor,
                        _padded(Phi1 @ mechanics.known, N), hardware, dt)
 
 

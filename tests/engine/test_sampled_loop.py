@@ -22,8 +22,11 @@ from app.engine import (
     balanced_truncation,
     coil_driver,
     compensator,
+    frequency_response,
+    loop_density,
     lqe,
     lqr,
+    mechanics_response,
     monte_carlo,
     recursive_controller,
     response_measures,
@@ -326,3 +329,21 @@ def test_what_does_not_fit_is_refused() -> None:
         sampled_loop(PLANT, sampled_controller(CONTROLLER, DT), range(2))
     with pytest.raises(ShapeError):
         run_trial(_loop(), 100, disturbance=np.zeros((100, 3)))
+
+
+@pytest.mark.parametrize("hardware", [
+    IDEAL, Hardware(bandwidth=100.0, order=2, delay=1.4e-3, step=1e-6), Hardware(delay=3e-3, walk=1e-7),
+    Hardware(bandwidth=50.0, delay=0.3e-3),
+], ids=["ideal", "driver and delay", "whole delay and walk", "part of a sample"])
+def test_the_two_halves_give_the_density_of_the_whole_loop(hardware: Hardware) -> None:
+    """Plant and controller apart, closed at each frequency, against the transfer function of all states together."""
+    loop, f = _loop(hardware), np.geomspace(0.1, 490, 80)
+    apart = loop_density(loop, mechanics_response(loop, f))
+    assert np.abs(apart / loop.noisy.psd(f, np.eye(7)) - 1).max() < 1e-6
+
+
+def test_without_a_controller_the_density_is_the_plants() -> None:
+    silent = sampled_controller(Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)), DT), DT)
+    loop, f = sampled_loop(PLANT, silent, range(3), W=W, V=V), np.geomspace(0.1, 20, 50)
+    open_loop = np.abs(frequency_response(PLANT.A, PLANT.B[:, 3:], PLANT.C, np.zeros((4, 2)), 2 * np.pi * f)) ** 2
+    assert np.allclose(loop_density(loop, mechanics_response(loop, f))[:, :4], 2e-12 * open_loop.sum(axis=2), rtol=1e-3)
