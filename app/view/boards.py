@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
 
@@ -17,6 +16,7 @@ from ..figures import COLOURS
 from ..lesson import Board
 from . import phrases
 from .meshes import bolt, cross, landscape
+from .pane import GLASS, INK, pane
 from .stage import rgb
 from .ticks import ticks
 
@@ -24,7 +24,8 @@ WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
 PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
 NAME_WIDTH = 0.56  # of a pole's label on the board
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
-GLASS, UNSTABLE, INK = (255, 255, 255), (246, 214, 214), (40, 44, 52)
+MARGIN = 0.15  # glass around the s-plane
+UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
 
 
 class BoardView:
@@ -76,51 +77,30 @@ class BoardView:
     # --- drawing ---------------------------------------------------------------------------------------------------
     def _draw(self, language: str) -> None:
         scene, root, b = self._scene, self._root, self._board
-        scene.add_box(f"{root}/glass", GLASS, (WIDTH + 0.3, 0.04, HEIGHT + 0.3), cast_shadow=False,
+        scene.add_box(f"{root}/glass", GLASS, (WIDTH + 2 * MARGIN, 0.04, HEIGHT + 2 * MARGIN), cast_shadow=False,
                       receive_shadow=False)
-        if b.re_high > 0:
-            left, right = self.local(complex(max(0.0, b.re_low), 0))[0], WIDTH / 2
-            scene.add_box(f"{root}/unstable", UNSTABLE, (right - left, 0.02, HEIGHT), cast_shadow=False,
-                          receive_shadow=False, position=((left + right) / 2, -0.025, 0.0))
+        scene.add_image(f"{root}/face", pane(b, MARGIN / HEIGHT), WIDTH + 2 * MARGIN, HEIGHT + 2 * MARGIN, format="png",
+                        cast_shadow=False, receive_shadow=False, position=(0.0, -0.025, 0.0), wxyz=UPRIGHT)
         for side in (-1, 1):
             scene.add_box(f"{root}/foot{side}", (150, 156, 166), (0.08, 0.5, 0.06), cast_shadow=False,
                           position=(side * WIDTH * 0.42, 0.0, -HEIGHT / 2 - FOOT + 0.03))
             scene.add_box(f"{root}/leg{side}", (150, 156, 166), (0.06, 0.06, FOOT), cast_shadow=False,
                           position=(side * WIDTH * 0.42, 0.02, -HEIGHT / 2 - FOOT / 2))
-        self._draw_grid()
+        self._letter_axes()
         scene.add_label(f"{root}/title", b.title(language), position=(0.0, -0.06, HEIGHT / 2 + 0.33),
                         anchor="bottom-center", font_screen_scale=1.25 * self._size)
 
-    def _draw_grid(self) -> None:
+    def _letter_axes(self) -> None:
         scene, root, b = self._scene, self._root, self._board
-        fine, axes = [], []
         for re in ticks(b.re_low, b.re_high):
-            fine.append((self.local(complex(re, -b.im_high)), self.local(complex(re, b.im_high))))
             x, y, _ = self.local(complex(re, 0))
             scene.add_label(f"{root}/re{re:g}", f"{re:g}".replace("-", "−"), position=(x, y, -HEIGHT / 2 - 0.02),
                             anchor="top-center", font_screen_scale=0.8 * self._size, depth_test=True)
         for im in ticks(-b.im_high, b.im_high, 4):
-            fine.append((self.local(complex(b.re_low, im)), self.local(complex(b.re_high, im))))
             if im != 0:
                 x, y, z = self.local(complex(b.re_high, im))
                 scene.add_label(f"{root}/im{im:g}", f"{im:g}j".replace("-", "−"), position=(x + 0.04, y, z),
                                 anchor="center-left", font_screen_scale=0.8 * self._size, depth_test=True)
-        axes.append((self.local(complex(b.re_low, 0)), self.local(complex(b.re_high, 0))))
-        if b.re_low < 0 < b.re_high:
-            axes.append((self.local(complex(0, -b.im_high)), self.local(complex(0, b.im_high))))
-        arcs = []
-        for radius in ticks(0, abs(b.re_low), 4)[1:]:
-            angle = np.linspace(np.pi / 2, 3 * np.pi / 2, 48)
-            points = [radius * complex(math.cos(a), math.sin(a)) for a in angle]
-            arcs += [(self.local(p), self.local(q)) for p, q in pairwise(points)
-                     if max(abs(p.imag), abs(q.imag)) <= b.im_high and min(p.real, q.real) >= b.re_low]
-        for zeta in (0.2, 0.5, 0.8):
-            for sign in (-1, 1):
-                reach = min(-b.re_low / zeta, b.im_high / math.sqrt(1 - zeta**2))
-                arcs.append((self.local(0j), self.local(reach * complex(-zeta, sign * math.sqrt(1 - zeta**2)))))
-        scene.add_line_segments(f"{root}/grid", np.array(fine, dtype=np.float32), (214, 220, 229), thickness=0.006)
-        scene.add_line_segments(f"{root}/arcs", np.array(arcs, dtype=np.float32), (188, 198, 212), thickness=0.009)
-        scene.add_line_segments(f"{root}/axes", np.array(axes, dtype=np.float32), INK, thickness=0.02)
 
     def show(self, board: Board) -> None:
         """Move the poles to where the design has them."""

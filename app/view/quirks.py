@@ -12,6 +12,30 @@ import viser
 from viser import _messages
 
 STORAGE = "observer-lab"
+COARSE_WHILE_MOVING = """(() => {
+  const page = window.__viserMutable, root = page?.scene?.__r3f?.root;
+  if (!root || page.scene.userData.watched) return;
+  page.scene.userData.watched = true;
+  const SLOW = 34, COARSE = 0.6, REST = 450, COUNT = 9, opened = performance.now(), gaps = [];
+  let last = 0, slow = false, timer = 0;
+  const draw = dpr => { if (root.getState().viewport.dpr !== dpr) root.getState().setDpr(dpr); };
+  page.scene.onAfterRender = () => {
+    const now = performance.now(), gap = now - last;
+    last = now;
+    if (slow || gap > 250 || now - opened < 2500) return;
+    gaps.push(gap);
+    if (gaps.length > COUNT) gaps.shift();
+    slow = gaps.length === COUNT && [...gaps].sort((a, b) => a - b)[COUNT >> 1] > SLOW;
+  };
+  const ask = page.requestRender;
+  page.requestRender = () => {
+    ask();
+    if (!slow) return;
+    draw(COARSE * devicePixelRatio);
+    clearTimeout(timer);
+    timer = setTimeout(() => draw(devicePixelRatio), REST);
+  };
+})()"""
 
 
 def close_share_tunnel(server: viser.ViserServer) -> None:
@@ -61,8 +85,16 @@ def disconnect(server: viser.ViserServer, client: viser.ClientHandle) -> None:
 
 
 def _run(client: viser.ClientHandle, source: str) -> None:
-    """Run a script in one browser: only for the two calls below, for which viser has none."""
+    """Run a script in one browser: only for the calls below, for which viser has none."""
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))
+
+
+def coarse_while_moving(client: viser.ClientHandle) -> None:
+    """On a machine that draws the scene slowly, draw it with fewer pixels while it moves, sharp again when it rests.
+
+    viser lowers the resolution too, but to three quarters and after seconds. Where a frame is quick nothing changes.
+    """
+    _run(client, COARSE_WHILE_MOVING)
 
 
 def write_tab_storage(client: viser.ClientHandle, text: str) -> None:

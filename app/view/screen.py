@@ -76,6 +76,7 @@ class Screen:
             self._stage.furnish()
             self._stage.build(picture.outcome.stage, language, print_size(picture, aspect_of(self._client.camera)))
             if not self._looked:
+                quirks.coarse_while_moving(self._client)
                 self._stage.camera("all")
                 self._stage.follow_window()
                 self._looked = True

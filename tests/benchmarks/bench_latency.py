@@ -5,8 +5,9 @@
 One tab in headless Chromium on loopback. A slider and a pole are dragged with the mouse, one move at a time, each
 after the last has been drawn. The clock starts with the browser's own event and is read in animation frames: "plots"
 is the first frame in which a chart holds new data, "stage" the first after the scene moved and WebGL has drawn it.
-Without a graphics card the 3-D view is rasterised by the processor, which then is most of what is measured: `--scale
-0.25` draws it with a sixteenth of the pixels and leaves everything else as it is, nearer to what a graphics card shows.
+Without a graphics card the 3-D view is rasterised by the processor, which then is most of what is measured, although
+the page draws the moving scene with fewer pixels where frames come slowly. `--scale 0.25` draws it with a sixteenth of
+the pixels and leaves everything else as it is, nearer to what a graphics card shows.
 The page's 50 ms throttle of widgets does not bite here, since a move waits for the last.
 """
 

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 from playwright.sync_api import Error, Locator, Page
 
 FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
-         "--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader",
-         "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+         "--disable-component-update", "--disable-sync",
+         "--enable-unsafe-swiftshader"]
 PATIENCE = 60.0  # s: software rendering on a busy machine is slow, and a test that waits is not a test that fails
 PAUSE = 120  # ms between two actions: the page keeps only the last of several changes within 50 ms
 HARMLESS = (

@@ -53,3 +53,15 @@ def test_a_number_out_of_bounds_costs_one_sentence_and_nothing_else(tab: Tab) ->
     assert tab.shown() == before, "the last good picture stays"
     tab.slide(SLIDER, "ArrowRight", 3)
     eventually(tab.shown, lambda shown: shown != before, "the tab still works")
+
+
+def test_a_slow_machine_draws_the_scene_coarser_while_it_moves_and_sharp_at_rest(new_tab: Callable[..., Tab]) -> None:
+    tab = new_tab(1200, 800)
+    fine = "() => window.__viserMutable.scene.__r3f.root.getState().viewport.dpr === devicePixelRatio"
+    tab.page.evaluate("""() => { window.__viserMutable.scene.onBeforeRender = () => {
+        const begun = performance.now(); while (performance.now() - begun < 45); } }""")
+    tab.predict("skip")
+    tab.key("0")
+    tab.press("▶ play")
+    eventually(lambda: tab.page.evaluate(fine), lambda sharp: not sharp, "fewer pixels while it plays")
+    eventually(lambda: tab.page.evaluate(fine), bool, "all pixels when the run has ended")
