@@ -3,7 +3,7 @@
 With ten states it carries the two small test masses of its inertial sensors ("platform"); in the limit of a very
 stiff servo spring they ride with the deck and six states remain ("deck"). The report that this plant is taken from
 prints its structure and ten Hankel singular values but no matrices: these parameters reproduce the published list,
-so this is a plausible plant, not the only one.
+so this is a plausible plant, not the only one; `platform_calibration` solves for them and says what stays open.
 
 Coordinates q = (x, z, θ, p_L, p_R): centre of mass, pitch with the right side up positive, heights of the test
 masses. M q̈ + D q̇ + K q = G u, y = S q̇, state (q, q̇). Inputs u1, u2 (left and right vertical coil, N), u3
