@@ -13,6 +13,7 @@ from typing import NoReturn
 
 COMMANDS = ("serve", "list", "run", "verify")
 LANGUAGES = ("en", "zh")  # said here, so that a mistyped command is refused before anything heavy is imported
+PLANT_HELP = "your own plant (.json or .mat), or the name of an example"
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
 
 
@@ -59,6 +60,7 @@ def parser() -> argparse.ArgumentParser:
     serve.add_argument("--port", type=_port, default=8080, help="port, or the next free one; 0 for any (default %(default)s)")
     serve.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     serve.add_argument("--lang", choices=LANGUAGES, default="en", help="language that a page opens in")
+    serve.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
     serve.add_argument("--max-sessions", type=_count, default=200, metavar="N", help="most tabs (default %(default)s)")
 
     listing = commands.add_parser("list", help="lessons, their knobs and tasks", allow_abbrev=False)
@@ -69,6 +71,7 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                      help="set a knob; may be repeated, and comes after --state")
     run.add_argument("--state", metavar="FILE", help="start from a design that the app saved")
+    run.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
     run.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
     run.add_argument("--figure", metavar="FILE", help="draw all figures on one page: .png, .svg or .pdf")
     run.add_argument("--csv", metavar="FILE", help="write the data of all figures")
@@ -96,13 +99,14 @@ def _run(options: argparse.Namespace) -> int:
 
     try:
         if options.command == "serve":
-            return commands.serve(options.host, options.port, options.lesson, options.lang, options.max_sessions)
+            return commands.serve(options.host, options.port, options.lesson, options.lang, options.max_sessions,
+                                  options.plant)
         if options.command == "list":
             return commands.list_lessons(options.json)
         if options.command == "verify":
             return commands.verify(options.json)
         request = commands.RunRequest(options.lesson, tuple(options.changes), options.state, options.final,
-                                      options.figure, options.csv)
+                                      options.figure, options.csv, options.plant)
         return commands.run(request, options.json)
     except commands.InputError as problem:
         raise UsageError(str(problem)) from problem

@@ -15,13 +15,18 @@ import numpy as np
 
 from lessons import LESSONS, OPENING
 
+from .engine.convert import load_plant
 from .engine.errors import EngineError
 from .export.data import plain, run_record, save_csv
 from .figures import Figure
 from .knobs import Choice, Knob, KnobError, Number
 from .knobs import Poles as PolesKnob
 from .lesson import Design, Lesson, Outcome
+from .plants.examples import EXAMPLES, example
+from .plants.own import canonical
 from .state import read_design
+
+SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
 
 
 class InputError(Exception):
@@ -38,15 +43,18 @@ class RunRequest:
     final: bool = False
     figure: str | None = None
     csv: str | None = None
+    plant: str | None = None
 
 
-def serve(host: str, port: int, lesson: str | None, language: str, max_sessions: int) -> int:
+def serve(host: str, port: int, lesson: str | None, language: str, max_sessions: int, file: str | None = None) -> int:
     """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
-    opening = find_lesson(lesson or OPENING).id
+    plant = "" if file is None else _plant(file)
+    opening = find_lesson(lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING))
+    _fit(opening, plant)
     _can_listen(host)
     from .view.server import LabServer  # viser is loaded only here
 
-    server = LabServer(LESSONS, host, port, opening, language, max_sessions)
+    server = LabServer(LESSONS, host, port, opening.id, language, max_sessions, plant)
     for ending in (signal.SIGINT, signal.SIGTERM):  # a background shell starts us with SIGINT ignored
         signal.signal(ending, signal.default_int_handler)
     try:
@@ -90,8 +98,8 @@ def list_lessons(as_json: bool) -> int:
 
 def run(request: RunRequest, as_json: bool) -> int:
     """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
-    lesson = find_lesson(request.lesson)
-    design = _design(lesson, request)
+    design = _design(find_lesson(request.lesson), request)
+    lesson = _fit(find_lesson(request.lesson), design.plant)
     try:
         outcome = _outcome(lesson, design, request.final)
         figures = lesson.figures(outcome)
@@ -126,8 +134,13 @@ def find_lesson(id: str) -> Lesson:
 
 
 def _design(lesson: Lesson, request: RunRequest) -> Design:
+    if request.plant is not None and request.state is not None:
+        raise InputError("Give --plant or --state, not both: a saved design brings its own plant.")
     try:
+        if request.plant is not None:
+            lesson = _fit(lesson, _plant(request.plant))
         design = lesson.start() if request.state is None else _state(request.state, lesson)
+        lesson = _fit(find_lesson(lesson.id), design.plant)
         for change in request.changes:
             name, equals, words = change.partition("=")
             if not equals:
@@ -138,6 +151,24 @@ def _design(lesson: Lesson, request: RunRequest) -> Design:
         raise InputError(str(problem)) from problem
     except (OverflowError, RecursionError) as problem:
         raise InputError("The design holds a number or a nesting too large for a computer; simplify it.") from problem
+
+
+def _plant(name: str) -> str:
+    """The canonical text of the plant in a file, or of an example of that name."""
+    try:
+        if name in EXAMPLES:
+            return example(name)
+        return canonical(load_plant(name))
+    except EngineError as problem:
+        raise InputError(str(problem)) from problem
+
+
+def _fit(lesson: Lesson, plant: str) -> Lesson:
+    """The lesson for that plant. Raises InputError where the two do not fit."""
+    try:
+        return lesson.fit(plant)
+    except (EngineError, KnobError) as problem:
+        raise InputError(str(problem)) from problem
 
 
 def _state(name: str, lesson: Lesson) -> Design:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,21 @@ from .engine.simulate import Run
 from .figures import Figure
 from .knobs import Knob, KnobError
 from .plants.body import Body
+from .plants.model import Model
+from .plants.own import own_model, plant_of, without_hold
 from .words import Text, same
 
 
 @dataclass(frozen=True)
 class Design:
-    """Everything a person has chosen in a lesson: the one record that undo, share links, files and tests carry."""
+    """Everything a person has chosen in a lesson: the one record that undo, share links, files and tests carry.
+
+    `plant` is the user's own plant as canonical JSON (`app.plants.own.canonical`), empty for the lesson's own.
+    """
 
     lesson: str
     values: tuple[tuple[str, Any], ...]
+    plant: str = ""
 
     def __getitem__(self, name: str) -> Any:
         for key, value in self.values:
@@ -31,7 +38,7 @@ class Design:
 
     def with_values(self, **changes: Any) -> Design:
         """The same design with some values changed; nothing is checked here, `Lesson.apply` does that."""
-        return Design(self.lesson, tuple((key, changes.get(key, value)) for key, value in self.values))
+        return Design(self.lesson, tuple((key, changes.get(key, value)) for key, value in self.values), self.plant)
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,6 +175,18 @@ class Lesson:
     job: Job | None = None
     pick: Callable[[Outcome, float, float], Mapping[str, Any]] | None = None
     carry: Callable[[Outcome, Outcome], Outcome] | None = None
+    adapt: Callable[[Model], Lesson] | None = None
+    sampled: bool = False
+    plant: str = ""
+
+    def fit(self, plant: str) -> Lesson:
+        """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""
+        if not plant:
+            return self
+        if self.adapt is None:
+            raise KnobError(Text(f"Lesson {self.id} is about its own plant; open the sandbox with yours.",
+                                 f"课程 {self.id} 只针对它自己的对象；请在“沙盒”课中使用你的对象。"))
+        return _fitted(self.adapt, self.sampled, plant)
 
     def knob(self, name: str) -> Knob:
         """The knob of that name. Raises KnobError with the names that exist."""
@@ -180,7 +199,7 @@ class Lesson:
 
     def start(self) -> Design:
         """The design with every knob at its default."""
-        return Design(self.id, tuple((k.name, k.check(k.default)) for k in self.knobs))
+        return Design(self.id, tuple((k.name, k.check(k.default)) for k in self.knobs), self.plant)
 
     def apply(self, design: Design, changes: Mapping[str, Any]) -> Design:
         """The design with validated changes: the only gate to a design. Raises KnobError."""
@@ -195,6 +214,29 @@ class Lesson:
             return True
         name, values = knob.when
         return design[name] in values and self._matters(self.knob(name), design)
+
+
+@lru_cache(maxsize=32)
+def _fitted(adapt: Callable[[Model], Lesson], sampled: bool, text: str) -> Lesson:
+    """The lesson built for a plant, with a line at its head that says whose plant is shown and whose the text means."""
+    plant = plant_of(text)
+    model = own_model(plant if sampled else without_hold(plant))
+    lesson = adapt(model)
+    kept = {task.id for task in lesson.tasks}
+    words = {language: replace(
+        prose, introduction=f"{_whose(model, bool(plant.dt) and not sampled)(language)}\n\n{prose.introduction}",
+        tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
+    return replace(lesson, words=words, plant=text, adapt=adapt, sampled=sampled)
+
+
+def _whose(model: Model, converted: bool) -> Text:
+    p = model.plant
+    hold = (Text(" It came sampled; here it is the continuous plant that a held input turns into those samples.",
+                 "它原是采样对象，这里用的是与之对应的连续对象（零阶保持的逆变换）。") if converted else Text("", ""))
+    name = Text(f"“{model.label.en}”" if p.name else model.label.en, f"“{model.label.zh}”" if p.name else model.label.zh)
+    return Text(f"**This page shows {name.en}** (states {p.n}, inputs {p.m}, outputs {p.p}). Text, prediction and exam item "
+                f"speak of the lesson's own plant.{hold.en}",
+                f"**本页显示的是{name.zh}**（状态 {p.n}，输入 {p.m}，输出 {p.p}）。文字、预测和考题说的是课程自己的对象。{hold.zh}")
 
 
 def student_seed(student: str, task: str) -> int:

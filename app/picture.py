@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -35,6 +36,7 @@ class State:
     exam: Verdict | None = None
     exam_seed: int = 1
     landscape: bool = False
+    plant: str = ""  # the plant that the person brought last, shown now or not
     can_undo: bool = False
     can_redo: bool = False
 
@@ -55,6 +57,18 @@ class Picture:
     def horizon(self) -> float:
         """Length of the run in seconds, 0 without one."""
         return float(self.outcome.stage.t[-1]) if self.outcome.stage is not None else 0.0
+
+    @property
+    def rate(self) -> float:
+        """Seconds of the run in a second of playing: the speed chosen, and for a run far from human times a power of ten."""
+        return self.state.speed * tempo(self.horizon)
+
+
+def tempo(horizon: float) -> float:
+    """1 for a run of 2 to 60 s, else the power of ten that makes it one."""
+    if 2.0 <= horizon <= 60.0 or horizon <= 0:
+        return 1.0
+    return 10.0 ** (math.floor(math.log10(horizon)) - (0 if horizon < 2.0 else 1))
 
 
 class View(Protocol):

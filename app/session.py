@@ -14,15 +14,20 @@ from .edits import SetKnobs
 from .knobs import KnobError, Track
 from .lesson import Task, Verdict
 from .picture import TaskState
+from .plants.examples import example
+from .plants.own import read
 from .tab import FRAME, JUST_ENDED, REST, TabWorker
 from .words import Text
 
-__all__ = ["FRAME", "PREDICT_FIRST", "REST", "SPEEDS", "Session"]
+__all__ = ["FRAME", "PREDICT_FIRST", "REST", "SPEEDS", "YOURS", "Session"]
 
+YOURS = "yours"
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 PREDICT_FIRST = Text("Choose a prediction first; then the run unlocks.", "请先作出预测，之后才能播放。")
 NONSENSE = Text("The browser sent a value that this widget cannot take; nothing was changed.",
                 "浏览器发来的数值不适用于这个控件，未作任何更改。")
+TOO_LARGE = Text("The file is larger than 1 MB, or is not for this button; a plant with 30 states needs far less.",
+                 "文件超过 1 MB，或不是交给这个按钮的；30 个状态的对象远用不了这么大。")
 NOTHING_TO_UNDO = Text("Nothing to undo.", "没有可以撤销的操作。")
 NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
 
@@ -97,6 +102,9 @@ class Session(TabWorker):
     def _do_refuse_value(self, _: Any) -> None:
         raise KnobError(NONSENSE)
 
+    def _do_refuse_file(self, _: Any) -> None:
+        raise KnobError(TOO_LARGE)
+
     def _do_undo(self, _: Any) -> None:
         self._walk(-1, NOTHING_TO_UNDO)
 
@@ -115,6 +123,23 @@ class Session(TabWorker):
         self._adopt(self._lesson.start(), None)
         self._change(playing=False, t=0.0)
         self._view.pose(0.0)
+
+    def _do_upload(self, file: Any) -> None:
+        """The plant in a file that the person chose: (name, bytes)."""
+        name, data = file
+        plant = read(str(name), bytes(data))
+        self._wear(plant)
+        self._change(plant=plant)
+
+    def _do_plant(self, which: Any) -> None:
+        """The plant to show: "" for the lesson's own, "yours" for the one that was brought, or an example's name."""
+        self._wear("" if not which else self._state.plant if which == YOURS else example(str(which)))
+
+    def _wear(self, plant: str) -> None:
+        """Open the lesson at its start with a plant, as one step of undo."""
+        lesson = self._lessons[self._lesson.id].fit(plant)
+        self._adopt(lesson.start(), None)
+        self._change(playing=False, t=0.0)
 
     def _do_predict(self, index: Any) -> None:
         options = self._lesson.words[self._state.language].options

@@ -6,9 +6,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from .engine.errors import EngineError
 from .knobs import KnobError
 from .lesson import Design, Lesson
 from .picture import State
+from .plants.own import canonical, plant_of
 from .words import LANGUAGES, Text
 
 VERSION = 1
@@ -16,7 +18,10 @@ LONGEST = 200_000  # characters of a written design that are read at all
 
 
 def write_design(lesson: Lesson, design: Design) -> str:
-    """The design as JSON: {"version", "lesson", "knobs": {name: text}}; the texts are what `--set` takes."""
+    """The design as JSON: {"version", "lesson", "knobs": {name: text}}; the texts are what `--set` takes.
+
+    A design with the user's own plant has that as "plant" too, in the form of a plant file.
+    """
     return json.dumps(_plain(lesson, design), ensure_ascii=False)
 
 
@@ -37,13 +42,26 @@ def read_design(text: str, lessons: Mapping[str, Lesson]) -> Design:
         name = str(data.get("lesson"))[:40]
         raise KnobError(Text(f"There is no lesson {name}; there are {', '.join(lessons)}.",
                              f"没有课程 {name}；现有：{'、'.join(lessons)}。"))
-    return lesson.apply(lesson.start(), {name: lesson.knob(name).parse(str(value)) for name, value in
+    fitted = _with_plant(lesson, data.get("plant"))
+    return fitted.apply(fitted.start(), {name: fitted.knob(name).parse(str(value)) for name, value in
                                          data["knobs"].items()})
 
 
+def _with_plant(lesson: Lesson, plant: object) -> Lesson:
+    """The lesson for the plant that a design brings. What a file says of a plant passes the same gate as an upload."""
+    if plant is None:
+        return lesson
+    try:
+        return lesson.fit(canonical(plant_of(json.dumps(plant))))
+    except EngineError as problem:
+        raise KnobError(getattr(problem, "text", Text(str(problem), str(problem)))) from problem
+
+
 def _plain(lesson: Lesson, design: Design) -> dict[str, object]:
-    return {"version": VERSION, "lesson": lesson.id,
-            "knobs": {name: lesson.knob(name).show(value) for name, value in design.values}}
+    knobs = lesson.fit(design.plant).knobs if design.plant != lesson.plant else lesson.knobs
+    show = {knob.name: knob.show for knob in knobs}
+    return {"version": VERSION, "lesson": lesson.id, "knobs": {name: show[name](value) for name, value in design.values},
+            **({"plant": json.loads(design.plant)} if design.plant else {})}
 
 
 @dataclass(frozen=True)
@@ -55,12 +73,14 @@ class Tab:
     lecture: bool
     predicted: int | None
     revealed: bool
+    plant: str = ""
 
 
 def write_tab(lesson: Lesson, design: Design, state: State) -> str:
     """The tab as JSON: the design and what the person has chosen around it."""
+    mine = {"yours": json.loads(state.plant)} if state.plant and state.plant != design.plant else {}
     return json.dumps({**_plain(lesson, design), "language": state.language, "lecture": state.lecture,
-                       "predicted": state.predicted, "revealed": state.revealed}, ensure_ascii=False)
+                       "predicted": state.predicted, "revealed": state.revealed, **mine}, ensure_ascii=False)
 
 
 def read_tab(text: str | None, lessons: Mapping[str, Lesson]) -> Tab | None:
@@ -74,4 +94,12 @@ def read_tab(text: str | None, lessons: Mapping[str, Lesson]) -> Tab | None:
     predicted = data.get("predicted")
     return Tab(design, data.get("language") if data.get("language") in LANGUAGES else "en", data.get("lecture") is True,
                predicted if isinstance(predicted, int) and -1 <= predicted < options else None,
-               data.get("revealed") is True)
+               data.get("revealed") is True, _yours(data.get("yours")) or design.plant)
+
+
+def _yours(plant: object) -> str:
+    """The plant that the person brought and does not show just now."""
+    try:
+        return canonical(plant_of(json.dumps(plant))) if plant is not None else ""
+    except EngineError:
+        return ""

@@ -37,6 +37,11 @@ BROKEN = Text("The lesson could not compute this design ({0}); the last good pic
               "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
 
 
+def sentence(problem: EngineError | KnobError) -> Text:
+    """What an error says, in both languages where it knows both."""
+    return getattr(problem, "text", None) or Text(str(problem), str(problem))
+
+
 def _grouped(edits: list[SetKnobs | Do]) -> Iterator[list[SetKnobs] | Do]:
     """Neighbouring knob changes together, commands one by one, all in order."""
     waiting: list[SetKnobs] = []
@@ -67,7 +72,7 @@ class TabWorker:
     """One tab at work. `step` does everything that is due; `start` runs it on a thread of its own."""
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
-                 clock: Callable[[], float] = time.monotonic, exam_seed: int = 1) -> None:
+                 clock: Callable[[], float] = time.monotonic, exam_seed: int = 1, plant: str = "") -> None:
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._lessons = dict(lessons)
@@ -76,7 +81,7 @@ class TabWorker:
         self._mailbox = Mailbox()
         self._desks: dict[str, _Desk] = {}
         self._cache: OrderedDict[Design, tuple[Outcome, tuple[Figure, ...]]] = OrderedDict()
-        self._state = State(language=language, exam_seed=exam_seed)
+        self._state = State(language=language, exam_seed=exam_seed, plant=plant)
         self._lesson = self._lessons[lesson]
         self._picture: Picture | None = None
         self._job: Iterator[tuple[float, Outcome]] | None = None
@@ -141,9 +146,11 @@ class TabWorker:
         """Compute the lesson's present design and lay the screen out."""
         self._job = None
         try:
+            self._lesson = self._lesson_for(self._desk().history.design)
             outcome, figures = self._compute(self._desk().history.design)
         except Exception:
             log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self._lesson.id)
+            self._lesson = self._lessons[self._lesson.id]
             self._desks[self._lesson.id] = _Desk(History(self._lesson.start()))
             outcome, figures = self._compute(self._desk().history.design)
         desk = self._desk()
@@ -162,7 +169,7 @@ class TabWorker:
         if tab is None:
             return
         self._lesson = self._lessons[tab.design.lesson]
-        self._state = replace(self._state, language=tab.language, lecture=tab.lecture)
+        self._state = replace(self._state, language=tab.language, lecture=tab.lecture, plant=tab.plant)
         self._desks[self._lesson.id] = _Desk(History(tab.design), tab.predicted, tab.revealed)
 
     def step(self, wait: float | None = 0.0) -> None:
@@ -194,8 +201,26 @@ class TabWorker:
 
     def _desk(self) -> _Desk:
         if self._lesson.id not in self._desks:
-            self._desks[self._lesson.id] = _Desk(History(self._lesson.start()))
+            self._desks[self._lesson.id] = _Desk(History(self._first().start()))
         return self._desks[self._lesson.id]
+
+    def _first(self) -> Lesson:
+        """The lesson as it opens first in this tab: the plant that was shown comes along where it fits."""
+        lesson = self._lessons[self._lesson.id]
+        plant = self._state.plant if self._picture is None else self._picture.design.plant
+        if not plant or lesson.adapt is None:
+            return lesson
+        try:
+            return lesson.fit(plant)
+        except (EngineError, KnobError) as problem:
+            self._view.say(sentence(problem), False)
+            return lesson
+
+    def _lesson_for(self, design: Design) -> Lesson:
+        """The lesson built for the plant that a design brings."""
+        if design.plant == self._lesson.plant:
+            return self._lesson
+        return self._lessons[design.lesson].fit(design.plant)
 
     def _compute(self, design: Design) -> tuple[Outcome, tuple[Figure, ...]]:
         known = self._cache.get(design)
@@ -222,12 +247,10 @@ class TabWorker:
 
     def _refuse(self, problem: Exception, command: bool = False) -> None:
         """Say in one sentence why something was not done, and show the last good picture again."""
-        text = getattr(problem, "text", None)
-        if isinstance(problem, EngineError):
-            text = Text(str(problem), str(problem))
-        if text is None:
-            words = f"{type(problem).__name__}: {problem}"[:160]
-            text = (NOT_DONE if command else BROKEN).format(words)
+        if isinstance(problem, (EngineError, KnobError)):
+            text = sentence(problem)
+        else:
+            text = (NOT_DONE if command else BROKEN).format(f"{type(problem).__name__}: {problem}"[:160])
         self._view.say(text, True)
         self._resting = True
         self._redraw()
@@ -268,18 +291,25 @@ class TabWorker:
 
     def _draw_present(self, before: tuple[tuple[Design, ...], int]) -> None:
         """Show the history's present design; if that fails, go back to where the history stood `before`."""
-        history, picture, resting, state = self._desk().history, self._picture, self._resting, self._state
+        history, picture, resting, state, lesson = (self._desk().history, self._picture, self._resting, self._state,
+                                                    self._lesson)
         try:
+            self._lesson = self._lesson_for(history.design)
             outcome, figures = self._compute(history.design)
             horizon = float(outcome.stage.t[-1]) if outcome.stage is not None else 0.0
             self._state = replace(self._state, t=min(self._state.t, horizon))
             self._resting = False
             self._picture = self._make(history.design, outcome, figures)
+            if self._lesson is not lesson:  # other knobs, other figures
+                self._view.build(self._picture)
             self._view.show(self._picture)
             self._view.pose(self._state.t)
         except Exception:
+            rebuilt = self._picture is not picture and self._lesson is not lesson
             history.restore(before)
-            self._picture, self._resting, self._state = picture, resting, state
+            self._picture, self._resting, self._state, self._lesson = picture, resting, state, lesson
+            if rebuilt and picture is not None:
+                self._view.build(picture)
             raise
         if self._job is not None:
             self._cancel(silent=True)
@@ -288,7 +318,7 @@ class TabWorker:
     def _tick(self, now: float) -> None:
         if self._picture is None:
             return
-        t = self._state.t + min(now - self._last_tick, 0.25) * self._state.speed
+        t = self._state.t + min(now - self._last_tick, 0.25) * self._picture.rate
         self._last_tick = now
         ended = t >= self._picture.horizon
         self._state = replace(self._state, t=min(t, self._picture.horizon), playing=not ended)

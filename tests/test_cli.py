@@ -130,7 +130,7 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["frob"], "no command frob"),
     (["run"], "LESSON"),
     (["run", "nope"], "no lesson nope"),
-    (["run", "separation", "--plant", "x.json"], "--plant"),
+    (["run", "separation", "--plant", "x.json"], "x.json cannot be read"),
     (["run", "separation", "--js"], "--js"),
     (["run", "separation", "--set", "delay"], "no equals sign"),
     (["run", "separation", "--set", "foo=1"], "no knob foo"),

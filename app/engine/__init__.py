@@ -8,7 +8,7 @@ from .bilinear_run import BilinearRun, simulate_bilinear
 from .canonise import Canonisation, canonise, canonise_right
 from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
 from .consistency import InnovationTest, SquaredError, Whiteness, chi2_band, innovation_test, nees, nis, whiteness
-from .convert import from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
+from .convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
 from .coprime import CoprimeFactors, coprime_factors
 from .decomposition import KalmanDecomposition, kalman_decomposition, reachable_subspace, unobservable_subspace
 from .diophantine import Diophantine, diophantine, sylvester
@@ -49,6 +49,7 @@ from .intermittent import (
     measured,
     riccati_step,
 )
+from .hold import continuous_of
 from .jacobian import columns, each_column, expand, jacobian
 from .kalman import KalmanFilter, gain_of, joseph, short_form
 from .linear_filter import LinearFilter
@@ -87,6 +88,7 @@ from .simulate import autonomous_error, separation_meter, simulate
 from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
 from .spectrum import Spectrum, amplitude_response, frequency_response, psd
 from .square_root import SquareRootFilter
+from .starting import StartingGain, shift_observer, shift_poles, starting_feedback, starting_observer, typical_rate
 from .track import Schedule, Track, as_record, means_along
 from .trial import ResponseMeasures, Trial, response_measures, run_trial
 from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
@@ -164,6 +166,7 @@ __all__ = [
     "SquareRootFilter",
     "SquaredError",
     "StableSplit",
+    "StartingGain",
     "Track",
     "TransferFunction",
     "Trial",
@@ -189,6 +192,7 @@ __all__ = [
     "coil_driver",
     "columns",
     "compensator",
+    "continuous_of",
     "controllability",
     "coprime_factors",
     "coupling",
@@ -262,6 +266,7 @@ __all__ = [
     "reachability_gramian",
     "reachable_subspace",
     "realise",
+    "read_plant",
     "recover",
     "recover_at_output",
     "recovery_map",
@@ -282,11 +287,15 @@ __all__ = [
     "sensitivity",
     "separation_meter",
     "series",
+    "shift_observer",
+    "shift_poles",
     "short_form",
     "simulate",
     "simulate_bilinear",
     "simulate_network",
     "split_stable",
+    "starting_feedback",
+    "starting_observer",
     "state_feedback_margins",
     "sylvester",
     "symmetric",
@@ -296,6 +305,7 @@ __all__ = [
     "to_tf",
     "transmission_zeros",
     "unknown_input_observer",
+    "typical_rate",
     "unobservable_subspace",
     "vertices",
     "welch_expectation",

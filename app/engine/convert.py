@@ -22,7 +22,7 @@ from .plant import Plant
 if TYPE_CHECKING:
     import control  # imported where it is used: it takes a second to load
 
-__all__ = ["from_control", "from_json", "from_mat", "load_plant", "to_control", "to_json", "to_mat"]
+__all__ = ["from_control", "from_json", "from_mat", "load_plant", "read_plant", "to_control", "to_json", "to_mat"]
 
 MAX_STATES, MAX_SIGNALS, MAX_BYTES, MAX_NAME = 30, 16, 1_000_000, 100
 _FORMAT = "observer-lab plant"
@@ -186,16 +186,27 @@ def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
 
 def load_plant(path: str | os.PathLike[str]) -> Plant:
     """A plant from a file, by its suffix: .json or .mat. Raises EngineError for any other, and as they do."""
-    suffix = Path(path).suffix.lower()
-    if suffix == ".mat":
-        return from_mat(path)
-    if suffix != ".json":
-        raise EngineError("A plant file must end in .json or .mat.")
+    _known(Path(path).name)
+    return read_plant(Path(path).name, _bytes_of(path))
+
+
+def read_plant(name: str, data: bytes) -> Plant:
+    """A plant from the bytes of a file of that name, as `load_plant` reads it."""
+    if _known(name) == ".mat":
+        return from_mat(data)
+    _check_size(len(data))
     try:
-        text = _bytes_of(path).decode("utf-8-sig")
+        text = data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
         raise EngineError("The JSON file must be UTF-8 text; save it again from the lab.") from problem
     return from_json(text)
+
+
+def _known(name: str) -> str:
+    suffix = Path(name).suffix.lower()
+    if suffix not in (".json", ".mat"):
+        raise EngineError("A plant file must end in .json or .mat.")
+    return suffix
 
 
 def to_control(plant: Plant) -> control.StateSpace:

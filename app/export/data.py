@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -103,7 +104,8 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
 
     Complex numbers are [re, im]; NaN and infinity, which JSON has not, are null. `series` holds the run's time-first
     arrays t (n_t,), x, xhat, e, u_asked, u_applied, y, yhat, w, v (n_t, …) in SI units; a lesson whose run is of another
-    kind gives t, x, xhat, u as its stage plays them. It is empty where nothing moves.
+    kind gives t, x, xhat, u as its stage plays them. It is empty where nothing moves. A design with the user's own plant
+    has "plant" too, in the form of a plant file.
     """
     return {
         "lesson": design.lesson,
@@ -114,6 +116,7 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
         "checks": [{"id": c.id, "text": {"en": c.text.en, "zh": c.text.zh}, "holds": bool(c.holds),
                     "value": plain(c.value)} for c in outcome.checks],
         "series": _series(outcome),
+        **({"plant": json.loads(design.plant)} if design.plant else {}),
     }
 
 

@@ -104,7 +104,8 @@ class Body:
 
     `pose(x, gain)` places every part for the state x (SI units); `gain` is how many times motion is exaggerated.
     `arrows(x, u, gain)` draws the inputs; `anchors(x, gain)` are the points that thin lines join from the plant to
-    its ghost, so that the error can be seen. `gain` is the default exaggeration, shown beside the plant.
+    its ghost, so that the error can be seen. `gain` is the default exaggeration, shown beside the plant. `labels` are
+    words that stand on the stage and where.
     """
 
     parts: tuple[Part, ...]
@@ -113,6 +114,7 @@ class Body:
     anchors: Callable[[Sequence[float], float], tuple[Vector, ...]]
     gain: float = 1.0
     caption: Text = field(default_factory=lambda: same(""))
+    labels: tuple[tuple[str, Vector], ...] = ()
 
 
 def about_y(angle: float) -> Quaternion:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..engine.plant import Plant
+from ..engine.starting import StartingGain
 from ..words import Text
 from .body import Body
 
@@ -42,6 +43,9 @@ class Model:
     the kick button gives; `watched`: the signals a person follows, the most telling first; `u_max`: a natural input
     limit per input; `input_unit` and `input_scale`: how inputs are shown; `controls`: which inputs a controller may
     drive, all of them if empty, the others being disturbances.
+
+    A plant that a person brought has gains to start from, `controller` and `observer`; its `controller_poles` and
+    `observer_poles` are those that stand on a board, and the others stay where these gains put them.
     """
 
     id: str
@@ -63,6 +67,8 @@ class Model:
     input_scale: float = 1.0
     source: str = ""
     controls: tuple[int, ...] = ()
+    controller: StartingGain | None = None
+    observer: StartingGain | None = None
 
     @property
     def controlled(self) -> Plant:

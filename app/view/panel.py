@@ -12,6 +12,7 @@ from ..knobs import Knob, Poles
 from ..picture import Picture, TaskState
 from . import phrases
 from .knobs import Widget, make_widget
+from .plants import PlantRow
 from .prose import mathml, render
 
 Post = Callable[[SetKnobs | Do], None]
@@ -32,7 +33,10 @@ class Panel:
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
         self._bar: Any = None
         self._job: viser.GuiButtonHandle | None = None
+        self._plants: PlantRow | None = None
         self._head(picture)
+        if self._lesson.adapt is not None:
+            self._plants = PlantRow(gui, picture, post)
         self._predict()
         self._knobs()
         self._numbers(picture)
@@ -166,6 +170,8 @@ class Panel:
             widget.show(picture.design[name], seen, picture.resting)
             if name in self._folders and self._folders[name].visible != seen:
                 self._folders[name].visible = seen
+        if self._plants is not None:
+            self._plants.show(picture)
         if picture.resting:
             self._show_numbers(picture)
         self._show_prediction(picture)

@@ -77,6 +77,42 @@ def accept_values_only(client: viser.ClientHandle, refused: Callable[[], None]) 
     connection.register_handler(_messages.GuiUpdateMessage, guarded)
 
 
+def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused: Callable[[], None]) -> None:
+    """Let a browser send files to upload buttons alone, one at a time, and none beyond `most_bytes`.
+
+    viser gathers the parts of whatever is announced, to any widget, without a bound. Here a transfer that announces too
+    much, or sends more than it announced, is dropped before it is gathered, and `refused` is called once for it.
+    """
+    connection, gui = client._websock_connection, client.gui
+    start, part = gui._handle_file_transfer_start, gui._handle_file_transfer_part
+    connection.unregister_handler(_messages.FileTransferStartUpload, start)
+    connection.unregister_handler(_messages.FileTransferPart, part)
+
+    async def starts(client_id: Any, message: _messages.FileTransferStartUpload) -> None:
+        handle = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
+        sizes = (message.size_bytes, message.part_count)
+        whole = all(isinstance(size, int) and 0 <= size <= most_bytes for size in sizes)
+        if not isinstance(handle, viser.GuiUploadButtonHandle) or not whole or not isinstance(message.filename, str):
+            refused()
+            return
+        gui._drop_uploads_from_client(client_id)
+        start(client_id, message)
+
+    async def goes_on(client_id: Any, message: _messages.FileTransferPart) -> None:
+        state = gui._current_file_upload_states.get(message.transfer_uuid)
+        if state is None:
+            return
+        content = message.content
+        if not isinstance(content, bytes) or state["transferred_bytes"] + len(content) > state["total_bytes"]:
+            gui._drop_uploads_from_client(client_id)
+            refused()
+            return
+        part(client_id, message)
+
+    connection.register_handler(_messages.FileTransferStartUpload, starts)
+    connection.register_handler(_messages.FileTransferPart, goes_on)
+
+
 def disconnect(server: viser.ViserServer, client: viser.ClientHandle) -> None:
     """Close one connection."""
     connection = server._websock_server._live_connections.get(client.client_id)

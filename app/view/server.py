@@ -11,6 +11,7 @@ from ..edits import Do
 from ..lesson import Lesson
 from ..session import Session
 from . import quirks
+from .plants import MOST_BYTES
 from .screen import Screen
 
 log = logging.getLogger(__name__)
@@ -20,9 +21,9 @@ class LabServer:
     """Observer Lab on a port: every tab that connects gets a session, every tab that leaves takes it away."""
 
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
-                 lesson: str = "separation", language: str = "en", max_sessions: int = 200) -> None:
+                 lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "") -> None:
         self._lessons = lessons
-        self._lesson, self._language, self._max = lesson, language, max_sessions
+        self._lesson, self._language, self._max, self._plant = lesson, language, max_sessions, plant
         self._sessions: dict[int, Session] = {}
         self._server = viser.ViserServer(host=host, port=port, label="Observer Lab", verbose=False)
         quirks.close_share_tunnel(self._server)
@@ -50,9 +51,10 @@ class LabServer:
                                     color="red")
             return
         screen = Screen(client)
-        session = Session(self._lessons, screen, self._lesson, self._language)
+        session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant)
         screen.attach(session.post)
         quirks.accept_values_only(client, lambda: session.post(Do("refuse_value")))
+        quirks.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Do("refuse_file")))
         self._sessions[client.client_id] = session
         session.start()
 

@@ -54,6 +54,7 @@ class StageView:
         self._forces: viser.ArrowsHandle | None = None
         self._errors: viser.LineSegmentsHandle | None = None
         self._clouds: list[viser.IcosphereHandle] = []
+        self._names: list[viser.LabelHandle] = []
         self._stage: Stage | None = None
         self._preset, self._aspect = "all", 1.0
 
@@ -98,7 +99,7 @@ class StageView:
         """Put a plant on the stage, instead of the last one."""
         self._last, self._solid, self._ghost = {}, {}, {}
         self._forces = self._errors = None
-        self._clouds = []
+        self._clouds, self._names = [], []
         self._stage, self._body = stage, stage.body if stage is not None else None
         if stage is None:
             return
@@ -116,6 +117,8 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         self._factor(body, language, size)
+        self._names = [self._scene.add_label(f"/name/{i}", words, position=place, anchor="top-center",
+                                             font_screen_scale=0.75 * size) for i, (words, place) in enumerate(body.labels)]
 
     def _factor(self, body: Body, language: str, size: float) -> None:
         """How many times motion is exaggerated, beside the plant."""
@@ -138,7 +141,7 @@ class StageView:
     def show(self, stage: Stage | None, language: str, size: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
-            for handle in (*self._solid.values(), *self._ghost.values(), *self._clouds):
+            for handle in (*self._solid.values(), *self._ghost.values(), *self._clouds, *self._names):
                 handle.remove()
             self.build(stage, language, size)
         self._stage = stage

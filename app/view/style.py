@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 SHEET = """
 :root{--mantine-scale:%(scale)s}
 .ol-caption{font-size:calc(.8rem*var(--mantine-scale));line-height:1.35;margin:.1rem .6rem .5rem;color:#3a404a}
@@ -44,5 +46,7 @@ def sheet(lecture: bool, veiled: bool) -> str:
 def clock(t: float, horizon: float, speed: float, caption: str) -> str:
     """The cursor in all time plots and the clock beside the transport, in one element."""
     share = t / horizon if horizon > 0 else 0.0
+    digits = 2 if horizon >= 2 or horizon <= 0 else 2 - math.floor(math.log10(horizon))
     return (f"<style>:root{{--ol-t:{share:.4f}}}</style>"
-            f'<div class="ol-note">t = {t:.2f} s <span style="color:#8a8f98">/ {horizon:g} s · {speed:g}× &emsp;{caption}</span></div>')
+            f'<div class="ol-note">t = {t:.{digits}f} s '
+            f'<span style="color:#8a8f98">/ {horizon:g} s · {speed:g}× &emsp;{caption}</span></div>')

@@ -22,10 +22,10 @@ class Transport:
     def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[SetKnobs | Do], None]) -> None:
         lang = picture.state.language
         self._lang = lang
-        self._count, self._rate = 0, picture.state.speed
+        self._count, self._rate = 0, picture.rate
         stage = picture.outcome.stage
         self._caption = html.escape(stage.body.caption(lang)) if stage is not None else ""
-        self._horizon = max(picture.horizon, 0.01)
+        self._horizon = picture.horizon or 0.01
         panel = gui.add_panel()
         with panel.add_tab(phrases.TRANSPORT(lang)):
             names = {phrases.PLAY(lang): "play", phrases.PAUSE(lang): "play", phrases.KICK(lang): "kick",
@@ -34,7 +34,7 @@ class Transport:
                      phrases.RESET(lang): "reset", phrases.HELP(lang): "help"}
             self._row = gui.add_button_group("", self._options(picture))
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, self._horizon / 500, 0.0)
-            self._clock = gui.add_html(clock(0.0, picture.horizon, picture.state.speed, self._caption))
+            self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
         panel.float(x=12, y=-12, width=600)
         self._listen(names, post)
 
@@ -61,8 +61,8 @@ class Transport:
         options = self._options(picture)
         if self._row.options != options:
             self._row.options = options
-        if self._rate != picture.state.speed:
-            self._rate = picture.state.speed
+        if self._rate != picture.rate:
+            self._rate = picture.rate
             self._clock.content = clock(picture.state.t, picture.horizon, self._rate, self._caption)
         if picture.horizon > 0 and picture.horizon != self._horizon:
             self._horizon = picture.horizon

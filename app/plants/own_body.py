@@ -1,0 +1,98 @@
+"""A body for any plant: a glass tube for each state, a bead in it as high as the state, and the ghost's bead beside.
+
+Up to ten tubes stand in one row; more stand in rows behind, each a step higher. A lamp is lit over a state that an
+output reads by itself; arrows in front of the first row are the inputs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from ..words import Text
+from .body import (
+    DARK,
+    METAL,
+    PLANT,
+    STEEL,
+    Arrow,
+    Ball,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    Pose,
+    Rod,
+    Vector,
+    bounded,
+    force_arrow,
+)
+
+WIDTH, MOST_IN_ROW, MOST_ARROWS = 4.2, 10, 4
+GLASS, LIT, UNLIT = "#DCE8F2", "#FFF3C4", "#5A616C"
+FRONT, APART, STEP = -0.35, 0.62, 0.5  # y of the first row, distance to the next, how much higher it stands
+
+
+def rows_of(count: int) -> tuple[int, ...]:
+    """How many tubes stand in each row, the longest in front."""
+    rows = max(1, math.ceil(count / MOST_IN_ROW))
+    return tuple(count // rows + (1 if i < count % rows else 0) for i in range(rows))
+
+
+def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[int], strongest: Sequence[float]) -> Body:
+    """Tubes for states called `names`; a state of size `full` is drawn at about the end of its tube.
+
+    `measured`: states that an output reads alone. `strongest`: per input the value whose arrow is longest.
+    """
+    count, rows = len(names), rows_of(len(names))
+    tall = 0.62 if len(rows) == 1 else 0.42  # half the height of a tube
+    gap = min(0.75, WIDTH / rows[0])
+    radius, lit = min(0.13, 0.3 * gap), frozenset(measured)
+    feet = tuple(((j - (size - 1) / 2) * gap, FRONT + APART * i, 0.16 + STEP * i)
+                 for i, size in enumerate(rows) for j in range(size))
+    parts, fixed = _stand(rows, gap)
+    for k, (x, y, foot) in enumerate(feet):
+        parts += [Part(f"tube {k}", Cylinder(radius, 2 * tall), GLASS, opacity=0.3),
+                  Part(f"socket {k}", Cylinder(1.25 * radius, 0.06), METAL),
+                  Part(f"zero {k}", Cylinder(1.12 * radius, 0.014), STEEL),
+                  Part(f"stem {k}", Rod(0.4 * radius), PLANT, opacity=0.6),
+                  Part(f"bead {k}", Ball(0.82 * radius), PLANT, twin=True),
+                  Part(f"lamp {k}", Ball(0.5 * radius), LIT if k in lit else UNLIT)]
+        fixed |= {f"tube {k}": Pose((x, y, foot + tall)), f"socket {k}": Pose((x, y, foot + 0.01)),
+                  f"zero {k}": Pose((x, y, foot + tall)), f"lamp {k}": Pose((x, y, foot + 2 * tall + 0.6 * radius))}
+
+    def height(k: int, value: float, gain: float) -> float:
+        return feet[k][2] + tall + bounded(0.75 * tall * gain * value / full[k], tall - 0.7 * radius)
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        poses = dict(fixed)
+        for k, (across, y, foot) in enumerate(feet):
+            top = height(k, float(x[k]), gain)
+            poses[f"bead {k}"] = Pose((across, y, top))
+            poses[f"stem {k}"] = Pose((across, y, foot), scale=(1.0, 1.0, top - foot))
+        return poses
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        drawn = min(len(strongest), MOST_ARROWS)
+        return tuple(force_arrow(((j - (drawn - 1) / 2) * 0.5, FRONT - 0.55, 0.5), (0.0, 0.0, 1.0), float(u[j]), strongest[j])
+                     for j in range(drawn))
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return tuple((across, y, height(k, float(x[k]), gain)) for k, (across, y, _) in enumerate(feet))
+
+    labels = tuple((name, (x, y - 1.5 * radius, foot - 0.03)) for name, (x, y, foot) in zip(names, feet, strict=True)
+                   ) if count <= MOST_IN_ROW else ()
+    seen = Text(" A lit lamp: that state is measured by itself.", "亮灯：该状态被直接测量。") if lit else Text("", "")
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
+        f"One tube a state, from left to right and front to back; green arrows: inputs.{seen.en}",
+        f"每个管子是一个状态，自左至右、由前向后；绿色箭头为输入。{seen.zh}"), labels)
+
+
+def _stand(rows: tuple[int, ...], gap: float) -> tuple[list[Part], dict[str, Pose]]:
+    """The steps that the rows stand on."""
+    parts, poses = [], {}
+    for i, size in enumerate(rows):
+        high = 0.13 + STEP * i
+        parts.append(Part(f"step {i}", Box((max(size * gap + 0.2, 1.0), APART - 0.08, high), 0.03), DARK))
+        poses[f"step {i}"] = Pose((0.0, FRONT + APART * i, high / 2))
+    return parts, poses

@@ -1,0 +1,73 @@
+"""Whose plant a lesson shows: its own, an example, or the one in a file that the person chooses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import viser
+
+from ..edits import Do, SetKnobs
+from ..picture import Picture
+from ..plants.examples import EXAMPLES, example
+from ..plants.own import label_of, plant_of
+from ..session import YOURS
+from ..words import Text
+from . import phrases
+
+MOST_BYTES = 1_000_000
+OWN = ""
+
+
+@lru_cache(maxsize=64)
+def named(plant: str) -> Text:
+    """What a plant in its canonical text is called."""
+    return label_of(plant_of(plant))
+
+
+class PlantRow:
+    """A dropdown of plants and a button that takes a file."""
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[SetKnobs | Do], None]) -> None:
+        self._language = picture.state.language
+        self._words = self._choices(picture)
+        now = self._words[self._present(picture)]
+        self._choice = gui.add_dropdown(phrases.PLANT(self._language), tuple(self._words.values()), initial_value=now)
+        self._upload = gui.add_upload_button(phrases.UPLOAD(self._language), hint=phrases.UPLOAD_HINT(self._language),
+                                             mime_type=".json,.mat")
+
+        @self._choice.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if event.client_id is not None:
+                keys = {words: key for key, words in self._words.items()}
+                post(Do("plant", keys.get(event.target.value, OWN)))
+
+        @self._upload.on_upload
+        async def _(event: viser.GuiEvent) -> None:
+            file = event.target.value
+            post(Do("upload", (file.name, file.content[:MOST_BYTES + 1])))
+
+    def _choices(self, picture: Picture) -> dict[str, str]:
+        """The key of each plant and what the dropdown calls it."""
+        found = {OWN: phrases.OWN_PLANT(self._language)}
+        found |= {key: phrases.EXAMPLE.format(it.label(self._language))(self._language) for key, it in EXAMPLES.items()}
+        brought = picture.design.plant if self._present(picture) == YOURS else picture.state.plant
+        if brought:
+            found[YOURS] = phrases.YOURS.format(named(brought)(self._language))(self._language)
+        return found
+
+    def _present(self, picture: Picture) -> str:
+        plant = picture.design.plant
+        if not plant:
+            return OWN
+        return next((key for key in EXAMPLES if example(key) == plant), YOURS)
+
+    def show(self, picture: Picture) -> None:
+        """The plant that is shown now."""
+        words = self._choices(picture)
+        if words != self._words:
+            self._words = words
+            self._choice.options = tuple(words.values())
+        now = words[self._present(picture)]
+        if self._choice.value != now:
+            self._choice.value = now
