@@ -150,7 +150,7 @@ class Poles(Knob):
         return self._paired(poles)
 
     def _paired(self, poles: list[complex]) -> tuple[complex, ...]:
-        tiny = 1e-9 * max(1.0, *(abs(p) for p in poles))
+        tiny = 1e-9 * max([1.0, *(abs(p) for p in poles)])
         upper = [p for p in poles if p.imag > tiny]
         lower = [p for p in poles if p.imag < -tiny]
         paired = [complex(p.real, 0.0) for p in poles if abs(p.imag) <= tiny]

@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
-from app.engine import EngineError, Plant, Run, lqe, lqr, observer_gain, place
+from app.engine import (
+    EngineError,
+    Plant,
+    Run,
+    StartingGain,
+    lqe,
+    lqr,
+    observer_gain,
+    place,
+    shift_observer,
+    shift_poles,
+)
 from app.figures import Curve, TimeFigure
-from app.knobs import Choice, Number, Poles
-from app.lesson import Board, Design, Stage
-from app.plants.model import Model, Signal
+from app.knobs import Choice, KnobError, Number, Poles
+from app.lesson import Board, Design, Lesson, Stage, Task
+from app.plants.model import Model, Signal, Window
 from app.words import Text, same
 
+MOST_ENTRIES = 24  # of a matrix that is written out
 BY_POLES, BY_WEIGHTS = "poles", "weights"
 TIME_TAB = Text("Time", "时间")
 ERROR_TAB = Text("Error and input", "误差与输入")
@@ -37,11 +50,11 @@ def pole_knobs(model: Model) -> tuple[Poles, Poles]:
     when = ("method", (BY_POLES,))
     return (
         Poles("controller_poles", "p", Text("Controller poles", "控制器极点"), "rad/s", default=model.controller_poles,
-              re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, role="plant", when=when,
+              re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, role="plant", when=when, hidden=not model.controller_poles,
               hint=Text("Where eig(A − BK) is to lie: farther left is faster and asks for more input.",
                         "eig(A − BK) 的位置：越靠左越快，所需的输入也越大。")),
         Poles("observer_poles", "q", Text("Observer poles", "观测器极点"), "rad/s", default=model.observer_poles,
-              re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, role="estimate", when=when,
+              re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, role="estimate", when=when, hidden=not model.observer_poles,
               hint=Text("Where eig(A − LC) is to lie: farther left forgets a wrong start sooner.",
                         "eig(A − LC) 的位置：越靠左，初始误差消失得越快。")),
     )
@@ -76,14 +89,62 @@ def by_hand(design: Design) -> bool:
     return dict(design.values).get("method", BY_POLES) == BY_POLES
 
 
-def gains(design: Design, plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-    """K and L of a design: by placement, or by LQR and LQE from the weights."""
+def gains(design: Design, plant: Plant, model: Model | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """K and L of a design: by poles, or by LQR and LQE from the weights. `model` where the plant is a person's own."""
     if by_hand(design):
-        return (place(plant.A, plant.B, design["controller_poles"]).gain,
-                observer_gain(plant.A, plant.C, design["observer_poles"]).gain)
+        return feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
     Q, R = design["q"] * plant.C.T @ plant.C, design["r"] * np.eye(plant.m)
     W, V = design["w"] * np.eye(plant.m), design["v"] * np.eye(plant.p)
     return lqr(plant.A, plant.B, Q, R).gain, lqe(plant.A, plant.B, plant.C, W, V).gain
+
+
+def feedback(plant: Plant, poles: Sequence[complex], model: Model | None = None) -> np.ndarray:
+    """K (m×n) for poles: placed, or for a person's own plant its starting gain with the poles of the board moved."""
+    if model is None or model.controller is None:
+        return place(plant.A, plant.B, poles).gain
+    return shift_poles(plant.A, plant.B, model.controller.gain, model.controller_poles, poles)
+
+
+def injection(plant: Plant, poles: Sequence[complex], model: Model | None = None) -> np.ndarray:
+    """L (n×p) for poles, as `feedback`."""
+    if model is None or model.observer is None:
+        return observer_gain(plant.A, plant.C, poles).gain
+    return shift_observer(plant.A, plant.C, model.observer.gain, model.observer_poles, poles)
+
+
+def bolts(start: StartingGain | None, window: Window) -> tuple[complex, ...]:
+    """The poles that no gain moves, as far as the board reaches."""
+    if start is None:
+        return ()
+    return tuple(complex(p) for p in start.bolted
+                 if window.re_low <= p.real <= window.re_high and abs(p.imag) <= window.im_high)
+
+
+def sped(plant: Plant, percent: float) -> Plant:
+    """The plant as it is when everything in it goes faster by so many per cent than its model says: A and B grow alike."""
+    if not percent:
+        return plant
+    share = 1 + percent / 100
+    return replace(plant, A=share * plant.A, B=share * plant.B)
+
+
+def sizes(model: Model) -> np.ndarray:
+    """The size (p,) of each output of a person's own plant near its start, 1 where that is nothing."""
+    size = np.abs(model.plant.C) @ np.abs(np.array(model.x0))
+    return np.where(size > 0, size, 1.0)
+
+
+def fair(lesson: Lesson) -> Lesson:
+    """The lesson with those tasks alone that fail at its start and pass at their own solution."""
+    start = lesson.start()
+    opened = lesson.compute(start)
+
+    def passes(task: Task) -> bool:
+        try:
+            return task.check(lesson.compute(lesson.apply(start, task.solution))).solved
+        except (EngineError, KnobError):
+            return False
+    return replace(lesson, tasks=tuple(t for t in lesson.tasks if not t.check(opened).solved and passes(t)))
 
 
 def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: np.ndarray,
@@ -96,14 +157,18 @@ def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: 
     chosen = by_hand(design)
     take = (("method", BY_POLES),) if "method" in dict(design.values) else ()
     c, o = model.controller_window, model.observer_window
+
+    def grip(knob: str, poles: np.ndarray) -> str | None:  # a board that shows other poles than the knob holds only mirrors
+        return knob if chosen or len(design[knob]) == len(poles) else None
     return (
         Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"),
-              design["controller_poles"] if chosen else on_board(controller, c), "controller_poles", role="plant",
-              side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high, also=take),
+              design["controller_poles"] if chosen else on_board(controller, c), grip("controller_poles", controller),
+              bolts(model.controller, c) if chosen else (), role="plant", side="left", re_low=c.re_low, re_high=c.re_high,
+              im_high=c.im_high, also=take),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
-              design["observer_poles"] if chosen else on_board(observer, o), "observer_poles", role="estimate",
-              side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high, also=take,
-              landscape=error_matrix),
+              design["observer_poles"] if chosen else on_board(observer, o), grip("observer_poles", observer),
+              bolts(model.observer, o) if chosen else (), role="estimate", side="right", re_low=o.re_low,
+              re_high=o.re_high, im_high=o.im_high, also=take, landscape=error_matrix),
     )
 
 
@@ -220,11 +285,16 @@ def matrix(M: np.ndarray, digits: int = 3, changed: Sequence[tuple[int, int]] = 
     return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
 
 
+def gain_words(symbol: str, M: np.ndarray) -> str:
+    """A gain as LaTeX: its entries, or its size where they are too many to read."""
+    return rf"{symbol} = {matrix(M)}" if M.size <= MOST_ENTRIES else rf"\| {symbol} \| = {number(float(np.linalg.norm(M, 2)))}"
+
+
 def pole_words(poles: Sequence[complex]) -> str:
     """Poles as words: −4 ± 5j, −2."""
     names = [f"{p.real:.3g}" if abs(p.imag) < 1e-9 else f"{p.real:.3g} ± {p.imag:.3g}j" for p in poles if p.imag >= -1e-9]
     return ", ".join(names).replace("-", "−")
 
 
-__all__ = ["EngineError", "by_hand", "error_figure", "gains", "input_figure", "kicks", "matrix", "method_knobs", "number", "on_board",
-           "pole_boards", "pole_knobs", "pole_words", "run_knobs", "settle_time", "stage", "state_figures"]
+__all__ = ["EngineError", "bolts", "by_hand", "error_figure", "fair", "feedback", "gain_words", "gains", "injection", "input_figure",
+           "kicks", "matrix", "method_knobs", "number", "on_board", "sizes", "sped", "pole_boards", "pole_knobs", "pole_words", "run_knobs", "settle_time", "stage", "state_figures"]

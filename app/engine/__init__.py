@@ -37,6 +37,7 @@ from .gramian import (
     split_stable,
 )
 from .hardware import Hardware, coil_driver
+from .hold import continuous_of
 from .intermittent import (
     CriticalLoss,
     critical_loss,
@@ -49,7 +50,6 @@ from .intermittent import (
     measured,
     riccati_step,
 )
-from .hold import continuous_of
 from .jacobian import columns, each_column, expand, jacobian
 from .kalman import KalmanFilter, gain_of, joseph, short_form
 from .linear_filter import LinearFilter
@@ -265,8 +265,8 @@ __all__ = [
     "rational",
     "reachability_gramian",
     "reachable_subspace",
-    "realise",
     "read_plant",
+    "realise",
     "recover",
     "recover_at_output",
     "recovery_map",
@@ -304,8 +304,8 @@ __all__ = [
     "to_mat",
     "to_tf",
     "transmission_zeros",
-    "unknown_input_observer",
     "typical_rate",
+    "unknown_input_observer",
     "unobservable_subspace",
     "vertices",
     "welch_expectation",

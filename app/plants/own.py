@@ -151,7 +151,7 @@ def _window(shown: list[complex], bolted: np.ndarray) -> Window:
     low = max(-min((p.real for p in (*shown, *near)), default=-size), 0.3 * size)
     high = max(max((p.real for p in (*shown, *near)), default=0.0), 0.0)
     tall = max(max((abs(p.imag) for p in (*shown, *near)), default=0.0), 0.4 * size)
-    return Window(-_round(1.5 * low), _round(max(0.4 * low, 1.3 * high)), _round(1.4 * tall))
+    return Window(-_round(2.0 * low), _round(max(0.4 * low, 1.3 * high)), _round(1.4 * tall))
 
 
 def _disc_window(shown: list[complex]) -> Window:

@@ -131,9 +131,12 @@ class PolesWidget:
     def __init__(self, gui: viser.GuiApi, knob: Poles, language: str, post: Post) -> None:
         self._knob, self._poles, self._echo = knob, knob.default, _Echo()
         self._rows: list[viser.GuiVector2Handle] = []
+        decade = math.floor(math.log10(knob.re_high - knob.re_low))
+        self._digits = max(4, 5 - decade)
+        step = 0.1 if 0 <= decade <= 1 else 10.0 ** (decade - 2)
         for i in range(len(knob.default)):
             row = gui.add_vector2(f"{knob.symbol}{i + 1}", (0.0, 0.0), min=(knob.re_low, -knob.im_high),
-                                  max=(knob.re_high, knob.im_high), step=0.1, hint=label_of(knob, language))
+                                  max=(knob.re_high, knob.im_high), step=step, hint=label_of(knob, language))
             self._listen(row, i, post)
             self._rows.append(row)
 
@@ -148,7 +151,8 @@ class PolesWidget:
             self._echo.heard(event.target.value)
             at, to = heads[index], complex(*event.target.value)
             asked = (*self._poles[:at], to, *self._poles[at + 1:])  # what is not finite is refused by the knob
-            post(self._knob.name, move_pole(self._poles, at, to, 1e-6) if _finite(to) else asked)
+            snap = 1e-6 * min(1.0, self._knob.im_high)
+            post(self._knob.name, move_pole(self._poles, at, to, snap) if _finite(to) else asked)
 
     def show(self, value: Any, visible: bool, resting: bool) -> None:
         self._poles = value
@@ -159,7 +163,7 @@ class PolesWidget:
             if row.visible != seen:
                 row.visible = seen
             if seen and write:
-                shown = (round(heads[i].real, 4), round(heads[i].imag, 4))
+                shown = (round(heads[i].real, self._digits), round(heads[i].imag, self._digits))
                 if tuple(row.value) != shown:
                     row.value = shown
 

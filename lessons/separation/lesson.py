@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import lru_cache
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
 from pathlib import Path
 from types import MappingProxyType
 
@@ -18,24 +19,28 @@ from app.engine import (
     closed_loop,
     separation_meter,
     simulate,
+    typical_rate,
 )
 from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
-from app.knobs import Number, Switch
+from app.knobs import Knob, Number, Switch
 from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
-from app.plants import MODELS, platform
+from app.plants import MODELS, Model, platform
 from app.prose import read_prose
 from app.words import Text
 
 from ..toolkit import (
     error_figure,
+    fair,
+    gain_words,
     gains,
     input_figure,
     kicks,
-    matrix,
     method_knobs,
     pole_boards,
     pole_knobs,
     run_knobs,
+    sizes,
+    sped,
     stage,
     state_figures,
     tiny,
@@ -44,9 +49,25 @@ from ..toolkit import (
 MODEL = MODELS["deck"]
 SPECTRUM_TAB = Text("Poles", "极点")
 FREQUENCY_TAB = Text("Frequency", "频率")
-FREQUENCIES = np.geomspace(0.1, 30.0, 300)  # Hz
-GROUND = platform.deck_disturbance()  # how ground motion enters
 EXACT = 1e-9  # union of spectra: agreement asked of them
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """The plant of the lesson: what really moves and what is believed of it, in a design; noise of a design.
+
+    `ground`, `heard`: column and row of the frequency figure, with its title, axis and frequencies in Hz.
+    """
+
+    model: Model
+    truth: Callable[[Design], Plant]
+    belief: Callable[[Design], Plant]
+    delay: Callable[[Design], float]
+    noise: Callable[[Design], np.ndarray | float | None]
+    ground: np.ndarray
+    heard: np.ndarray
+    heading: tuple[Text, str]
+    frequencies: np.ndarray
+
 
 KNOBS = (
     *method_knobs(),
@@ -68,6 +89,30 @@ KNOBS = (
 )
 
 
+def own_knobs(model: Model) -> tuple[Knob, ...]:
+    """The knobs for a person's own plant: the same, in its own measures."""
+    return (
+        *method_knobs(),
+        *pole_knobs(model),
+        Number("mismatch", r"\delta", Text("the plant is faster than its model by", "对象比模型快"), "%", low=-30.0, high=30.0,
+               default=0.0, step=1.0, hint=Text("A and B of what really moves are this much larger than what is believed.",
+                                                "真实对象的 A、B 比模型大这么多。")),
+        Number("delay", r"\tau", Text(f"input delay, steps of {model.dt:.3g} s", f"输入时延（每步 {model.dt:.3g} s）"), low=0, high=20,
+               default=0, scale="integer", hint=Text("The input arrives later than the observer is told.",
+                                                     "输入到达得比观测器所知道的晚。")),
+        Switch("limited", "", Text("limit the inputs", "输入限幅"),
+               hint=Text("Clip every input; the observer is still told what was asked for.",
+                         "对每个输入限幅；观测器得到的仍是指令值。")),
+        Number("u_max", r"u_{\max}", Text("limit", "限幅"), model.input_unit, low=0.05 * model.u_max, high=20 * model.u_max,
+               default=model.u_max, scale="log", when=("limited", (True,)),
+               hint=Text("The largest input that is given, either way.", "两个方向上所能给出的最大输入。")),
+        Number("noise", r"\sigma_v", Text("sensor noise", "传感器噪声"), "%", low=0.0, high=20.0, default=0.0, step=0.5,
+               hint=Text("Standard deviation of a sample, as a share of the outputs at the start.",
+                         "单个采样值的标准差，以初始输出为单位。")),
+        *run_knobs(model.horizon),
+    )
+
+
 @lru_cache(maxsize=64)
 def believed(error_percent: float) -> Plant:
     """The deck as the designer believes it: every spring stiffer by the error."""
@@ -75,17 +120,36 @@ def believed(error_percent: float) -> Plant:
     return platform.deck(replace(p, kz=p.kz * factor, kx=p.kx * factor))
 
 
-def compute(design: Design) -> Outcome:
+DECK = Setting(
+    MODEL, lambda design: MODEL.plant, lambda design: believed(design["stiffness_error"]),
+    lambda design: design["delay"] / 1000,
+    lambda design: None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt,
+    platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
+    (Text("from ground height to velocity VL", "地面高度到速度 VL 的增益"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))
+
+
+def own_setting(model: Model) -> Setting:
+    """A person's own plant: what it is believed to be is what was given, what really moves may be faster."""
+    plant, unit = model.plant, sizes(model)
+    u, y = plant.input_names[0], plant.output_names[0]
+    rate = typical_rate(plant) / (2 * np.pi)
+    return Setting(
+        model, lambda design: sped(plant, design["mismatch"]), lambda design: plant, lambda design: design["delay"] * model.dt,
+        lambda design: None if design["noise"] == 0 else np.diag((design["noise"] / 100 * unit) ** 2) * model.dt,
+        plant.B[:, :1], plant.C[:1], (Text(f"from {u} (as a disturbance) to {y}", f"从 {u}（作为扰动）到 {y} 的增益"), f"|{y} / {u}|"),
+        np.geomspace(rate / 100, rate * 100, 300))
+
+
+def compute(here: Setting, design: Design) -> Outcome:
     """Gains on the believed plant, the 2n-pole loop on the true one, one run."""
-    model = believed(design["stiffness_error"])
-    K, L = gains(design, model)
-    loop = closed_loop(MODEL.plant, K, L, model)
+    model, truth, belief = here.model, here.truth(design), here.belief(design)
+    K, L = gains(design, belief, model)
+    loop = closed_loop(truth, K, L, belief)
     limit = design["u_max"] if design["limited"] else None
     run = simulate(Scenario(
-        MODEL.plant, K, L, model=model, x0=MODEL.x0, xhat0=MODEL.guess, horizon=MODEL.horizon, dt=MODEL.dt,
-        u_min=None if limit is None else -limit, u_max=limit, fed="commanded", delay=design["delay"] / 1000,
-        impulses=kicks(design, MODEL), seed=int(design["seed"]),
-        V=None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt))
+        truth, K, L, model=belief, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
+        u_min=None if limit is None else -limit, u_max=limit, fed="commanded", delay=here.delay(design),
+        impulses=kicks(design, model), seed=int(design["seed"]), V=here.noise(design)))
     meter = separation_meter(run)
     slow, fast = float(max(loop.controller_poles.real)), float(max(loop.observer_poles.real))
     metrics = {
@@ -104,26 +168,26 @@ def compute(design: Design) -> Outcome:
         design, {"K": K, "L": L},
         {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles,
          "compensator": loop.compensator_poles},
-        metrics, checks, run, pole_boards(MODEL, design, loop.controller_poles, loop.observer_poles,
-                                          model.A - L @ model.C),
-        stage(MODEL, run), _formulas(K, L), _live(loop, meter), loop)
+        metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles,
+                                          belief.A - L @ belief.C),
+        stage(model, run), _formulas(K, L), _live(loop, meter), loop)
 
 
 def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
     return (
         Formula("loop", r"\frac{d}{dt}\begin{bmatrix} x \\ e \end{bmatrix} = \begin{bmatrix} A-BK & BK \\ 0 & A-LC "
                         r"\end{bmatrix} \begin{bmatrix} x \\ e \end{bmatrix}"),
-        Formula("K", rf"K = {matrix(K)}"),
-        Formula("L", rf"L^{{\mathsf T}} = {matrix(L.T)}"),
+        Formula("K", gain_words("K", K)),
+        Formula("L", gain_words(r"L^{\mathsf T}", L.T)),
     )
 
 
 def _live(loop: ClosedLoop, meter: float) -> Text:
-    union = (Text(f"The 12 poles of the loop are the union of both boards to about {tiny(loop.union_error)}.",
-                  f"闭环的 12 个极点就是两块板上极点的并集，误差约 {tiny(loop.union_error)}。")
+    union = (Text(f"The {len(loop.poles)} poles of the loop are the union of both boards to about {tiny(loop.union_error)}.",
+                  f"闭环的 {len(loop.poles)} 个极点就是两块板上极点的并集，误差约 {tiny(loop.union_error)}。")
              if loop.union_error < 1e-6 else
-             Text(f"The 12 poles of the loop differ from the boards by {100 * loop.union_error:.1f} %.",
-                  f"闭环的 12 个极点与两块板上的极点相差 {100 * loop.union_error:.1f} %。"))
+             Text(f"The {len(loop.poles)} poles of the loop differ from the boards by {100 * loop.union_error:.1f} %.",
+                  f"闭环的 {len(loop.poles)} 个极点与两块板上的极点相差 {100 * loop.union_error:.1f} %。"))
     wall = (Text(" Separation meter: 0.", " 分离度量：0。") if meter < 1e-8 else
             Text(f" Separation meter: {meter:.2g}; the error no longer lives by itself.",
                  f" 分离度量：{meter:.2g}；误差不再独自演化。"))
@@ -132,31 +196,32 @@ def _live(loop: ClosedLoop, meter: float) -> Text:
     return Text(union.en + wall.en + stable.en, union.zh + wall.zh + stable.zh)
 
 
-def figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     """Signals, error and input over time; the spectrum and the block-triangular matrix."""
-    run, loop = outcome.run, outcome.extra
+    run, loop, model = outcome.run, outcome.extra, here.model
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
-    return (*state_figures(MODEL, run), error_figure(run, autonomous_error(run)), input_figure(run, MODEL, limit),
-            _spectrum(outcome), _blocks(loop), _isolation(outcome))
+    return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit),
+            _spectrum(outcome), _blocks(loop, model.plant.state_names), _isolation(here, outcome))
 
 
-def _isolation(outcome: Outcome) -> FrequencyFigure:
-    """From ground height to the deck's vertical velocity: untouched, steered by the state, steered by the estimate."""
-    A, B, C = MODEL.plant.A, MODEL.plant.B, MODEL.plant.C[:1]
-    K, n, loop = outcome.gains["K"], MODEL.plant.n, outcome.extra
-    zg, w = GROUND[:, :1], 2 * np.pi * FREQUENCIES
+def _isolation(here: Setting, outcome: Outcome) -> FrequencyFigure:
+    """From a disturbance to an output: untouched, steered by the state, steered by the estimate."""
+    truth = here.truth(outcome.design)
+    A, B, C = truth.A, truth.B, here.heard
+    K, n, loop = outcome.gains["K"], truth.n, outcome.extra
+    zg, w = here.ground, 2 * np.pi * here.frequencies
 
     def gain(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
-        return np.minimum(amplitude_response(a, b, c, [[0.0]], w)[:, 0, 0], 1e9)
+        return np.clip(amplitude_response(a, b, c, [[0.0]], w)[:, 0, 0], 1e-12, 1e9)
     bare, state = gain(A, zg, C), gain(A - B @ K, zg, C)
     whole = gain(loop.A_xxhat, np.vstack([zg, np.zeros((n, 1))]), np.hstack([C, np.zeros((1, n))]))
-    peak = 20 * np.log10(float(bare.max()) / max(float(whole.max()), 1e-300))
+    peak = 20 * np.log10(float(bare.max()) / float(whole.max()))
     return FrequencyFigure(
-        "isolation", Text("from ground height to velocity VL", "地面高度到速度 VL 的增益"), FREQUENCIES,
+        "isolation", here.heading[0], here.frequencies,
         (Curve(Text("no control", "无控制"), bare, "muted"),
          Curve(Text("by the state", "状态反馈"), state, "plant", "dash"),
-         Curve(Text("by the estimate", "估计反馈"), whole, "estimate")), "|VL/zg| [1/s]", tab=FREQUENCY_TAB,
+         Curve(Text("by the estimate", "估计反馈"), whole, "estimate")), here.heading[1], tab=FREQUENCY_TAB,
         caption=Text(f"Steering by the estimate lowers the resonance by {peak:.1f} dB; the gap to the dashed line is the "
                      "observer's share.",
                      f"按估计控制使共振峰降低 {peak:.1f} dB；与虚线之间的差距来自观测器。") if peak > 0 else
@@ -174,13 +239,14 @@ def _spectrum(outcome: Outcome) -> PlaneFigure:
         "spectrum", Text("spectrum of the whole loop", "整个闭环的谱"), (), points, "Re s", "Im s",
         (1.1 * max(low, -60.0), max(3.0, 1.1 * min(60.0, max(p.x for p in points)))),
         (-1.1 * min(high, 60.0), 1.1 * min(high, 60.0)), unstable=True, tab=SPECTRUM_TAB,
-        caption=Text("Crosses: chosen on the boards. Circles: poles of the 12-state loop. Green dots: the compensator's own.",
-                     "叉号：板上选定的极点。圆圈：12 阶闭环的极点。绿点：补偿器自身的极点。"))
+        caption=Text(f"Crosses: chosen on the boards. Circles: poles of the {len(outcome.poles['loop'])}-state loop. Green dots: "
+                     "the compensator's own.",
+                     f"叉号：板上选定的极点。圆圈：{len(outcome.poles['loop'])} 阶闭环的极点。绿点：补偿器自身的极点。"))
 
 
-def _blocks(loop: ClosedLoop) -> MatrixFigure:
+def _blocks(loop: ClosedLoop, states: tuple[str, ...]) -> MatrixFigure:
     n = loop.A_xe.shape[0] // 2
-    names = [*MODEL.plant.state_names, *(f"e{i + 1}" for i in range(n))]
+    names = [*states, *(f"e{i + 1}" for i in range(n))]
     corner = float(np.max(np.abs(loop.A_xe[n:, :n])))
     zero = corner < 1e-9 * float(np.max(np.abs(loop.A_xe)))
     return MatrixFigure(
@@ -241,11 +307,21 @@ FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, 
 EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
          "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
 LESSON = Lesson(
-    "separation", 4, KNOBS, compute, figures, answer=1,
+    "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1,
     tasks=(
         Task("fast-observer", _fast_observer, {"method": "poles", "observer_poles": FAST}),
         Task("break-the-wall", _break_the_wall, {"stiffness_error": 15.0}),
         Task("unstable-compensator", _unstable_compensator, EAGER),
     ),
     exam=exam, source="Tutorial (000), separation section, equations of the augmented loop",
-    words=read_prose(Path(__file__).parent))
+    words=read_prose(Path(__file__).parent), adapt=lambda model: adapted(model))
+
+
+def adapted(model: Model) -> Lesson:
+    """The lesson on a person's own plant, which fits whatever it is."""
+    here = own_setting(model)
+    slow = max((p.real for p in model.controller_poles), default=-1.0)
+    near = max((p.real for p in model.observer_poles), default=-1.0)
+    quicker = tuple(complex(p.real + min(0.0, 3.2 * slow - near), p.imag) for p in model.observer_poles)
+    return fair(replace(LESSON, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
+                        tasks=(Task("fast-observer", _fast_observer, {"method": "poles", "observer_poles": quicker}),)))
