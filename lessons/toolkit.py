@@ -296,5 +296,29 @@ def pole_words(poles: Sequence[complex]) -> str:
     return ", ".join(names).replace("-", "−")
 
 
-__all__ = ["EngineError", "bolts", "by_hand", "error_figure", "fair", "feedback", "gain_words", "gains", "injection", "input_figure",
-           "kicks", "matrix", "method_knobs", "number", "on_board", "sizes", "sped", "pole_boards", "pole_knobs", "pole_words", "run_knobs", "settle_time", "stage", "state_figures"]
+__all__ = [
+    "EngineError",
+    "bolts",
+    "by_hand",
+    "error_figure",
+    "fair",
+    "feedback",
+    "gain_words",
+    "gains",
+    "injection",
+    "input_figure",
+    "kicks",
+    "matrix",
+    "method_knobs",
+    "number",
+    "on_board",
+    "pole_boards",
+    "pole_knobs",
+    "pole_words",
+    "run_knobs",
+    "settle_time",
+    "sizes",
+    "sped",
+    "stage",
+    "state_figures",
+]

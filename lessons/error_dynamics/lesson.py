@@ -2,21 +2,34 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from app.engine import Run, Scenario, observer_gain, simulate
-from app.figures import Curve, Dash, Figure, TableFigure, TimeFigure
+from app.engine import Plant, Run, Scenario, observer_gain, simulate
+from app.figures import Curve, Figure, TableFigure, TimeFigure
 from app.knobs import Choice, Number, Poles, Track
 from app.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
-from app.plants import MODELS
+from app.plants import MODELS, Model
 from app.prose import read_prose
 from app.words import Text, same
 
-from ..toolkit import TIME_TAB, kicks, matrix, on_board, run_knobs, settle_time, stage, state_figures
+from ..toolkit import (
+    TIME_TAB,
+    bolts,
+    gain_words,
+    kicks,
+    matrix,
+    on_board,
+    run_knobs,
+    settle_time,
+    stage,
+    state_figures,
+)
 from .notes import FIRST, LINES, NONE, PLANT, PRINTED_GAIN, notes_figures, poles_of, printed_model
 from .tasks import PRINTED, QUIET, confused, double_pole, exam, first_slip, mixed_matrix
 
@@ -69,6 +82,24 @@ KNOBS = (
 
 
 @dataclass(frozen=True, eq=False)
+class Setting:
+    """The plant of the lesson, what is believed of it and the gain in a design, the first guess, how long it runs.
+
+    `notes`: whether the page of the notes is about this plant. `whose`: what the left board is called.
+    """
+
+    model: Model
+    horizon: float
+    dt: float
+    belief: Callable[[Design], Plant]
+    gain: Callable[[Design], np.ndarray]
+    guess: Callable[[Design], tuple[float, ...]]
+    parts: tuple[tuple[Text, str], ...]  # names of the first two errors, and the unit
+    whose: Text
+    notes: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Twin:
     """The same run without any input, and the matrix that drives the error."""
 
@@ -76,9 +107,9 @@ class Twin:
     error: np.ndarray
 
 
-def force(design: Design) -> np.ndarray:
+def force(design: Design, horizon: float = HORIZON, dt: float = DT) -> np.ndarray:
     """The force over the run (n_t,) in N, held between grid points."""
-    t = DT * np.arange(round(HORIZON / DT) + 1)
+    t = dt * np.arange(round(horizon / dt) + 1)
     kind, size = design["input"], design["amplitude"]
     if kind == "step":
         return np.full(len(t), size)
@@ -91,7 +122,7 @@ def force(design: Design) -> np.ndarray:
         return np.repeat(rng.uniform(-size, size, len(t) // HOLD + 1), HOLD)[:len(t)]
     if kind == "hand" and design["hand"]:
         times, values = np.array(design["hand"]).T
-        return np.concatenate([[0.0], values])[np.searchsorted(times, t + 1e-9, side="right")]
+        return np.concatenate([[0.0], values])[np.searchsorted(times, t + 1e-9 * dt, side="right")]
     return np.zeros(len(t))
 
 
@@ -104,15 +135,23 @@ def gain(design: Design) -> np.ndarray:
     return observer_gain(PLANT.A, PLANT.C, design["observer_poles"]).gain
 
 
-def compute(design: Design) -> Outcome:
+BLOCK = Setting(
+    MODEL, HORIZON, DT, lambda design: PRINTED_MODEL if design["method"] == PRINTED else PLANT, gain,
+    lambda design: (design["guess_q"], design["guess_v"]), ((same("e₁"), "m"), (same("e₂"), "m/s")),
+    Text("the block's own poles  eig(A)", "滑块自身的极点  eig(A)"), notes=True)
+
+
+def compute(here: Setting, design: Design) -> Outcome:
     """One run with the chosen force and one without any, from the same start and with the same kick."""
-    L = gain(design)
-    belief = PRINTED_MODEL if design["method"] == PRINTED else PLANT
+    model, plant = here.model, here.model.plant
+    L, belief = here.gain(design), here.belief(design)
     error = belief.A - L @ belief.C
-    steered = Scenario(PLANT, None, L, model=belief, x0=MODEL.x0, xhat0=(design["guess_q"], design["guess_v"]),
-                       horizon=HORIZON, dt=DT, reference=force(design)[:, None], impulses=kicks(design, MODEL))
+    push = np.zeros((round(here.horizon / here.dt) + 1, plant.m))
+    push[:, 0] = force(design, here.horizon, here.dt)
+    steered = Scenario(plant, None, L, model=belief, x0=model.x0, xhat0=here.guess(design),
+                       horizon=here.horizon, dt=here.dt, reference=push, impulses=kicks(design, model))
     run, quiet = simulate(steered), simulate(replace(steered, reference=None))
-    poles = poles_of(error)
+    poles = poles_of(error) if plant.n == 2 else np.sort_complex(np.linalg.eigvals(error).astype(complex))
     metrics = _metrics(run, quiet) | {"slowest_observer": float(np.max(np.real(poles)))}
     checks = (
         Check("independent", Text("the error does not depend on the input", "误差与输入无关"),
@@ -120,8 +159,8 @@ def compute(design: Design) -> Outcome:
         Check("observer", Text("the error dies out by itself", "误差会自行消失"), metrics["slowest_observer"] < 0,
               metrics["slowest_observer"]),
     )
-    return Outcome(design, {"L": L}, {"observer": poles, "plant": PLANT.poles}, metrics, checks, run,
-                   _boards(design, poles, error), stage(MODEL, run), _formulas(design, L, error), _live(metrics),
+    return Outcome(design, {"L": L}, {"observer": poles, "plant": plant.poles}, metrics, checks, run,
+                   _boards(here, design, poles, error), stage(model, run), _formulas(here, design, L, error), _live(metrics),
                    Twin(quiet, error))
 
 
@@ -134,55 +173,61 @@ def _metrics(run: Run, quiet: Run) -> dict[str, float]:
         "state_moved": float(np.max(np.abs(run.x[:count] - quiet.x[:count]))),
         "largest": float(max(np.max(np.abs(run.x)), np.max(np.abs(run.xhat)))),
         "final_error": float(np.max(size[-max(len(size) // 10, 1):])), "largest_error": float(np.max(size)),
-        "settled_after": HORIZON + DT if settled is None else settled}
+        "settled_after": run.scenario.horizon + run.scenario.dt if settled is None else settled}
 
 
-def _boards(design: Design, poles: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
-    shown = design["observer_poles"] if design["method"] == POLES else on_board(poles, WINDOW)
+def _boards(here: Setting, design: Design, poles: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
+    window, own = here.model.observer_window, here.model.plant.poles
+    shown = design["observer_poles"] if design["method"] == POLES else on_board(poles, window)
     return (
-        Board("plant", Text("the block's own poles  eig(A)", "滑块自身的极点  eig(A)"), on_board(PLANT.poles, WINDOW),
-              side="left", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high),
+        Board("plant", here.whose, on_board(own, window), side="left", re_low=window.re_low, re_high=window.re_high,
+              im_high=window.im_high),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), shown, "observer_poles",
-              role="estimate", side="right", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high,
-              also=(("method", POLES),), landscape=error),
+              bolts(here.model.observer, window), role="estimate", side="right", re_low=window.re_low, re_high=window.re_high,
+              im_high=window.im_high, also=(("method", POLES),), landscape=error),
     )
 
 
-def _formulas(design: Design, L: np.ndarray, error: np.ndarray) -> tuple[Formula, ...]:
-    gain_now = Formula("L", rf"L = {matrix(L)}")
+def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -> tuple[Formula, ...]:
+    gain_now = Formula("L", gain_words("L", L))
     if design["method"] != PRINTED:
-        return (Formula("law", r"\dot e = (A - LC)\,e"), gain_now, Formula("error", rf"A - LC = {matrix(error)}"))
-    leak = PLANT.A - L @ PLANT.C - error
+        return (Formula("law", r"\dot e = (A - LC)\,e"), gain_now, Formula("error", gain_words("A - LC", error)))
+    plant = here.model.plant
+    leak = plant.A - L @ plant.C - error
     return (Formula("law", r"\dot e = M e + (A - LC - M)\,x"), gain_now, Formula("error", rf"M = {matrix(error)}"),
             Formula("leak", rf"A - LC - M = {matrix(leak)}"))
 
 
 def _live(m: dict[str, float]) -> Text:
     if m["state_moved"] <= NOTHING:
-        return Text("No force acts: block and error are left to themselves.", "没有施力：滑块和误差都各行其是。")
+        return Text("No input acts: plant and error are left to themselves.", "没有输入：对象和误差都各行其是。")
     moved = f"{m['state_moved']:.2g}"
     if not _left_alone(m):
-        return Text(f"The force moves the state by up to {moved} and the error by up to {m['error_moved']:.2g}: the "
+        return Text(f"The input moves the state by up to {moved} and the error by up to {m['error_moved']:.2g}: the "
                     "error is not left alone.",
-                    f"力使状态最多改变 {moved}，使误差最多改变 {m['error_moved']:.2g}：误差受到了干扰。")
-    return Text(f"The force moves the state by up to {moved} and the error by {m['error_moved']:.0e}: rounding, nothing "
+                    f"输入使状态最多改变 {moved}，使误差最多改变 {m['error_moved']:.2g}：误差受到了干扰。")
+    return Text(f"The input moves the state by up to {moved} and the error by {m['error_moved']:.0e}: rounding, nothing "
                 "else.",
-                f"力使状态最多改变 {moved}，使误差改变 {m['error_moved']:.0e}：只是舍入误差。")
+                f"输入使状态最多改变 {moved}，使误差改变 {m['error_moved']:.0e}：只是舍入误差。")
 
 
-def figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     """Signals and force; the error with and without the force; the page of the notes."""
     run, twin = outcome.run, outcome.extra
     assert run is not None
-    return (*state_figures(MODEL, run, 2), _force(run), _size(outcome, run, twin.quiet), _components(outcome, run, twin.quiet),
-            _proof(outcome, run, twin.quiet), *notes_figures(outcome.design["line"], outcome.gains["L"]))
+    page = notes_figures(outcome.design["line"], outcome.gains["L"]) if here.notes else ()
+    return (*state_figures(here.model, run, 2), _force(here, run), _size(outcome, run, twin.quiet),
+            _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page)
 
 
-def _force(run: Run) -> TimeFigure:
-    peak = float(np.max(np.abs(run.u_applied)))
-    return TimeFigure("force", Text("force on the block, told to the observer", "施加的力，观测器也知道"), run.t,
-                      (Curve(Text("force", "力"), run.u_applied[:, 0], "force"),), "u [N]", tab=TIME_TAB,
-                      window=(-1.0, 1.0), caption=Text(f"Largest force: {peak:.3g} N.", f"最大的力：{peak:.3g} N。"))
+def _force(here: Setting, run: Run) -> TimeFigure:
+    peak, unit = float(np.max(np.abs(run.u_applied))), here.model.input_unit
+    calm = 0.5 * here.model.u_max if here.model.controller is not None else 1.0
+    return TimeFigure("force", Text("force on the block, told to the observer", "施加的力，观测器也知道") if here.notes else
+                      Text("input, told to the observer", "输入，观测器也知道"), run.t,
+                      (Curve(Text("force", "力") if here.notes else Text("input", "输入"), run.u_applied[:, 0], "force"),),
+                      f"u [{unit}]", tab=TIME_TAB, window=(-calm, calm),
+                      caption=Text(f"Largest input: {peak:.3g} {unit}.", f"最大输入：{peak:.3g} {unit}。"))
 
 
 def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
@@ -193,38 +238,45 @@ def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
 def _size(outcome: Outcome, run: Run, quiet: Run) -> TimeFigure:
     after = outcome.metrics["settled_after"]
     said = (Text(f"The error stays below 2 % of its peak after {after:.2f} s.", f"{after:.2f} s 之后误差一直小于峰值的 2 %。")
-            if after <= HORIZON else Text("The error does not settle within this run.", "误差在本次运行中没有衰减下来。"))
+            if after <= run.scenario.horizon else Text("The error does not settle within this run.", "误差在本次运行中没有衰减下来。"))
     return TimeFigure("error", Text("size of the error", "误差的大小"), run.t, (
         Curve(Text("with this force", "有这个力"), np.linalg.norm(run.e, axis=1), "error"),
         Curve(Text("without force", "没有力"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),
         "‖e‖", log=True, tab=ERROR_TAB, window=(1e-6, 1.0), caption=said)
 
 
-def _components(outcome: Outcome, run: Run, quiet: Run) -> TimeFigure:
-    m = outcome.metrics
-    parts: tuple[tuple[int, str, Dash], ...] = ((0, "e₁", "solid"), (1, "e₂", "dash"))
-    curves = [curve for i, name, dash in parts for curve in (
-        Curve(same(name), run.e[:, i], "error", dash),
-        Curve(Text(f"{name} without force", f"{name}（无力）"), _beside(quiet.e[:, i], len(run.t)), "reference", "dot", 1.4))]
-    return TimeFigure("components", Text("error in position e₁ and velocity e₂", "位置误差 e₁ 与速度误差 e₂"), run.t,
-                      tuple(curves), "e [m, m/s]", tab=ERROR_TAB, window=(-1.0, 1.0), caption=Text(
-                          f"Largest gap between the curves and their twins without force: {m['error_moved']:.1e}.",
-                          f"两组曲线与各自无力时的曲线最大相差 {m['error_moved']:.1e}。"))
+def _components(here: Setting, outcome: Outcome, run: Run, quiet: Run) -> TimeFigure:
+    m, dashes = outcome.metrics, ("solid", "dash")
+    curves, units = [], []
+    for (name, unit), signal, dash in zip(here.parts, here.model.watched, dashes, strict=False):
+        units.append(unit)
+        curves += [Curve(name, signal.of(run.e), "error", dash),  # type: ignore[arg-type]
+                   Curve(Text(f"{name.en} without force", f"{name.zh}（无力）"), _beside(signal.of(quiet.e), len(run.t)),
+                         "reference", "dot", 1.4)]
+    title = (Text("error in position e₁ and velocity e₂", "位置误差 e₁ 与速度误差 e₂") if here.notes else
+             Text("error in two signals", "两个信号的误差"))
+    calm = (-1.0, 1.0) if here.notes else None
+    return TimeFigure("components", title, run.t, tuple(curves), f"e [{', '.join(units)}]", tab=ERROR_TAB, window=calm, caption=Text(
+        f"Largest gap between the curves and their twins without force: {m['error_moved']:.1e}.",
+        f"两组曲线与各自无力时的曲线最大相差 {m['error_moved']:.1e}。"))
 
 
-def _proof(outcome: Outcome, run: Run, quiet: Run) -> TableFigure:
+def _proof(here: Setting, outcome: Outcome, run: Run, quiet: Run) -> TableFigure:
     if outcome.metrics["state_moved"] <= NOTHING:
         said = Text("no force acts, so nothing parts.", "现在没有力，所以什么都没有分开。")
     elif _left_alone(outcome.metrics):
         said = Text("the positions part, the errors do not.", "位置分开了，误差没有。")
     else:
         said = Text("here the errors part as well.", "这里连误差也分开了。")
-    last = min(len(run.t), len(quiet.t)) - 1
-    at = sorted({min(round(share * (round(HORIZON / DT))), last) for share in (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)})
-    rows = tuple((f"{run.t[k]:.1f}", _digits(run.x[k, 0], 4), _digits(quiet.x[k, 0], 4), _digits(run.e[k, 0], 6),
-                  _digits(quiet.e[k, 0], 6), f"{abs(run.e[k, 0] - quiet.e[k, 0]):.0e}".replace("-", "−")) for k in at)
+    last, signal = min(len(run.t), len(quiet.t)) - 1, here.model.watched[0]
+    at = sorted({min(round(share * (round(here.horizon / here.dt))), last) for share in (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)})
+    q, q0, e, e0 = (signal.of(x) for x in (run.x, quiet.x, run.e, quiet.e))
+    clock = 1 if here.horizon >= 5 else 1 - math.floor(math.log10(here.horizon))
+    rows = tuple((f"{run.t[k]:.{clock}f}", _digits(q[k], 4), _digits(q0[k], 4), _digits(e[k], 6),
+                  _digits(e0[k], 6), f"{abs(e[k] - e0[k]):.0e}".replace("-", "−")) for k in at)
+    name = "q" if here.notes else "y₁"
     return TableFigure("proof", Text("the proof in numbers", "用数字证明"), (
-        same("t [s]"), Text("q, force", "q，有力"), Text("q, none", "q，无力"), Text("e₁, force", "e₁，有力"),
+        same("t [s]"), Text(f"{name}, force", f"{name}，有力"), Text(f"{name}, none", f"{name}，无力"), Text("e₁, force", "e₁，有力"),
         Text("e₁, none", "e₁，无力"), Text("gap in e₁", "e₁ 之差")), rows, tab=ERROR_TAB, caption=Text(
             f"Two runs from one start, with this force and with none: {said.en}",
             f"同一初值的两次运行，一次有力，一次无力：{said.zh}"))
@@ -239,8 +291,15 @@ def _left_alone(m: Mapping[str, float]) -> bool:
     return m["error_moved"] <= ROUNDING * max(1.0, m["largest"])
 
 
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson(
-    "error-dynamics", 2, KNOBS, compute, figures, answer=1,
+    "error-dynamics", 2, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=1,
     tasks=(
         Task("double-pole", double_pole, {"method": POLES, "observer_poles": (-1.0, -1.0)}),
         Task("first-slip", first_slip, {"method": NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST}),
@@ -248,4 +307,4 @@ LESSON = Lesson(
         Task("confused", confused, {"method": PRINTED, "input": "step"}),
     ),
     exam=exam, source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
-    words=read_prose(Path(__file__).parent))
+    words=read_prose(Path(__file__).parent), adapt=adapt)

@@ -19,10 +19,9 @@ from app.engine import (
     closed_loop,
     separation_meter,
     simulate,
-    typical_rate,
 )
 from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
-from app.knobs import Knob, Number, Switch
+from app.knobs import Number, Switch
 from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
 from app.plants import MODELS, Model, platform
 from app.prose import read_prose
@@ -30,7 +29,6 @@ from app.words import Text
 
 from ..toolkit import (
     error_figure,
-    fair,
     gain_words,
     gains,
     input_figure,
@@ -39,8 +37,6 @@ from ..toolkit import (
     pole_boards,
     pole_knobs,
     run_knobs,
-    sizes,
-    sped,
     stage,
     state_figures,
     tiny,
@@ -89,30 +85,6 @@ KNOBS = (
 )
 
 
-def own_knobs(model: Model) -> tuple[Knob, ...]:
-    """The knobs for a person's own plant: the same, in its own measures."""
-    return (
-        *method_knobs(),
-        *pole_knobs(model),
-        Number("mismatch", r"\delta", Text("the plant is faster than its model by", "对象比模型快"), "%", low=-30.0, high=30.0,
-               default=0.0, step=1.0, hint=Text("A and B of what really moves are this much larger than what is believed.",
-                                                "真实对象的 A、B 比模型大这么多。")),
-        Number("delay", r"\tau", Text(f"input delay, steps of {model.dt:.3g} s", f"输入时延（每步 {model.dt:.3g} s）"), low=0, high=20,
-               default=0, scale="integer", hint=Text("The input arrives later than the observer is told.",
-                                                     "输入到达得比观测器所知道的晚。")),
-        Switch("limited", "", Text("limit the inputs", "输入限幅"),
-               hint=Text("Clip every input; the observer is still told what was asked for.",
-                         "对每个输入限幅；观测器得到的仍是指令值。")),
-        Number("u_max", r"u_{\max}", Text("limit", "限幅"), model.input_unit, low=0.05 * model.u_max, high=20 * model.u_max,
-               default=model.u_max, scale="log", when=("limited", (True,)),
-               hint=Text("The largest input that is given, either way.", "两个方向上所能给出的最大输入。")),
-        Number("noise", r"\sigma_v", Text("sensor noise", "传感器噪声"), "%", low=0.0, high=20.0, default=0.0, step=0.5,
-               hint=Text("Standard deviation of a sample, as a share of the outputs at the start.",
-                         "单个采样值的标准差，以初始输出为单位。")),
-        *run_knobs(model.horizon),
-    )
-
-
 @lru_cache(maxsize=64)
 def believed(error_percent: float) -> Plant:
     """The deck as the designer believes it: every spring stiffer by the error."""
@@ -126,18 +98,6 @@ DECK = Setting(
     lambda design: None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt,
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
     (Text("from ground height to velocity VL", "地面高度到速度 VL 的增益"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))
-
-
-def own_setting(model: Model) -> Setting:
-    """A person's own plant: what it is believed to be is what was given, what really moves may be faster."""
-    plant, unit = model.plant, sizes(model)
-    u, y = plant.input_names[0], plant.output_names[0]
-    rate = typical_rate(plant) / (2 * np.pi)
-    return Setting(
-        model, lambda design: sped(plant, design["mismatch"]), lambda design: plant, lambda design: design["delay"] * model.dt,
-        lambda design: None if design["noise"] == 0 else np.diag((design["noise"] / 100 * unit) ** 2) * model.dt,
-        plant.B[:, :1], plant.C[:1], (Text(f"from {u} (as a disturbance) to {y}", f"从 {u}（作为扰动）到 {y} 的增益"), f"|{y} / {u}|"),
-        np.geomspace(rate / 100, rate * 100, 300))
 
 
 def compute(here: Setting, design: Design) -> Outcome:
@@ -258,7 +218,8 @@ def _blocks(loop: ClosedLoop, states: tuple[str, ...]) -> MatrixFigure:
              f"左下块不再为零（最大元素 {corner:.2g}）：状态反过来驱动误差。"))
 
 
-def _fast_observer(outcome: Outcome) -> Verdict:
+def fast_observer(outcome: Outcome) -> Verdict:
+    """The slowest observer pole at least three times as fast as the slowest controller pole."""
     m = outcome.metrics
     ratio = m["slowest_observer"] / m["slowest_controller"]
     if m["slowest_controller"] >= 0 or m["slowest_observer"] >= 0:
@@ -306,22 +267,19 @@ def _pairs(*upper: complex) -> tuple[complex, ...]:
 FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
 EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
          "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson(
     "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1,
     tasks=(
-        Task("fast-observer", _fast_observer, {"method": "poles", "observer_poles": FAST}),
+        Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": FAST}),
         Task("break-the-wall", _break_the_wall, {"stiffness_error": 15.0}),
         Task("unstable-compensator", _unstable_compensator, EAGER),
     ),
     exam=exam, source="Tutorial (000), separation section, equations of the augmented loop",
-    words=read_prose(Path(__file__).parent), adapt=lambda model: adapted(model))
-
-
-def adapted(model: Model) -> Lesson:
-    """The lesson on a person's own plant, which fits whatever it is."""
-    here = own_setting(model)
-    slow = max((p.real for p in model.controller_poles), default=-1.0)
-    near = max((p.real for p in model.observer_poles), default=-1.0)
-    quicker = tuple(complex(p.real + min(0.0, 3.2 * slow - near), p.imag) for p in model.observer_poles)
-    return fair(replace(LESSON, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
-                        tasks=(Task("fast-observer", _fast_observer, {"method": "poles", "observer_poles": quicker}),)))
+    words=read_prose(Path(__file__).parent), adapt=adapt)
