@@ -12,7 +12,7 @@ from app.engine import Plant, Run, Scenario, observer_gain, simulate
 from app.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
 from app.knobs import Choice, Number, Poles
 from app.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
-from app.plants import MODELS, chip
+from app.plants import MODELS, Model, chip
 from app.prose import read_prose
 from app.words import Text
 
@@ -262,6 +262,13 @@ def _locus(outcome: Outcome, seen: Seen) -> PlaneFigure:
                            f"圆圈：θ = 0，即开环副本。叉号：现在的 θ = {outcome.design['trust']:g}。{need.zh}"))
 
 
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson(
     "virtual-sensor", 1, KNOBS, compute, figures, answer=1,
     tasks=(
@@ -271,4 +278,4 @@ LESSON = Lesson(
         Task("wrong-fan", wrong_fan, {"air_error": 40.0, "trust": 0.21}),
     ),
     exam=exam, source="Tutorial (000), sections on the virtual sensor and on the error's own life",
-    words=read_prose(Path(__file__).parent))
+    words=read_prose(Path(__file__).parent), adapt=adapt)
