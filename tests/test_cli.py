@@ -245,8 +245,8 @@ def test_without_a_command_serve_is_meant(monkeypatch) -> None:
     monkeypatch.setattr(commands, "serve", lambda *options: asked.append(options) or 0)
     assert main([]) == 0 and main(["--port", "8123", "--lang", "zh"]) == 0
     assert main(["serve", "--host", "0.0.0.0", "--lesson", "separation", "--max-sessions", "7"]) == 0
-    assert asked == [("127.0.0.1", 8080, None, "en", 200), ("127.0.0.1", 8123, None, "zh", 200),
-                     ("0.0.0.0", 8080, "separation", "en", 7)]
+    assert asked == [("127.0.0.1", 8080, None, "en", 200, None), ("127.0.0.1", 8123, None, "zh", 200, None),
+                     ("0.0.0.0", 8080, "separation", "en", 7, None)]
 
 
 QUIET = """

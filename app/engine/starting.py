@@ -1,6 +1,6 @@
 """A gain to begin with, for any plant, and moving a few of its poles without touching the others.
 
-A hand that drags two poles of thirty must not pay for placing all thirty: with one input that is hopeless in double
+A hand that drags two poles of thirty must not pay for placing all thirty, which with one input may be beyond double
 precision. So the start is a Riccati gain, and only what was dragged is placed, within its own invariant subspace.
 """
 

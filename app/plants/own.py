@@ -28,7 +28,7 @@ SAMPLES = 400  # of a run
 LONGEST_NAME, LONGEST_UNIT, LONGEST_TITLE = 18, 10, 40
 ON_BOARD = 10  # most poles on one board
 SPREAD = 25.0  # poles faster than this many typical rates are left off the board
-ALLOWED = frozenset(" .-+/()°·²³⁻¹µ%_")
+ALLOWED = frozenset(" .,-+/()°·²³⁻¹µ%_")
 UNNAMED = Text("your plant", "你的对象")
 
 

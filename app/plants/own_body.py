@@ -1,4 +1,4 @@
-"""A body for any plant: a glass tube for each state, a bead in it as high as the state, and the ghost's bead beside.
+"""A body for any plant: a glass tube for each state, and around it a collar as high as the state, with the ghost's.
 
 Up to ten tubes stand in one row; more stand in rows behind, each a step higher. A lamp is lit over a state that an
 output reads by itself; arrows in front of the first row are the inputs.
@@ -47,7 +47,7 @@ def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[i
     count, rows = len(names), rows_of(len(names))
     tall = 0.62 if len(rows) == 1 else 0.42  # half the height of a tube
     gap = min(0.75, WIDTH / rows[0])
-    radius, lit = min(0.13, 0.3 * gap), frozenset(measured)
+    radius, lit = min(0.12, 0.24 * gap), frozenset(measured)
     feet = tuple(((j - (size - 1) / 2) * gap, FRONT + APART * i, 0.16 + STEP * i)
                  for i, size in enumerate(rows) for j in range(size))
     parts, fixed = _stand(rows, gap)
@@ -55,8 +55,8 @@ def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[i
         parts += [Part(f"tube {k}", Cylinder(radius, 2 * tall), GLASS, opacity=0.3),
                   Part(f"socket {k}", Cylinder(1.25 * radius, 0.06), METAL),
                   Part(f"zero {k}", Cylinder(1.12 * radius, 0.014), STEEL),
-                  Part(f"stem {k}", Rod(0.4 * radius), PLANT, opacity=0.6),
-                  Part(f"bead {k}", Ball(0.82 * radius), PLANT, twin=True),
+                  Part(f"stem {k}", Rod(0.45 * radius), PLANT, opacity=0.6),
+                  Part(f"collar {k}", Cylinder(1.5 * radius, 0.075), PLANT, twin=True),
                   Part(f"lamp {k}", Ball(0.5 * radius), LIT if k in lit else UNLIT)]
         fixed |= {f"tube {k}": Pose((x, y, foot + tall)), f"socket {k}": Pose((x, y, foot + 0.01)),
                   f"zero {k}": Pose((x, y, foot + tall)), f"lamp {k}": Pose((x, y, foot + 2 * tall + 0.6 * radius))}
@@ -68,7 +68,7 @@ def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[i
         poses = dict(fixed)
         for k, (across, y, foot) in enumerate(feet):
             top = height(k, float(x[k]), gain)
-            poses[f"bead {k}"] = Pose((across, y, top))
+            poses[f"collar {k}"] = Pose((across, y, top))
             poses[f"stem {k}"] = Pose((across, y, foot), scale=(1.0, 1.0, top - foot))
         return poses
 
@@ -78,7 +78,7 @@ def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[i
                      for j in range(drawn))
 
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
-        return tuple((across, y, height(k, float(x[k]), gain)) for k, (across, y, _) in enumerate(feet))
+        return tuple((across, y - 1.5 * radius, height(k, float(x[k]), gain)) for k, (across, y, _) in enumerate(feet))
 
     labels = tuple((name, (x, y - 1.5 * radius, foot - 0.03)) for name, (x, y, foot) in zip(names, feet, strict=True)
                    ) if count <= MOST_IN_ROW else ()

@@ -34,7 +34,7 @@ class PlantRow:
         now = self._words[self._present(picture)]
         self._choice = gui.add_dropdown(phrases.PLANT(self._language), tuple(self._words.values()), initial_value=now)
         self._upload = gui.add_upload_button(phrases.UPLOAD(self._language), hint=phrases.UPLOAD_HINT(self._language),
-                                             mime_type=".json,.mat")
+                                             color="gray", mime_type=".json,.mat")
 
         @self._choice.on_update
         async def _(event: viser.GuiEvent) -> None:
