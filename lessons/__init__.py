@@ -7,6 +7,7 @@ from types import MappingProxyType
 from app.lesson import Lesson
 
 from .bilinear_observer.lesson import LESSON as bilinear_observer
+from .decoupling.lesson import LESSON as decoupling
 from .duality.lesson import LESSON as duality
 from .error_dynamics.lesson import LESSON as error_dynamics
 from .hidden_modes.lesson import LESSON as hidden_modes
@@ -28,6 +29,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     saturation,
     noise,
     kalman,
+    decoupling,
     robust_observer,
     bilinear_observer,
 ), key=lambda lesson: lesson.number)})

@@ -1,0 +1,240 @@
+"""Figures of the lesson, from an outcome and nothing else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.engine import Plant, frequency_response, polynomial_roots
+from app.figures import Curve, Figure, FrequencyFigure, MapFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson import Outcome
+from app.plants import platform_siso as siso
+from app.plants.platform_channels import T_y
+from app.words import Text, same
+
+from .loops import (
+    A_EDGE,
+    B_EDGE,
+    CHANNELS,
+    GRID_A,
+    GRID_B,
+    NONE,
+    PLATFORM,
+    PUBLISHED,
+    channels,
+)
+
+SPECTRA_TAB, CHANNEL_TAB = Text("Spectra", "频谱"), Text("Channels", "通道")
+LOOP_TAB, TIME_TAB, FORCE_TAB = Text("Controllers", "控制器"), Text("Time", "时间"), Text("Forces", "控制力")
+NANO = 1e9
+LOW, HIGH = 1e-3, 1e7  # nm/s/√Hz: what is beyond is drawn at the edge
+BARE, CLOSED, SENSOR = Text("no control", "无控制"), Text("closed", "闭环"), Text("sensor noise", "传感器噪声")
+VERTICAL, ROTATION, HORIZONTAL = (Text("vertical", "竖直平动"), Text("rotation", "俯仰转动"), Text("horizontal", "水平平动"))
+DOWN = ((Text("down 10 dB or more", "降低 10 dB 以上"), "force"), (Text("down 3 to 10 dB", "降低 3～10 dB"), "second"),
+        (Text("down less", "略有降低"), "plant"), (Text("up", "升高"), "muted"), (Text("least", "最小点"), "error"))
+CONTROLLER_SWEEP = np.geomspace(1e-3, 1e3, 160)
+RE_LOW, RE_HIGH, IM_HIGH = -40.0, 10.0, 30.0
+
+
+def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+    """Spectra, channels, controllers, time, forces: at most three in a tab."""
+    return (_spectrum(outcome, 0, "vertical", VERTICAL), _spectrum(outcome, 2, "horizontal", HORIZONTAL),
+            _spectrum(outcome, 1, "rotation", ROTATION), _dominance(outcome), _map(outcome), _mixing(outcome),
+            _magnitudes(outcome), _poles(outcome), _facts(outcome), _velocity(outcome, 0, "vertical", VERTICAL),
+            _velocity(outcome, 2, "horizontal", HORIZONTAL), _velocity(outcome, 1, "rotation", ROTATION),
+            _force_spectrum(outcome), _forces(outcome))
+
+
+def _nano(density: np.ndarray) -> np.ndarray:
+    return np.clip(NANO * np.sqrt(np.maximum(density, 0.0)), LOW, HIGH)
+
+
+def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigure:
+    s, gain = outcome.extra.spectra, outcome.metrics[name]
+    noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
+    caption = (Text("The loop is unstable: what is drawn is no spectrum.", "闭环不稳定：所画曲线不是真正的频谱。")
+               if outcome.metrics["rightmost"] >= 0 else
+               Text(f"The highest peak between 0.1 and 10 Hz comes down by {gain:.1f} dB before sensor noise.",
+                    f"0.1～10 Hz 内的最高峰降低 {gain:.1f} dB（不计传感器噪声）。") if gain >= 0 else
+               Text(f"The highest peak between 0.1 and 10 Hz goes up by {-gain:.1f} dB.",
+                    f"0.1～10 Hz 内的最高峰升高 {-gain:.1f} dB。"))
+    return FrequencyFigure(f"spectrum-{name}", Text(f"{title.en} velocity", f"{title.zh}速度"), s.f,
+                           (Curve(BARE, _nano(s.bare[:, i]), "muted"), Curve(CLOSED, _nano(s.closed[:, i]), "plant"),
+                            Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "nm/s/√Hz", caption=caption,
+                           tab=SPECTRA_TAB, window=(1.0, 1e6))
+
+
+# --- channels ----------------------------------------------------------------------------------------------------------
+def _dominance(outcome: Outcome) -> FrequencyFigure:
+    """Row ratios of rotation and horizontal with the mixing of the design."""
+    mixed, plain = outcome.extra.mixed, channels()
+    G = plain.response @ mixed.S
+    rows = np.abs(np.stack([G[:, 1, 2] / G[:, 1, 1], G[:, 2, 1] / G[:, 2, 2]], axis=1))
+    lost = float(np.mean((rows > 1).any(axis=1)))
+    curves = [Curve(Text("into rotation", "进入转动通道"), np.clip(rows[:, 0], 1e-4, 1e3), "plant"),
+              Curve(Text("into horizontal", "进入水平通道"), np.clip(rows[:, 1], 1e-4, 1e3), "estimate", "dash"),
+              Curve(Text("equal to the diagonal", "与对角元相等"), np.ones(len(CHANNELS)), "reference", "dot", 1.4)]
+    return FrequencyFigure("dominance", Text("off the diagonal over on it, by row", "各行非对角元与对角元之比"), CHANNELS,
+                           tuple(curves), "|gᵢⱼ/gᵢᵢ|", tab=CHANNEL_TAB, window=(1e-3, 1e2),
+                           caption=Text(f"Dominance is lost on {100 * lost:.0f} % of the decades from 0.1 to 10 Hz; vertical "
+                                        "is decoupled exactly.",
+                                        f"0.1～10 Hz（对数刻度）内有 {100 * lost:.0f} % 失去对角占优；竖直通道完全解耦。"))
+
+
+def _map(outcome: Outcome) -> MapFigure:
+    mixed = outcome.extra.mixed
+    ratio = 10 * np.log10(np.minimum(mixed.map, 1e30) / mixed.best.plain_J)
+    values = np.select([ratio <= -10, ratio <= -3, ratio < 0], [0, 1, 2], 3)
+    a, b = mixed.best.a, mixed.best.b
+    inside = abs(a) <= A_EDGE and abs(b) <= B_EDGE
+    if inside:
+        values[np.abs(GRID_B - b).argmin(), np.abs(GRID_A - a).argmin()] = 4
+    share = 100 * float(np.mean(values <= 1))
+    tail = Text("", "") if inside else Text(" The optimum lies outside the map.", " 最优点在图外。")
+    return MapFigure("index", Text("J(a, b) against no mixing", "J(a, b) 与不混合时相比"), GRID_A, GRID_B, values, DOWN,
+                     "a", "b", (float(np.clip(mixed.a, -A_EDGE, A_EDGE)), float(np.clip(mixed.b, -B_EDGE, B_EDGE))),
+                     caption=Text(f"On {share:.0f} % of the map J comes down by 3 dB or more; click a point to use it.{tail.en}",
+                                  f"图中 {share:.0f} % 的区域使 J 降低 3 dB 以上；点击即可选用。{tail.zh}"), tab=CHANNEL_TAB)
+
+
+def _mixing(outcome: Outcome) -> TableFigure:
+    mixed, best = outcome.extra.mixed, outcome.extra.mixed.best
+
+    def row(name: Text, a: float, b: float, J: float) -> tuple[Text | str, ...]:
+        return (name, _short(a), _short(b), f"{J / best.count:.3g}", _decibel(J / best.plain_J))
+    rows = (row(Text("no mixing", "不混合"), 0.0, 0.0, best.plain_J),
+            row(Text("closed form", "闭式初值"), *best.start, best.start_J),
+            row(Text("optimum", "最优"), best.a, best.b, best.J), row(Text("in use", "现在使用"), mixed.a, mixed.b, mixed.J))
+    d = outcome.design
+    worse = best.start_J > best.plain_J
+    caption = (Text(f"{d['f_low']:g}–{d['f_high']:g} Hz. The closed form is worse than nothing: a resonance lies in the band.",
+                    f"{d['f_low']:g}～{d['f_high']:g} Hz。闭式初值比不混合还差：频带内有共振。") if worse else
+               Text(f"{d['f_low']:g}–{d['f_high']:g} Hz, mean over {best.count} frequencies.",
+                    f"{d['f_low']:g}～{d['f_high']:g} Hz，{best.count} 个频率点的平均。"))
+    return TableFigure("mixing", Text("mixing of the last two inputs", "后两路输入的混合"),
+                       (Text("choice", "方案"), same("a"), same("b"), Text("J per frequency", "每点平均 J"), same("dB")), rows,
+                       caption=caption, tab=CHANNEL_TAB)
+
+
+def _short(value: float) -> str:
+    return f"{value:.4g}".replace("-", "−")
+
+
+def _decibel(ratio: float) -> str:
+    return f"{10 * np.log10(max(ratio, 1e-30)):+.1f}".replace("-", "−")
+
+
+# --- controllers -------------------------------------------------------------------------------------------------------
+def _magnitudes(outcome: Outcome) -> FrequencyFigure:
+    built = outcome.extra.controllers
+    curves = []
+    for name, role, dash, plant in ((Text("vertical", "竖直"), "plant", "solid", built.vertical),
+                                    (Text("horizontal", "水平"), "estimate", "dash", built.horizontal),
+                                    (Text("rotation", "转动"), "force", "dot", built.rotation)):
+        size = np.zeros(len(CONTROLLER_SWEEP)) if plant is None else _size(plant)
+        curves.append(Curve(name, np.clip(size, 1.0, 1e8), role, dash))
+    phase = _phase(built.vertical)
+    caption = (Text("The vertical channel is open.", "竖直通道开环。") if phase is None else
+               Text(f"Between 0.1 and 10 Hz the vertical controller's phase strays from −180° by at most {phase:.2g}°.",
+                    f"0.1～10 Hz 内，竖直控制器的相位偏离 −180° 最多 {phase:.2g}°。"))
+    return FrequencyFigure("controllers", Text("size of the three controllers", "三个控制器的幅频"), CONTROLLER_SWEEP,
+                           tuple(curves), "N s/m", caption=caption, tab=LOOP_TAB, window=(1e2, 1e6))
+
+
+def _size(plant: Plant) -> np.ndarray:
+    return np.abs(frequency_response(plant.A, plant.B, plant.C, plant.D, 2 * np.pi * CONTROLLER_SWEEP)[:, 0, 0])
+
+
+def _phase(plant: Plant | None) -> float | None:
+    if plant is None:
+        return None
+    H = frequency_response(plant.A, plant.B, plant.C, plant.D, 2 * np.pi * CHANNELS[::4])[:, 0, 0]
+    return float(np.degrees(np.abs(np.angle(-H))).max())
+
+
+def _poles(outcome: Outcome) -> PlaneFigure:
+    loop, own = outcome.poles["loop"], outcome.poles["controller"]
+    zeros = outcome.poles["zeros of P_h"]
+    points = [Point(float(p.real), float(p.imag), role, mark)  # type: ignore[arg-type]
+              for group, role, mark in ((zeros, "reference", "circle"), (own, "force", "dot"), (loop, "plant", "cross"))
+              for p in group if RE_LOW <= p.real <= RE_HIGH and abs(p.imag) <= IM_HIGH]
+    right = outcome.metrics["rightmost"]
+    drift = outcome.metrics["drift"]
+    words = Text(f"Rightmost pole of the loop: {right:.3g} rad/s.", f"闭环最右极点：{right:.3g} rad/s。")
+    if drift > 0:
+        years = 1 / (drift * 3.156e7)
+        words = Text(f"{words.en} C_v adds one at +{drift:.2g} rad/s: e-fold in {years:.0f} years.",
+                     f"{words.zh} C_v 另有一个 +{drift:.2g} rad/s：{years:.0f} 年增大到 e 倍。")
+    return PlaneFigure("poles", Text("poles of the loop, near the origin", "闭环极点（原点附近）"), (), tuple(points), "Re s",
+                       "Im s", (RE_LOW, RE_HIGH), (-IM_HIGH, IM_HIGH), unstable=True, tab=LOOP_TAB,
+                       caption=Text(words.en + " Circles: zeros of P_h. Dots: poles of the controllers.",
+                                    words.zh + " 圆圈：P_h 的零点；圆点：控制器的极点。"))
+
+
+def _facts(outcome: Outcome) -> TableFigure:
+    """What (26), (31) and (32) are, and what is in use."""
+    cv, ch = polynomial_roots(siso.CV_DENOMINATOR), polynomial_roots(siso.CH_DENOMINATOR)
+    built, design = outcome.extra.controllers, outcome.design
+    rows: list[tuple[Text | str, ...]] = [
+        (Text("C_v printed: poles", "C_v 印刷式：极点"), ", ".join(_root(p) for p in cv)),
+        (Text("C_v printed: gain in band", "C_v 印刷式：带内增益"), "−31 252 N s/m"),
+        (Text("C_v printed: used as", "C_v 印刷式：接法"), same("v = +C_v z")),
+        (Text("C_h printed: rightmost pole", "C_h 印刷式：最右极点"), _root(ch[np.argmax(np.real(ch))])),
+        (Text("C_h printed: used as", "C_h 印刷式：接法"), same("v = −C_h z")),
+    ]
+    for name, chosen, plant in ((Text("vertical in use", "竖直，现用"), design["vertical"], built.vertical),
+                                (Text("horizontal in use", "水平，现用"), design["horizontal"], built.horizontal)):
+        if plant is None:
+            rows.append((name, Text("open", "开环")))
+        elif chosen == PUBLISHED:
+            rows.append((name, Text("as printed", "印刷式")))
+        else:
+            worst = float(np.max(np.real(plant.poles))) if plant.n else -np.inf
+            rows.append((name, Text(f"order {plant.n}, {'unstable by itself' if worst > 0 else 'stable'}",
+                                    f"{plant.n} 阶，{'自身不稳定' if worst > 0 else '自身稳定'}")))
+    return TableFigure("facts", Text("what the controllers are", "控制器的真面目"), (Text("fact", "项目"), Text("value", "数值")),
+                       tuple(rows), tab=LOOP_TAB,
+                       caption=Text("Poles in rad/s, recomputed from the printed coefficients.", "极点单位 rad/s，由印刷系数重算。"))
+
+
+def _root(p: complex) -> str:
+    return f"{p.real:+.3g}".replace("-", "−") if abs(p.imag) < 1e-12 else f"{p.real:+.3g} ± {abs(p.imag):.3g}j".replace("-", "−")
+
+
+# --- time --------------------------------------------------------------------------------------------------------------
+def _velocity(outcome: Outcome, i: int, name: str, title: Text) -> TimeFigure:
+    run = outcome.extra.shaken
+    row = 1e6 * (T_y[i] @ PLATFORM.C)
+    now, bare = run.x @ row, run.bare @ row
+    size, without = float(np.std(now)), float(np.std(bare))
+    return TimeFigure(f"velocity-{name}", Text(f"{title.en} velocity", f"{title.zh}速度"), run.t,
+                      (Curve(BARE, bare, "muted"), Curve(CLOSED, np.clip(now, -1e4, 1e4), "plant")), "µm/s", tab=TIME_TAB,
+                      caption=Text(f"Root mean square {size:.2g} µm/s, without control {without:.2g} µm/s.",
+                                   f"均方根 {size:.2g} µm/s，无控制时 {without:.2g} µm/s。"))
+
+
+def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
+    s = outcome.extra.spectra
+    size = np.clip(1e3 * np.sqrt(np.maximum(s.forces, 0.0)), 1e-8, 1e4)
+    inside = (s.f >= 0.1) & (s.f <= 10)
+    names = (Text("left vertical", "左竖直"), Text("right vertical", "右竖直"), Text("horizontal", "水平"))
+    curves = tuple(Curve(n, size[:, j], role, dash)  # type: ignore[arg-type]
+                   for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
+                                                           strict=True)))
+    return FrequencyFigure("force-spectrum", Text("forces asked of the coils", "线圈出力的频谱"), s.f, curves, "mN/√Hz",
+                           tab=FORCE_TAB, window=(1e-4, 1.0),
+                           caption=Text(f"Largest between 0.1 and 10 Hz: {float(size[inside].max()):.3g} mN/√Hz.",
+                                        f"0.1～10 Hz 内最大 {float(size[inside].max()):.3g} mN/√Hz。"))
+
+
+def _forces(outcome: Outcome) -> TimeFigure:
+    run = outcome.extra.shaken
+    u = np.clip(1e3 * run.u, -1e5, 1e5)
+    names = (Text("left vertical", "左竖直"), Text("right vertical", "右竖直"), Text("horizontal", "水平"))
+    curves = tuple(Curve(n, u[:, j], role, dash)  # type: ignore[arg-type]
+                   for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
+                                                           strict=True)))
+    return TimeFigure("forces", Text("forces on the shaking ground", "地面振动下的控制力"), run.t, curves, "mN", tab=FORCE_TAB,
+                      caption=Text(f"Largest force: {float(np.abs(u).max()):.3g} mN.",
+                                   f"最大控制力：{float(np.abs(u).max()):.3g} mN。") if outcome.design["mix"] == NONE else
+                      Text(f"Largest force: {float(np.abs(u).max()):.3g} mN, after the mixing.",
+                           f"最大控制力：{float(np.abs(u).max()):.3g} mN（经混合后）。"))
