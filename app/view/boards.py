@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from itertools import pairwise
 from types import MappingProxyType
 from typing import Any
 
@@ -26,6 +27,7 @@ NAME_WIDTH = 0.56  # of a pole's label on the board
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
 MARGIN = 0.15  # glass around the s-plane
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
+RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
 
 
 class BoardView:
@@ -44,6 +46,8 @@ class BoardView:
         self._poles: list[viser.MeshHandle] = []
         self._labels: list[viser.LabelHandle] = []
         self._stems: list[Any] = []
+        self._rings: list[Any] = []
+        self._zeros: tuple[complex, ...] = ()
         self._signature: tuple[Any, ...] = ()
         self._shown: tuple[complex, ...] | None = None
         self._grip = time.monotonic_ns()  # told apart from the grips of every other board
@@ -105,6 +109,8 @@ class BoardView:
     def show(self, board: Board) -> None:
         """Move the poles to where the design has them."""
         before, self._board = self._shown, board
+        if board.zeros != self._zeros:
+            self._make_rings(board)
         signature = (len(board.poles), board.fixed, board.knob)
         if signature != self._signature:
             self._make_poles(board)
@@ -131,7 +137,7 @@ class BoardView:
 
     def _free_place(self, x: float, z: float, taken: list[tuple[float, float]]) -> tuple[float, float]:
         """Where a pole's label fits: right of it, else left, above or below, clear of other labels and crosses."""
-        crosses = [self.local(p)[::2] for p in self._board.poles]
+        crosses = [self.local(p)[::2] for p in (*self._board.poles, *self._board.zeros)]
         half = NAME_WIDTH / 2
         places = [(x + 0.14 + half, z), (x - 0.14 - half, z), (x, z + 0.2), (x, z - 0.2), (x + 0.14 + half, z + 0.17),
                   (x - 0.14 - half, z - 0.17)]
@@ -167,6 +173,18 @@ class BoardView:
                 f"{self._root}/bolted{i}", f"{phrases.FIXED(self._language)} {pole_name(pole)}", position=(x, y, z - 0.16),
                 anchor="top-center", font_screen_scale=0.8 * self._size))
 
+    def _make_rings(self, board: Board) -> None:
+        """Zeros as rings on the glass, those inside the window."""
+        for old in self._rings:
+            old.remove()
+        self._rings, self._zeros = [], board.zeros
+        angle = np.linspace(0.0, 2 * np.pi, RING_SIDES + 1)
+        for i, zero in enumerate(z for z in board.zeros if holds(board, z)):
+            x, y, z = self.local(zero, 0.02)
+            points = [(x + RING * math.cos(a), y, z + RING * math.sin(a)) for a in angle]
+            self._rings.append(self._scene.add_line_segments(
+                f"{self._root}/zero{i}", np.array(list(pairwise(points)), dtype=np.float32), INK, thickness=0.025))
+
     def _dragger(self, index: int) -> Callable[[viser.SceneNodeDragEvent], Any]:
         async def moved(event: viser.SceneNodeDragEvent) -> None:
             board = self._board
@@ -201,6 +219,11 @@ class BoardView:
                 position=(0.0, -2.9, 0.01))
         else:
             self._surface.vertices = vertices
+
+
+def holds(board: Board, s: complex) -> bool:
+    """Whether s lies in the part of the plane that the board shows."""
+    return board.re_low <= s.real <= board.re_high and abs(s.imag) <= board.im_high
 
 
 def pole_name(pole: complex) -> str:

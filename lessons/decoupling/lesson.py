@@ -201,14 +201,15 @@ def _polynomial(p: np.ndarray) -> str:
 
 
 def _live(m: Mapping[str, float]) -> Text:
+    right, drift = (f"{v:+.3g}".replace("-", "−") for v in (m["rightmost"], m["drift"]))
     if m["rightmost"] >= 0:
         if m["rightmost_pitch_open"] < 0:
-            return Text(f"Closing pitch has made the loop unstable: rightmost pole {m['rightmost']:+.3g} rad/s.",
-                        f"闭合俯仰回路使系统失稳：最右极点 {m['rightmost']:+.3g} rad/s。")
-        return Text(f"The loop is unstable: rightmost pole {m['rightmost']:+.3g} rad/s.",
-                    f"闭环不稳定：最右极点 {m['rightmost']:+.3g} rad/s。")
+            return Text(f"Closing pitch has made the loop unstable: rightmost pole {right} rad/s.",
+                        f"闭合俯仰回路使系统失稳：最右极点 {right} rad/s。")
+        return Text(f"The loop is unstable: rightmost pole {right} rad/s.",
+                    f"闭环不稳定：最右极点 {right} rad/s。")
     words = [f"{v:.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
-    tail = (Text(f" C_v keeps a pole at +{m['drift']:.2g} rad/s.", f" C_v 有极点 +{m['drift']:.2g} rad/s。") if m["drift"] > 0
+    tail = (Text(f" C_v keeps a pole at {drift} rad/s.", f" C_v 有极点 {drift} rad/s。") if m["drift"] > 0
             else Text("", ""))
     return Text(f"Peaks come down: vertical {words[0]}, horizontal {words[1]}, rotation {words[2]}.{tail.en}",
                 f"峰值降低：竖直 {words[0]}，水平 {words[1]}，转动 {words[2]}。{tail.zh}")

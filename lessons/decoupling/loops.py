@@ -46,7 +46,7 @@ SLOWEST = 1e-7  # rad/s: poles nearer to zero stand on the plant's zero at s = 0
 MODES = (0.9953, 1.1811, 1.1925, 1.4938)  # Hz: the deck's three, and the zeros that P_h has between them
 BAND = (0.1, 10.0)  # Hz, where peaks are compared
 SWEEP = np.unique(np.concatenate([np.geomspace(0.01, 200.0, 150), *(m * np.linspace(0.97, 1.03, 13) for m in MODES)]))
-CHANNELS = np.geomspace(0.1, 10.0, 120)
+CHANNELS = np.unique(np.concatenate([np.geomspace(0.1, 10.0, 90), np.linspace(0.95, 1.3, 71)]))
 SAMPLES = 80  # frequencies in J
 WHITE_ASD = 1e-6  # m/√Hz
 FALLING_ASD = (2.5e-7, 6e-9)  # m/√Hz at 1 Hz, vertical and horizontal, falling as 1/f²

@@ -32,7 +32,7 @@ VERTICAL, ROTATION, HORIZONTAL = (Text("vertical", "竖直平动"), Text("rotati
 DOWN = ((Text("down 10 dB or more", "降低 10 dB 以上"), "force"), (Text("down 3 to 10 dB", "降低 3～10 dB"), "second"),
         (Text("down less", "略有降低"), "plant"), (Text("up", "升高"), "muted"), (Text("least", "最小点"), "error"))
 CONTROLLER_SWEEP = np.geomspace(1e-3, 1e3, 160)
-RE_LOW, RE_HIGH, IM_HIGH = -40.0, 10.0, 30.0
+RE_LOW, RE_HIGH, IM_HIGH = -20.0, 5.0, 20.0
 
 
 def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
@@ -53,10 +53,9 @@ def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigu
     noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
     caption = (Text("The loop is unstable: what is drawn is no spectrum.", "闭环不稳定：所画曲线不是真正的频谱。")
                if outcome.metrics["rightmost"] >= 0 else
-               Text(f"The highest peak between 0.1 and 10 Hz comes down by {gain:.1f} dB before sensor noise.",
-                    f"0.1～10 Hz 内的最高峰降低 {gain:.1f} dB（不计传感器噪声）。") if gain >= 0 else
-               Text(f"The highest peak between 0.1 and 10 Hz goes up by {-gain:.1f} dB.",
-                    f"0.1～10 Hz 内的最高峰升高 {-gain:.1f} dB。"))
+               Text(f"Peak in 0.1–10 Hz down by {gain:.1f} dB, before sensor noise.",
+                    f"0.1～10 Hz 内峰值降低 {gain:.1f} dB（不计传感器噪声）。") if gain >= 0 else
+               Text(f"Peak in 0.1–10 Hz up by {-gain:.1f} dB.", f"0.1～10 Hz 内峰值升高 {-gain:.1f} dB。"))
     return FrequencyFigure(f"spectrum-{name}", Text(f"{title.en} velocity", f"{title.zh}速度"), s.f,
                            (Curve(BARE, _nano(s.bare[:, i]), "muted"), Curve(CLOSED, _nano(s.closed[:, i]), "plant"),
                             Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "nm/s/√Hz", caption=caption,
@@ -69,7 +68,8 @@ def _dominance(outcome: Outcome) -> FrequencyFigure:
     mixed, plain = outcome.extra.mixed, channels()
     G = plain.response @ mixed.S
     rows = np.abs(np.stack([G[:, 1, 2] / G[:, 1, 1], G[:, 2, 1] / G[:, 2, 2]], axis=1))
-    lost = float(np.mean((rows > 1).any(axis=1)))
+    width = np.gradient(np.log(CHANNELS))
+    lost = float(width[(rows > 1).any(axis=1)].sum() / width.sum())
     curves = [Curve(Text("into rotation", "进入转动通道"), np.clip(rows[:, 0], 1e-4, 1e3), "plant"),
               Curve(Text("into horizontal", "进入水平通道"), np.clip(rows[:, 1], 1e-4, 1e3), "estimate", "dash"),
               Curve(Text("equal to the diagonal", "与对角元相等"), np.ones(len(CHANNELS)), "reference", "dot", 1.4)]
@@ -87,7 +87,7 @@ def _map(outcome: Outcome) -> MapFigure:
     a, b = mixed.best.a, mixed.best.b
     inside = abs(a) <= A_EDGE and abs(b) <= B_EDGE
     if inside:
-        values[np.abs(GRID_B - b).argmin(), np.abs(GRID_A - a).argmin()] = 4
+        values[int(np.argmin(np.abs(GRID_B - b))), int(np.argmin(np.abs(GRID_A - a)))] = 4
     share = 100 * float(np.mean(values <= 1))
     tail = Text("", "") if inside else Text(" The optimum lies outside the map.", " 最优点在图外。")
     return MapFigure("index", Text("J(a, b) against no mixing", "J(a, b) 与不混合时相比"), GRID_A, GRID_B, values, DOWN,
@@ -102,7 +102,7 @@ def _mixing(outcome: Outcome) -> TableFigure:
     def row(name: Text, a: float, b: float, J: float) -> tuple[Text | str, ...]:
         return (name, _short(a), _short(b), f"{J / best.count:.3g}", _decibel(J / best.plain_J))
     rows = (row(Text("no mixing", "不混合"), 0.0, 0.0, best.plain_J),
-            row(Text("closed form", "闭式初值"), *best.start, best.start_J),
+            row(Text("closed form", "闭式初值"), best.start[0], best.start[1], best.start_J),
             row(Text("optimum", "最优"), best.a, best.b, best.J), row(Text("in use", "现在使用"), mixed.a, mixed.b, mixed.J))
     d = outcome.design
     worse = best.start_J > best.plain_J
@@ -131,7 +131,7 @@ def _magnitudes(outcome: Outcome) -> FrequencyFigure:
                                     (Text("horizontal", "水平"), "estimate", "dash", built.horizontal),
                                     (Text("rotation", "转动"), "force", "dot", built.rotation)):
         size = np.zeros(len(CONTROLLER_SWEEP)) if plant is None else _size(plant)
-        curves.append(Curve(name, np.clip(size, 1.0, 1e8), role, dash))
+        curves.append(Curve(name, np.clip(size, 1.0, 1e8), role, dash))  # type: ignore[arg-type]
     phase = _phase(built.vertical)
     caption = (Text("The vertical channel is open.", "竖直通道开环。") if phase is None else
                Text(f"Between 0.1 and 10 Hz the vertical controller's phase strays from −180° by at most {phase:.2g}°.",
@@ -159,11 +159,12 @@ def _poles(outcome: Outcome) -> PlaneFigure:
               for p in group if RE_LOW <= p.real <= RE_HIGH and abs(p.imag) <= IM_HIGH]
     right = outcome.metrics["rightmost"]
     drift = outcome.metrics["drift"]
-    words = Text(f"Rightmost pole of the loop: {right:.3g} rad/s.", f"闭环最右极点：{right:.3g} rad/s。")
+    at = f"{right:.3g}".replace("-", "−")
+    words = Text(f"Rightmost pole of the loop: {at} rad/s.", f"闭环最右极点：{at} rad/s。")
     if drift > 0:
-        years = 1 / (drift * 3.156e7)
-        words = Text(f"{words.en} C_v adds one at +{drift:.2g} rad/s: e-fold in {years:.0f} years.",
-                     f"{words.zh} C_v 另有一个 +{drift:.2g} rad/s：{years:.0f} 年增大到 e 倍。")
+        years, size = 1 / (drift * 3.156e7), f"{drift:.2g}".replace("-", "−")
+        words = Text(f"{words.en} C_v adds one at +{size} rad/s: e-fold in {years:.0f} years.",
+                     f"{words.zh} C_v 另有一个 +{size} rad/s：{years:.0f} 年增大到 e 倍。")
     return PlaneFigure("poles", Text("poles of the loop, near the origin", "闭环极点（原点附近）"), (), tuple(points), "Re s",
                        "Im s", (RE_LOW, RE_HIGH), (-IM_HIGH, IM_HIGH), unstable=True, tab=LOOP_TAB,
                        caption=Text(words.en + " Circles: zeros of P_h. Dots: poles of the controllers.",
@@ -221,7 +222,7 @@ def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
                    for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
                                                            strict=True)))
     return FrequencyFigure("force-spectrum", Text("forces asked of the coils", "线圈出力的频谱"), s.f, curves, "mN/√Hz",
-                           tab=FORCE_TAB, window=(1e-4, 1.0),
+                           tab=FORCE_TAB, window=(1e-2, 10.0),
                            caption=Text(f"Largest between 0.1 and 10 Hz: {float(size[inside].max()):.3g} mN/√Hz.",
                                         f"0.1～10 Hz 内最大 {float(size[inside].max()):.3g} mN/√Hz。"))
 
