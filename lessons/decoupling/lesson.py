@@ -67,7 +67,7 @@ BODY = replace(MODEL.body, gain=4000.0, arrows=_arrows, caption=Text(  # microme
 
 KNOBS = (
     Choice("vertical", "", Text("vertical loop", "竖直回路"), default=PUBLISHED,
-           options=((PUBLISHED, Text("C_v as printed", "论文的 C_v")), (SHAPED, Text("shaped by hand", "自行整定")),
+           options=((PUBLISHED, Text("C_v as printed", "报告的 C_v")), (SHAPED, Text("shaped by hand", "自行整定")),
                     (OPEN, Text("open", "开环"))),
            hint=Text("What turns vertical velocity into a vertical force.", "由竖直速度产生竖直力的控制器。")),
     Number("gain_v", "k_v", Text("vertical gain", "竖直增益"), "N s/m", low=10.0, high=1e5, default=2000.0, scale="log",
@@ -82,7 +82,7 @@ KNOBS = (
            when=("vertical", (SHAPED,)), hint=Text("The gain falls above this frequency; too low, and the phase is spent.",
                                                     "高于此频率时增益下降；过低则相位裕度被耗尽。")),
     Choice("horizontal", "", Text("horizontal loop", "水平回路"), default=PUBLISHED,
-           options=((PUBLISHED, Text("C_h as printed", "论文的 C_h")), (POLES, Text("poles by A E + B F = Φ", "A E + B F = Φ 极点配置")),
+           options=((PUBLISHED, Text("C_h as printed", "报告的 C_h")), (POLES, Text("poles by A E + B F = Φ", "A E + B F = Φ 极点配置")),
                     (GAIN, Text("a pure gain", "纯增益")), (OPEN, Text("open", "开环"))),
            hint=Text("What turns horizontal velocity into the horizontal force; dragging a pole selects the second.",
                      "由水平速度产生水平力的控制器；拖动极点即选用第二项。")),
@@ -116,7 +116,7 @@ KNOBS = (
     Choice("ground", "", Text("ground motion", "地面振动"), default=WHITE, group=WORLD,
            options=((WHITE, Text("white, 1 µm/√Hz", "白噪声，1 µm/√Hz")), (FALLING, Text("falling as 1/f²", "按 1/f² 下降"))),
            hint=Text("White as in the report's design, or falling, which meets its open-loop peaks.",
-                     "论文设计所用的白噪声，或与其开环峰值相符的 1/f² 谱。")),
+                     "报告设计所用的白噪声，或与其开环峰值相符的 1/f² 谱。")),
     Number("noise", r"\sigma_v", Text("sensor noise", "传感器噪声"), "m/s/√Hz", low=1e-12, high=1e-6, default=1e-9, scale="log",
            group=WORLD, hint=Text("One-sided amplitude density of each of the four sensors.", "每个传感器的单边幅值谱密度。")),
     *run_knobs(HORIZON),

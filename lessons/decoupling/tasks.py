@@ -22,7 +22,7 @@ def _constant(outcome: Outcome) -> Verdict:
         return Verdict(False, Text("Shape the vertical controller yourself.", "请自己整定竖直通道控制器。"))
     if not AS_WELL[0] <= got <= AS_WELL[1]:
         return Verdict(False, Text(f"The vertical peak comes down by {got:.1f} dB; the published C_v gives 93.5 dB.",
-                                   f"竖直峰值降低 {got:.1f} dB；论文的 C_v 为 93.5 dB。"))
+                                   f"竖直峰值降低 {got:.1f} dB；报告的 C_v 为 93.5 dB。"))
     if m["rightmost"] >= 0 or m["drift"] > 0:
         worst = max(m["rightmost"], m["drift"])
         return Verdict(False, Text(f"There is still a pole at {worst:+.2g} rad/s.", f"仍有极点 {worst:+.2g} rad/s。"))
