@@ -16,8 +16,8 @@ COARSE_WHILE_MOVING = """(() => {
   const page = window.__viserMutable, root = page?.scene?.__r3f?.root;
   if (!root || page.scene.userData.watched) return;
   page.scene.userData.watched = true;
-  const SLOW = 34, COARSE = 0.6, REST = 450, COUNT = 9, opened = performance.now(), gaps = [];
-  let last = 0, slow = false, timer = 0;
+  const SLOW = 34, COARSE = 0.6, REST = 450, TOGETHER = 24, COUNT = 9, opened = performance.now(), gaps = [];
+  let last = 0, slow = false, timer = 0, due = 0;
   const draw = dpr => { if (root.getState().viewport.dpr !== dpr) root.getState().setDpr(dpr); };
   page.scene.onAfterRender = () => {
     const now = performance.now(), gap = now - last;
@@ -29,11 +29,11 @@ COARSE_WHILE_MOVING = """(() => {
   };
   const ask = page.requestRender;
   page.requestRender = () => {
-    ask();
-    if (!slow) return;
+    if (!slow) { ask(); return; }
     draw(COARSE * devicePixelRatio);
+    due ||= setTimeout(() => { due = 0; root.getState().invalidate(); }, TOGETHER);
     clearTimeout(timer);
-    timer = setTimeout(() => draw(devicePixelRatio), REST);
+    timer = setTimeout(() => { draw(devicePixelRatio); ask(); }, REST);
   };
 })()"""
 
@@ -128,7 +128,9 @@ def _run(client: viser.ClientHandle, source: str) -> None:
 def coarse_while_moving(client: viser.ClientHandle) -> None:
     """On a machine that draws the scene slowly, draw it with fewer pixels while it moves, sharp again when it rests.
 
-    viser lowers the resolution too, but to three quarters and after seconds. Where a frame is quick nothing changes.
+    viser lowers the resolution too, but to three quarters and after seconds; and after every change it goes on drawing
+    for a quarter of a second, which here waits until the scene rests; what a pointer and the server's answer to it
+    change is drawn in one frame. Where a frame is quick nothing changes.
     """
     _run(client, COARSE_WHILE_MOVING)
 

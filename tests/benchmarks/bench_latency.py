@@ -4,7 +4,8 @@
 
 One tab in headless Chromium on loopback. A slider and a pole are dragged with the mouse, one move at a time, each
 after the last has been drawn. The clock starts with the browser's own event and is read in animation frames: "plots"
-is the first frame in which a chart holds new data, "stage" the first after the scene moved and WebGL has drawn it.
+is the first frame in which a chart holds new data, "stage" the first that begins after the frame in which WebGL drew
+the moved scene (without a graphics card that frame is rasterised before the next can begin).
 Without a graphics card the 3-D view is rasterised by the processor, which then is most of what is measured, although
 the page draws the moving scene with fewer pixels where frames come slowly. `--scale 0.25` draws it with a sixteenth of
 the pixels and leaves everything else as it is, nearer to what a graphics card shows.
@@ -34,7 +35,7 @@ from lessons import LESSONS, OPENING
 
 SETTLE = 200  # ms between two moves
 WATCH = """() => { window.__measured = new Promise(done => {
-  const page = window.__viserMutable, info = window.__viserTestpoints.rendererInfo;
+  const page = window.__viserMutable;
   const charts = () => Object.values(window.__viserTestpoints.uplots).map(u => u.chart.data);
   const scene = () => { let sum = 0;
     for (const held of Object.values(page.nodeRefFromName)) {
@@ -43,7 +44,14 @@ WATCH = """() => { window.__measured = new Promise(done => {
         + 13 * node.quaternion.y + 17 * node.scale.z;
     } return sum; };
   const before = charts(), still = scene();
-  let start = null, plots = null, stage = null, moved = null;
+  let start = null, plots = null, stage = null, moved = false;
+  const hooked = page.scene.onAfterRender;
+  page.scene.onAfterRender = (...all) => {
+    hooked(...all);
+    if (start === null || moved || scene() === still) return;
+    moved = true;
+    requestAnimationFrame(() => { stage = performance.now() - start; });
+  };
   const input = event => { if (start === null) start = event.timeStamp; };
   addEventListener('pointermove', input, {capture: true});
   const opened = performance.now();
@@ -51,11 +59,10 @@ WATCH = """() => { window.__measured = new Promise(done => {
     const now = performance.now();
     if (start !== null) {
       if (plots === null && charts().some((data, i) => data !== before[i])) plots = now - start;
-      if (moved === null && scene() !== still) moved = info.render.frame;
-      if (stage === null && moved !== null && info.render.frame > moved) stage = now - start;
     }
     if ((plots !== null && stage !== null) || now - opened > 5000) {
       removeEventListener('pointermove', input, {capture: true});
+      page.scene.onAfterRender = hooked;
       done([plots, stage]);
     } else requestAnimationFrame(frame);
   };
