@@ -23,8 +23,7 @@ class Transport:
         lang = picture.state.language
         self._lang = lang
         self._count, self._rate = 0, picture.rate
-        stage = picture.outcome.stage
-        self._caption = html.escape(stage.body.caption(lang)) if stage is not None else ""
+        self._caption = self._words(picture)
         self._horizon = picture.horizon or 0.01
         panel = gui.add_panel()
         with panel.add_tab(phrases.TRANSPORT(lang)):
@@ -37,6 +36,11 @@ class Transport:
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
         panel.float(x=12, y=-12, width=600)
         self._listen(names, post)
+
+    def _words(self, picture: Picture) -> str:
+        """What stands on the stage; a knob may put another plant there."""
+        stage = picture.outcome.stage
+        return html.escape(stage.body.caption(self._lang)) if stage is not None else ""
 
     def _options(self, picture: Picture) -> tuple[str, ...]:
         words: list[Any] = [phrases.PAUSE if picture.state.playing else phrases.PLAY]
@@ -57,12 +61,13 @@ class Transport:
                 post(Do("seek", event.target.value))
 
     def show(self, picture: Picture) -> None:
-        """Play or pause on the first button, the speed, the length of the run."""
+        """Play or pause on the first button, the speed, the length of the run, what is on the stage."""
         options = self._options(picture)
         if self._row.options != options:
             self._row.options = options
-        if self._rate != picture.rate:
-            self._rate = picture.rate
+        words = self._words(picture)
+        if (self._rate, self._caption) != (picture.rate, words):
+            self._rate, self._caption = picture.rate, words
             self._clock.content = clock(picture.state.t, picture.horizon, self._rate, self._caption)
         if picture.horizon > 0 and picture.horizon != self._horizon:
             self._horizon = picture.horizon

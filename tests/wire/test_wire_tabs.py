@@ -121,6 +121,19 @@ def test_every_lesson_opens_over_the_wire(enter: Enter, newest: Newest, lesson: 
     assert not tab.notes
 
 
+def test_the_line_beside_the_clock_follows_the_plant_on_the_stage(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    tab.update("lesson", value=LESSONS["network"].words["en"].title)
+    tab.until(lambda: newest().picture.lesson.id == "network", "the lesson")  # type: ignore[union-attr]
+
+    def lines() -> str:
+        return " ".join(str(w["props"].get("content")) for w in tab.widgets.values() if w["type"] == "GuiHtmlMessage")
+    tab.until(lambda: "A ball on a ridge rolls away" in lines(), "the first caption")
+    tab.update("plant", value="Pole on a cart")
+    tab.until(lambda: "A pole balanced on a cart" in lines(), "the new caption")
+    assert "A ball on a ridge rolls away" not in lines()
+
+
 def test_a_reload_brings_the_tab_back(enter: Enter, newest: Newest) -> None:
     tab = enter()
     tab.update(STIFFNESS, value=12.0)
