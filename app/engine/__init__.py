@@ -49,6 +49,7 @@ from .intermittent import (
     mean_lower_limit,
     measured,
     riccati_step,
+    spectral_radius,
 )
 from .jacobian import columns, each_column, expand, jacobian
 from .kalman import KalmanFilter, gain_of, joseph, short_form
@@ -293,6 +294,7 @@ __all__ = [
     "simulate",
     "simulate_bilinear",
     "simulate_network",
+    "spectral_radius",
     "split_stable",
     "starting_feedback",
     "starting_observer",

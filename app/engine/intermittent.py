@@ -28,6 +28,7 @@ __all__ = [
     "mean_lower_limit",
     "measured",
     "riccati_step",
+    "spectral_radius",
 ]
 
 RANK = 1e-9  # relative singular value below which a sensor counts as blind
@@ -41,7 +42,7 @@ class CriticalLoss:
     """What share of the measurements may be lost.
 
     Below `safe` the mean covariance stays bounded for every start, above `lost` it grows without end for some start.
-    They agree where the critical loss is known exactly; 1 means that nothing unstable has to be watched.
+    Where they agree they are the critical loss; 1 means that nothing unstable has to be watched.
     """
 
     safe: float
@@ -99,7 +100,8 @@ def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: ob
                 steps: int) -> tuple[np.ndarray, np.ndarray]:
     """Lower and upper bound of the mean E P[k|k−1], k = 0 … steps, each (…, steps + 1, n, n), for losses `loss` (…).
 
-    S⁺ = loss A S Aᵀ + Q ≤ E P ≤ V, V⁺ = g_{1 − loss}(V), since the Riccati step is increasing and concave in P.
+    S ≤ E P ≤ V: S⁺ = loss A S Aᵀ + Q, as if a measurement told everything, and V⁺ = g_{1 − loss}(V), since the Riccati
+    step is increasing and concave in P.
     """
     A, C, Q, R = _model(A, C, Q, R)
     p = _probability(loss)
@@ -172,7 +174,7 @@ def _newton(X: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.nd
 
 # --- how much may be lost ----------------------------------------------------------------------------------------------
 def critical_loss(A: object, C: object) -> CriticalLoss:
-    """The critical loss of (A, C), or what is known of it.
+    """The critical loss of (A, C), or bounds of it.
 
     lost = 1/max|λ|² always. It is exact (safe = lost) where a single mode is unstable, or where C sees all unstable
     modes at once (as a square regular C does). With sensors of rank one safe = 1/∏|λᵤ|² over the unstable modes; else

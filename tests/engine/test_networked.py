@@ -143,6 +143,13 @@ def test_a_lost_input_of_which_the_observer_hears_nothing_breaks_separation_too(
     assert network_meter(simulate_network(scenario(sensor=Link(0.0, 2)))) < 1e-12
 
 
+def test_a_loop_that_runs_away_on_a_known_delay_still_separates() -> None:
+    """The states grow to 1e9 and x − x̂ with them only by rounding."""
+    away = dict(K=-8 * np.sign(K), steps=400, actuator=Link(0.0, 2))
+    assert network_meter(simulate_network(scenario(**away))) == 0.0
+    assert network_meter(simulate_network(scenario(**away, told="asked"))) > 1e3
+
+
 def nearest(values: np.ndarray, wanted: np.ndarray) -> float:
     """How far the wanted poles are from the values, taken greedily."""
     left, worst = list(values), 0.0
