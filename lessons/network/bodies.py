@@ -1,0 +1,134 @@
+"""Bodies of the lesson: a ball on a ridge, two columns, and for every plant two lamps that show its packets.
+
+The record that the stage plays is (state, measurement heard, input heard), the last two 1 or 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from app.plants.body import (
+    DARK,
+    METAL,
+    PLANT,
+    STEEL,
+    UNTURNED,
+    Arrow,
+    Ball,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    Pose,
+    Rod,
+    Vector,
+    bounded,
+    force_arrow,
+)
+from app.words import Text
+
+LIT, OUT = (255, 214, 90), (58, 64, 74)
+LAMPS = (("sensor", -0.75), ("input", 0.75))
+AWAY, HEIGHT = -1.35, 0.42  # in front of the plant
+SLICES, WIDE, CREST = 21, 3.4, 0.95  # of the ridge
+REACH, STEEP = 1.5, 0.26  # farthest drawn place of the ball, drop of the ridge at one stage unit squared
+SCALE = 0.12  # stage units per centimetre on the ridge
+BALL = 0.16
+DOWN = (0.0, 1.0, 0.0, 0.0)  # half a turn
+
+
+def with_lamps(body: Body, n: int) -> Body:
+    """The body of a plant with n states and a lamp for each link, bright where a packet has just arrived."""
+    parts, fixed = list(body.parts), {}
+    for name, x in LAMPS:
+        parts += [Part(f"{name} lamp foot", Cylinder(0.12, 0.06), STEEL), Part(f"{name} lamp post", Rod(0.03), METAL),
+                  Part(f"{name} lamp", Ball(0.11), DARK)]
+        fixed[f"{name} lamp foot"] = Pose((x, AWAY, 0.03))
+        fixed[f"{name} lamp post"] = Pose((x, AWAY, 0.0), scale=(1.0, 1.0, HEIGHT))
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        poses = {**body.pose(x[:n], gain), **fixed}
+        for (name, place), heard in zip(LAMPS, x[n:n + 2], strict=True):
+            on = float(heard) > 0.5
+            size = 1.0 if on else 0.55  # a lamp that is out is smaller as well as darker
+            poses[f"{name} lamp"] = Pose((place, AWAY, HEIGHT), scale=(size, size, size), colour=LIT if on else OUT)
+        return poses
+
+    return replace(
+        body, parts=tuple(parts), pose=pose, arrows=lambda x, u, gain: body.arrows(x[:n], u, gain),
+        anchors=lambda x, gain: body.anchors(x[:n], gain),
+        caption=Text(f"{body.caption.en}. Lamps in front: measurement (left) and input (right), bright when a packet arrives",
+                     f"{body.caption.zh}。前方两盏灯：左为测量、右为输入，收到数据包时亮"))
+
+
+def _ridge(x: float) -> float:
+    return CREST - STEEP * x * x
+
+
+def ridge_body() -> Body:
+    """A ball on the crest of a ridge, its place in cm: the farther off, the faster it rolls away."""
+    width = WIDE / SLICES
+    middles = tuple((i - (SLICES - 1) / 2) * width for i in range(SLICES))
+    fixed = {"base": Pose((0.0, 0.0, 0.05))}
+    for i, x in enumerate(middles):
+        fixed[f"slice {i}"] = Pose((x, 0.1, (0.1 + _ridge(x)) / 2))
+
+    def centre(x: Sequence[float], gain: float) -> Vector:
+        at = bounded(float(x[0]) * SCALE * gain, REACH)
+        return at, 0.0, _ridge(at) + BALL
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        return fixed | {"ball": Pose(centre(x, gain))}
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        at = centre(x, gain)
+        return (force_arrow((at[0], -0.5, at[2]), (1.0, 0.0, 0.0), float(u[0]), 4.0),)
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return (centre(x, gain),)
+
+    slices = tuple(Part(f"slice {i}", Box((width, 0.9, _ridge(x) - 0.1), 0.0), STEEL if i % 2 else METAL)
+                   for i, x in enumerate(middles))
+    return Body((Part("base", Box((4.0, 1.3, 0.1), 0.04), DARK), *slices, Part("ball", Ball(BALL), PLANT, twin=True)),
+                pose, arrows, anchors, 1.0, Text("A ball on a ridge rolls away by itself; the green arrow is the input",
+                                                 "山脊上的小球会自行滚落；绿色箭头为输入"))
+
+
+def columns_body(count: int, full: float) -> Body:
+    """One column a state, as high as the state; `full` is drawn 0.7 high."""
+    base = 1.0
+
+    def place(i: int) -> float:
+        return (i - (count - 1) / 2) * 1.1
+
+    def top(x: Sequence[float], i: int, gain: float) -> Vector:
+        return place(i), 0.0, base + bounded(0.7 * gain * float(x[i]) / full, 0.8)
+
+    fixed = {"plinth": Pose((0.0, 0.0, 0.06))}
+    for i in range(count):
+        fixed |= {f"foot {i}": Pose((place(i), 0.12, base)), f"back {i}": Pose((place(i), 0.4, base))}
+
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        poses = dict(fixed)
+        for i in range(count):
+            head = top(x, i, gain)
+            rise = head[2] - base
+            poses[f"head {i}"] = Pose(head)
+            poses[f"stem {i}"] = Pose((head[0], 0.0, base), UNTURNED if rise >= 0 else DOWN, (1.0, 1.0, max(abs(rise), 1e-6)))
+        return poses
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        return (force_arrow((place(0) - 0.6, 0.0, base), (0.0, 0.0, 1.0), float(u[0]), full),)
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return tuple(top(x, i, gain) for i in range(count))
+
+    parts = [Part("plinth", Box((3.6, 1.2, 0.12), 0.04), DARK)]
+    for i in range(count):
+        parts += [Part(f"back {i}", Box((0.66, 0.05, 1.76), 0.02), STEEL), Part(f"foot {i}", Box((0.62, 0.5, 0.03), 0.0), METAL),
+                  Part(f"stem {i}", Rod(0.09), METAL),
+                  Part(f"head {i}", Box((0.5, 0.42, 0.12), 0.03), PLANT, twin=True)]
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
+        "One column a state; only their sum is measured; the green arrow is the input",
+        "每根柱子是一个状态，只测量它们的和；绿色箭头为输入"))

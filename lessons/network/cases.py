@@ -1,0 +1,122 @@
+"""The plants of the lesson, sampled, with their noise, their controller and the filter that would lose nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from types import MappingProxyType
+
+import numpy as np
+
+from app.engine import CriticalLoss, DiscreteFilter, KalmanFilter, Plant, critical_loss, dlqe, dlqr, spectral_radius
+from app.plants import MODELS, Signal
+from app.plants.body import Body
+from app.plants.cart_pendulum import STAGE as CART_SCALE
+from app.plants.chip import STAGE as CHIP_SCALE
+from app.plants.deck_body import GAIN as DECK_GAIN
+from app.plants.deck_body import STAGE as DECK_SCALE
+from app.plants.platform import deck_disturbance
+from app.words import Text
+
+from .bodies import SCALE, columns_body, ridge_body, with_lamps
+
+SAMPLES = 80
+SCALAR, TWO, CHIP, CART, DECK = "scalar", "two", "chip-runaway", "cart-pendulum", "deck"
+PERIODS = MappingProxyType({SCALAR: 0.1, TWO: 0.1, CHIP: 0.5, CART: 0.05, DECK: 0.04})  # s
+SLOWEST = 3.0  # times the period
+HORIZON = SAMPLES * SLOWEST * PERIODS[CHIP]  # s, the longest run
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """What of a case no knob moves. `shown`: weights of the state whose spread is drawn, in stage units."""
+
+    label: Text
+    body: Body
+    x0: tuple[float, ...]
+    kick: tuple[float, ...]
+    watched: Signal
+    shown: tuple[float, ...]
+    input_unit: str
+
+
+KINDS: MappingProxyType[str, Kind] = MappingProxyType({
+    SCALAR: Kind(Text("Scalar: a ball on a ridge", "标量：山脊上的球"), with_lamps(ridge_body(), 1), (3.0,), (4.0,),
+                 Signal(Text("place of the ball x", "小球位置 x"), (1.0,), "cm"), (SCALE,), "cm"),
+    TWO: Kind(Text("Two unstable modes, one sensor", "两个不稳定模态，一个传感器"), with_lamps(columns_body(2, 60.0), 2),
+              (20.0, -10.0), (30.0, 0.0), Signal(Text("first state x₁", "第一个状态 x₁"), (1.0, 0.0), ""), (0.7 / 60, 0.0), ""),
+    CHIP: Kind(MODELS[CHIP].label, with_lamps(MODELS[CHIP].body, 2), MODELS[CHIP].x0, MODELS[CHIP].kick,
+               MODELS[CHIP].watched[0], (CHIP_SCALE, 0.0), "W"),
+    CART: Kind(MODELS[CART].label, with_lamps(MODELS[CART].body, 4), (0.0, 0.05, 0.0, 0.0), (0.0, 0.0, 0.0, 0.15),
+               MODELS[CART].watched[0], (CART_SCALE, CART_SCALE, 0.0, 0.0), "N"),
+    DECK: Kind(MODELS[DECK].label, with_lamps(MODELS[DECK].body, 6), MODELS[DECK].x0, MODELS[DECK].kick,
+               MODELS[DECK].watched[0], (0.0, DECK_SCALE * DECK_GAIN, 0.0, 0.0, 0.0, 0.0), "N"),
+})
+
+
+@dataclass(frozen=True, eq=False)
+class Sampled:
+    """A plant at its samples: Q of the process noise, R of the sensor at its normal noise, K, and what may be lost."""
+
+    plant: Plant
+    Q: np.ndarray
+    R: np.ndarray
+    K: np.ndarray
+    edge: CriticalLoss
+    radius: float
+
+
+@dataclass(frozen=True, eq=False)
+class Watched:
+    """A sampled plant with R at the noise of the design, the filter without loss, and the weights of the ratio shown.
+
+    The ratio of a covariance P is Σ weightsᵢ Pᵢᵢ: its variances, each over that of the filter without loss, averaged.
+    """
+
+    sampled: Sampled
+    R: np.ndarray
+    steady: DiscreteFilter
+    weights: np.ndarray
+
+    def ratio(self, P: np.ndarray) -> np.ndarray:
+        """Of covariances (…, n, n)."""
+        return np.diagonal(P, axis1=-2, axis2=-1) @ self.weights
+
+
+def _from_model(name: str, h: float) -> tuple[KalmanFilter, np.ndarray, np.ndarray]:
+    """The sampled filter, and the weights of state and input for the controller."""
+    model = MODELS[name]
+    plant = model.plant
+    if name == CHIP:  # 1.5 W of fluctuating power in a second, 0.3 K of sensor noise
+        return KalmanFilter.from_plant(plant, 2.0, 0.09 * h, h), np.diag([1.0, 1.0]), 0.05 * np.eye(1)
+    if name == CART:  # gusts on the cart, half a millimetre of sensor noise
+        return KalmanFilter.from_plant(plant, 1e-4, 2.5e-7 * h, h), np.diag([20.0, 20.0, 1.0, 1.0]), 0.3 * np.eye(1)
+    G = np.column_stack([deck_disturbance(), plant.B[:, 1] - plant.B[:, 0]])  # ground and a draught, 1 mm/s of noise
+    kf = KalmanFilter.from_plant(plant, np.diag([4e-10, 4e-10, 3e-4]), 1e-6 * h * np.eye(4), h, G)
+    return kf, plant.C.T @ plant.C, 1e-4 * np.eye(3)
+
+
+@lru_cache(maxsize=128)
+def sampled(name: str, a: float, stretch: float) -> Sampled:
+    """The case at a (scalar only) and its sampling period times `stretch` (the scalar and the pair of modes keep theirs)."""
+    h = PERIODS[name] * (1.0 if name in (SCALAR, TWO) else stretch)
+    if name == SCALAR:
+        plant, Q, R = Plant(np.array([[a]]), np.eye(1), np.eye(1), dt=h), 0.09 * np.eye(1), 0.09 * np.eye(1)
+        state, force = np.eye(1), 0.5 * np.eye(1)
+    elif name == TWO:
+        plant = Plant(np.array([[1.25, 0.0], [1.0, 1.1]]), np.array([[1.0], [0.0]]), np.array([[1.0, 1.0]]), dt=h)
+        Q, R, state, force = 20 * np.eye(2), 2.5 * np.eye(1), np.eye(2), np.eye(1)
+    else:
+        kf, state, force = _from_model(name, h)
+        plant, Q, R = Plant(kf.A, kf.B, kf.C, dt=h), kf.Q, kf.R
+    K = dlqr(plant.A, plant.B, state, force).gain
+    return Sampled(plant, Q, R, K, critical_loss(plant.A, plant.C), spectral_radius(plant.A))
+
+
+@lru_cache(maxsize=128)
+def watched(name: str, a: float, stretch: float, noise: float) -> Watched:
+    """The same with the sensor's standard deviation times `noise`."""
+    s = sampled(name, a, stretch)
+    R = noise**2 * s.R
+    steady = dlqe(s.plant.A, np.eye(s.plant.n), s.plant.C, s.Q, R)
+    return Watched(s, R, steady, 1 / (s.plant.n * np.diag(steady.solution)))
