@@ -12,6 +12,7 @@ from .duality.lesson import LESSON as duality
 from .error_dynamics.lesson import LESSON as error_dynamics
 from .hidden_modes.lesson import LESSON as hidden_modes
 from .kalman.lesson import LESSON as kalman
+from .network.lesson import LESSON as network
 from .noise.lesson import LESSON as noise
 from .observability.lesson import LESSON as observability
 from .robust_observer.lesson import LESSON as robust_observer
@@ -32,5 +33,6 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     decoupling,
     robust_observer,
     bilinear_observer,
+    network,
 ), key=lambda lesson: lesson.number)})
 OPENING = "separation"  # the lesson that the page opens on
