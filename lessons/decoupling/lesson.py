@@ -182,10 +182,10 @@ def _formulas(mix: Mixed, built: Controllers) -> tuple[Formula, ...]:
         Formula("index", rf"J = \sum_\omega \frac{{|G'_{{23}}|^2}}{{|G'_{{22}}|^2}} + \frac{{|G'_{{32}}|^2}}{{|G'_{{33}}|^2}} = "
                          rf"{number(mix.J)}"),
     ]
-    if built.placed is not None:
-        p = built.placed
-        out += [Formula("E", rf"E = {_polynomial(p.E)}"), Formula("F", rf"F = {_polynomial(p.F)}",
-                Text("In powers of s, rad/s; the controller is −F/E.", "按 s 的幂，单位 rad/s；控制器为 −F/E。"))]
+    p = built.placed
+    E, F = (_polynomial(p.E), _polynomial(p.F)) if p else (r"\text{–}", r"\text{–}")
+    out += [Formula("E", rf"A E + B F = \Phi, \quad E = {E}"), Formula("F", rf"F = {F}",
+            Text("In powers of s, rad/s; the controller is −F/E.", "按 s 的幂，单位 rad/s；控制器为 −F/E。"))]
     return tuple(out)
 
 
@@ -194,8 +194,10 @@ def _polynomial(p: np.ndarray) -> str:
     for k, c in enumerate(p):
         power = degree - k
         tail = "" if power == 0 else "s" if power == 1 else f"s^{power}"
-        value = number(abs(float(c)), 2)
-        coefficient = tail if value == "1" and tail else f"{value}{tail}"
+        size = abs(float(c))
+        mantissa, exponent = f"{size:.1e}".split("e")
+        value = f"{size:.3g}" if 1e-3 <= size < 999.5 or not size else rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+        coefficient = tail if value == "1" and tail else rf"{value}\,{tail}"
         words += (" - " if c < 0 else " + " if k else "") + coefficient
     return words
 
@@ -208,11 +210,10 @@ def _live(m: Mapping[str, float]) -> Text:
                         f"闭合俯仰回路使系统失稳：最右极点 {right} rad/s。")
         return Text(f"The loop is unstable: rightmost pole {right} rad/s.",
                     f"闭环不稳定：最右极点 {right} rad/s。")
-    words = [f"{v:.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
-    tail = (Text(f" C_v keeps a pole at {drift} rad/s.", f" C_v 有极点 {drift} rad/s。") if m["drift"] > 0
-            else Text("", ""))
-    return Text(f"Peaks come down: vertical {words[0]}, horizontal {words[1]}, rotation {words[2]}.{tail.en}",
-                f"峰值降低：竖直 {words[0]}，水平 {words[1]}，转动 {words[2]}。{tail.zh}")
+    words = [f"{-v:+.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
+    tail = Text(f" C_v keeps a pole at {drift} rad/s.", f" C_v 有极点 {drift} rad/s。") if m["drift"] > 0 else Text("", "")
+    return Text(f"Peaks against no control: vertical {words[0]}, horizontal {words[1]}, rotation {words[2]}.{tail.en}",
+                f"峰值与无控制相比：竖直 {words[0]}，水平 {words[1]}，转动 {words[2]}。{tail.zh}")
 
 
 def figures(outcome: Outcome) -> tuple[Figure, ...]:
