@@ -37,6 +37,31 @@ COARSE_WHILE_MOVING = """(() => {
   };
 })()"""
 
+FOLDERS_BY_KEY = """(() => {
+  if (window.observerLabFolders) return;
+  const dress = () => document.querySelectorAll('svg[class*="tabler-icon-chevron"]').forEach(icon => {
+    const head = icon.parentElement, box = head?.parentElement;
+    if (!head?.matches('.mantine-Paper-root') || !box?.matches('.mantine-Paper-root')) return;
+    const open = String(icon.matches('[class*="chevron-up"]'));
+    if (head.getAttribute('aria-expanded') === open) return;
+    head.tabIndex = 0;
+    head.setAttribute('role', 'button');
+    head.setAttribute('aria-expanded', open);
+  });
+  let due = 0;
+  window.observerLabFolders = new MutationObserver(() => {
+    due ||= setTimeout(() => { due = 0; dress(); }, 200);
+  });
+  window.observerLabFolders.observe(document.body, {childList: true, subtree: true});
+  addEventListener('keydown', event => {
+    if ((event.key !== 'Enter' && event.key !== ' ') || !event.target?.matches?.('[role=button][aria-expanded]')) return;
+    event.preventDefault();
+    event.stopPropagation();
+    event.target.click();
+  }, {capture: true});
+  dress();
+})()"""
+
 
 def close_share_tunnel(server: viser.ViserServer) -> None:
     """Unregister the handlers by which any browser could make this server open a public tunnel."""
@@ -133,6 +158,11 @@ def coarse_while_moving(client: viser.ClientHandle) -> None:
     change is drawn in one frame. Where a frame is quick nothing changes.
     """
     _run(client, COARSE_WHILE_MOVING)
+
+
+def folders_by_key(client: viser.ClientHandle) -> None:
+    """Let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone."""
+    _run(client, FOLDERS_BY_KEY)
 
 
 def write_tab_storage(client: viser.ClientHandle, text: str) -> None:

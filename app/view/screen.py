@@ -77,6 +77,7 @@ class Screen:
             self._stage.build(picture.outcome.stage, language, print_size(picture, aspect_of(self._client.camera)))
             if not self._looked:
                 quirks.coarse_while_moving(self._client)
+                quirks.folders_by_key(self._client)
                 self._stage.camera("all")
                 self._stage.follow_window()
                 self._looked = True

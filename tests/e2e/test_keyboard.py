@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from tab import Tab, eventually
 
+from app.view.knobs import label_of
+from lessons import LESSONS
+
 SLIDER = "stiffness believed wrong by [%]"
 FOCUS = "() => (document.activeElement?.textContent || document.activeElement?.getAttribute('aria-label') || '').trim()"
 IS_THUMB = """label => {
@@ -11,6 +14,19 @@ IS_THUMB = """label => {
   if (held?.getAttribute('role') !== 'slider') return false;
   const name = Array.from(document.querySelectorAll('label')).find(l => l.textContent === label);
   return name !== undefined && held.closest('[id="' + name.htmlFor + '"]') !== null;
+}"""
+IN_FIELD = """label => {
+  const held = document.activeElement;
+  if (held?.tagName !== 'INPUT') return false;
+  const name = Array.from(document.querySelectorAll('label')).find(l => l.textContent === label);
+  return name !== undefined && (held.id === name.htmlFor || held.closest('[id="' + name.htmlFor + '"]') !== null);
+}"""
+IN_ROW = """label => {
+  const held = document.activeElement;
+  if (held?.tagName !== 'INPUT') return false;
+  const rows = Array.from(document.querySelectorAll('.mantine-Flex-root')).filter(row => row.contains(held));
+  return rows.some(row => Array.from(row.querySelectorAll('label')).some(l => l.textContent === label)
+    && row.querySelectorAll('label').length === 1 && row.querySelectorAll('input').length <= 2);
 }"""
 ON_PAGE = "() => document.activeElement?.blur()"
 REACH = 80  # presses of Tab within which everything in the left column must be reachable
@@ -67,3 +83,78 @@ def test_playing_by_keys(tab: Tab) -> None:
         assert label in listed.inner_text(), "H lists every key"
     tab.press("close")
     listed.wait_for(state="detached")
+
+
+def open_folder(tab: Tab, head: str) -> None:
+    """Walk to the head of a folder and open it."""
+    walk_to(tab, FOCUS, wanted=head)
+    tab.key("Enter")
+    tab.pause(4)
+
+
+def enter(tab: Tab, label: str, words: str) -> None:
+    """Walk to the number field of a label and type into it."""
+    for field in (IN_FIELD, IN_ROW):
+        tab.page.evaluate(ON_PAGE)
+        for _ in range(REACH):
+            tab.page.keyboard.press("Tab")
+            if tab.page.evaluate(field, label):
+                tab.page.keyboard.press("Control+a")
+                tab.page.keyboard.type(words)
+                tab.pause(4)
+                return
+    raise AssertionError(f"the field of {label} is not reached")
+
+
+def checked(tab: Tab, task: str) -> None:
+    """Have the first unsolved task checked, away from any field, and see it solved."""
+    tab.page.evaluate(ON_PAGE)
+    tab.pause(4)
+    solved = tab.page.locator(".ol-right").count()
+    tab.key("t")
+    eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == solved + 1, f"task {task} solved by keys")
+
+
+def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None:
+    lesson = LESSONS["virtual-sensor"]
+    named = {knob.name: label_of(knob, "en") for knob in lesson.knobs}
+    for _ in LESSONS:
+        if tab.question() == lesson.words["en"].question:
+            break
+        before = tab.question()
+        tab.key("p")
+        eventually(tab.question, lambda words, old=before: words != old, "P opens the lesson before")
+    assert tab.question() == lesson.words["en"].question
+    walk_to(tab, FOCUS, wanted="BCD"[lesson.answer - 1])
+    tab.key("Enter")
+    open_folder(tab, "Tasks")
+    for task in lesson.tasks:
+        tab.page.evaluate(ON_PAGE)
+        tab.key("r")
+        for name, value in task.solution.items():
+            if name == "plant":
+                choose(tab, named[name], dict(lesson.knob(name).options)[value].en)  # type: ignore[attr-defined]
+            elif name == "observer_poles":
+                open_folder(tab, "Observer poles at θ = 1")
+                enter(tab, f"{lesson.knob(name).symbol}1", f"{min(pole.real for pole in value):g}")  # the pair's real part
+            else:
+                enter(tab, named[name], f"{value:g}")
+        checked(tab, task.id)
+    open_folder(tab, "Exam item")
+    enter(tab, "answer", f"{lesson.exam(1).answer:.3f}")
+    walk_to(tab, FOCUS, wanted="check")
+    tab.key("Enter")
+    eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == len(lesson.tasks) + 1, "the exam item")
+
+
+def choose(tab: Tab, label: str, option: str) -> None:
+    """Walk to a dropdown and choose by arrows."""
+    tab.page.evaluate(ON_PAGE)
+    walk_to(tab, IN_FIELD, label)
+    for _ in range(8):
+        if tab.page.evaluate("() => document.activeElement.value") == option:
+            return
+        for key in ("ArrowDown", "ArrowDown", "Enter"):
+            tab.key(key)
+        tab.pause(4)
+    raise AssertionError(f"{option} is not among the choices of {label}")
