@@ -183,23 +183,20 @@ def _formulas(mix: Mixed, built: Controllers) -> tuple[Formula, ...]:
                          rf"{number(mix.J)}"),
     ]
     p = built.placed
-    E, F = (_polynomial(p.E), _polynomial(p.F)) if p else (r"\text{–}", r"\text{–}")
-    out += [Formula("E", rf"A E + B F = \Phi, \quad E = {E}"), Formula("F", rf"F = {F}",
-            Text("In powers of s, rad/s; the controller is −F/E.", "按 s 的幂，单位 rad/s；控制器为 −F/E。"))]
+    solved = rf", \quad E: {_column(p.E)}, \; F: {_column(p.F)}" if p else ""
+    out.append(Formula("E", rf"A E + B F = \Phi{solved}", Text(
+        "Coefficients from the highest power of s down, in rad/s; the controller is −F/E.",
+        "系数按 s 的降幂排列，单位 rad/s；控制器为 −F/E。")))
     return tuple(out)
 
 
-def _polynomial(p: np.ndarray) -> str:
-    words, degree = "", len(p) - 1
-    for k, c in enumerate(p):
-        power = degree - k
-        tail = "" if power == 0 else "s" if power == 1 else f"s^{power}"
-        size = abs(float(c))
-        mantissa, exponent = f"{size:.1e}".split("e")
-        value = f"{size:.3g}" if 1e-3 <= size < 999.5 or not size else rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
-        coefficient = tail if value == "1" and tail else rf"{value}\,{tail}"
-        words += (" - " if c < 0 else " + " if k else "") + coefficient
-    return words
+def _column(p: np.ndarray) -> str:
+    """Coefficients as a column, two digits where they are large."""
+    def entry(c: float) -> str:
+        mantissa, exponent = f"{c:.1e}".split("e")
+        return f"{c:.3g}" if 1e-3 <= abs(c) < 999.5 or c == 0 else rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+    rows = r" \\ ".join(entry(float(c)) for c in p)
+    return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
 
 
 def _live(m: Mapping[str, float]) -> Text:
