@@ -159,7 +159,7 @@ class Session(TabWorker):
     def _do_lesson(self, lesson: Any) -> None:
         if lesson not in self._lessons:
             raise KnobError(Text(f"There is no lesson {str(lesson)[:40]}.", f"没有课程 {str(lesson)[:40]}。"))
-        if self._job is not None:
+        if self._job.running:
             self._cancel(silent=True)
         before = self._lesson
         self._lesson = self._lessons[lesson]
@@ -250,12 +250,12 @@ class Session(TabWorker):
     def _do_run_job(self, _: Any) -> None:
         if self._lesson.job is None or self._picture is None:
             return
-        if self._job is not None:
+        if self._job.running:
             self._cancel(silent=False)
             return
-        if self._clock() - self._job_ended < JUST_ENDED:
+        if self._job.ended_within(JUST_ENDED):
             return
-        self._job = self._lesson.job.run(self._picture.outcome)
+        self._job.start(self._lesson.job.run(self._picture.outcome))
         self._view.progress(0.0, self._lesson.job.label)
 
     def _do_pick(self, point: Any) -> None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections import OrderedDict
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -23,13 +22,13 @@ from .lesson import Design, Lesson, Outcome, Verdict
 from .picture import Picture, State, TaskState, View
 from .state import read_tab, write_tab
 from .words import Text
+from .work import Drafts, LongJob
 
 log = logging.getLogger(__name__)
 
 FRAME = 1 / 30  # s between poses while playing
 REST = 0.25  # s without an edit after which the final picture is drawn
 JUST_ENDED = 0.7  # s after a long job in which its button means "cancel" to a hand that was about to press it
-SLICE = 0.015  # s of a long job between two looks at the mailbox
 
 CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
 NOT_DONE = Text("That could not be done ({0}); everything stays as it was.", "操作未能完成（{0}），一切保持原样。")
@@ -80,13 +79,11 @@ class TabWorker:
         self._clock = clock
         self._mailbox = Mailbox()
         self._desks: dict[str, _Desk] = {}
-        self._cache: OrderedDict[Design, tuple[Outcome, tuple[Figure, ...]]] = OrderedDict()
+        self._drafts, self._job = Drafts(), LongJob(clock)
         self._state = State(language=language, exam_seed=exam_seed, plant=plant)
         self._lesson = self._lessons[lesson]
         self._picture: Picture | None = None
-        self._job: Iterator[tuple[float, Outcome]] | None = None
         self._resting = True
-        self._job_ended = -1e9
         self._last_edit = self._last_tick = clock()
         self._thread: threading.Thread | None = None
 
@@ -132,7 +129,7 @@ class TabWorker:
 
     def _wait(self) -> float | None:
         now = self._clock()
-        if self._job is not None:
+        if self._job.running:
             return 0.0
         waits = []
         if self._state.playing:
@@ -144,7 +141,7 @@ class TabWorker:
     # --- inside ----------------------------------------------------------------------------------------------------
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
-        self._job = None
+        self._job.drop()
         try:
             self._lesson = self._lesson_for(self._desk().history.design)
             outcome, figures = self._compute(self._desk().history.design)
@@ -188,7 +185,7 @@ class TabWorker:
         now = self._clock()
         if not self._resting and now - self._last_edit >= REST:
             self._rest()
-        if self._job is not None:
+        if self._job.running:
             self._work_on_job()
         if self._state.playing and now - self._last_tick >= FRAME * 0.9:
             self._tick(now)
@@ -223,14 +220,7 @@ class TabWorker:
         return self._lessons[design.lesson].fit(design.plant)
 
     def _compute(self, design: Design) -> tuple[Outcome, tuple[Figure, ...]]:
-        known = self._cache.get(design)
-        outcome = self._carried(self._lesson.compute(design) if known is None else known[0])
-        result = known if known is not None and outcome is known[0] else (outcome, tuple(self._lesson.figures(outcome)))
-        self._cache[design] = result
-        self._cache.move_to_end(design)
-        while len(self._cache) > 32:
-            self._cache.popitem(last=False)
-        return result
+        return self._drafts.draw(self._lesson, design, self._carried)
 
     def _carried(self, outcome: Outcome) -> Outcome:
         """The outcome with what the job found for the design on the screen, where the lesson says that it still holds."""
@@ -311,7 +301,7 @@ class TabWorker:
             if rebuilt and picture is not None:
                 self._view.build(picture)
             raise
-        if self._job is not None:
+        if self._job.running:
             self._cancel(silent=True)
         self._last_edit = self._clock()
 
@@ -329,29 +319,18 @@ class TabWorker:
     # --- jobs ------------------------------------------------------------------------------------------------------
     def _work_on_job(self) -> None:
         """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays."""
-        assert self._lesson.job is not None
+        assert self._lesson.job is not None and self._picture is not None
         try:
-            fraction = self._slice_of_job()
+            fraction, outcome = self._job.go_on(self._mailbox.empty)
+            if outcome is not None and outcome is not self._picture.outcome:
+                self._keep(outcome)
         except Exception as problem:
             log.exception("the job of lesson %s failed", self._lesson.id)
-            self._job = None
+            self._job.drop()
             self._view.progress(None, None)
             self._refuse(problem)
             return
-        self._view.progress(fraction if self._job is not None else None, self._lesson.job.label)
-
-    def _slice_of_job(self) -> float:
-        job, start = self._job, time.monotonic()
-        assert job is not None and self._picture is not None
-        outcome, fraction = self._picture.outcome, 0.0
-        try:
-            while time.monotonic() - start < SLICE and self._mailbox.empty():
-                fraction, outcome = next(job)
-        except StopIteration:
-            self._job, self._job_ended = None, self._clock()
-        if outcome is not self._picture.outcome:
-            self._keep(outcome)
-        return fraction
+        self._view.progress(fraction if self._job.running else None, self._lesson.job.label)
 
     def _keep(self, outcome: Outcome) -> None:
         assert self._picture is not None
@@ -359,10 +338,10 @@ class TabWorker:
         picture = self._make(self._picture.design, outcome, figures)
         self._view.show(picture)
         self._picture = picture
-        self._cache[picture.design] = outcome, figures
+        self._drafts.keep(picture.design, (outcome, figures))
 
     def _cancel(self, silent: bool) -> None:
-        self._job = None
+        self._job.drop()
         self._view.progress(None, None)
         if not silent:
             self._view.say(CANCELLED, False)
