@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from types import MappingProxyType
 
 import numpy as np
 from scipy.linalg import expm
@@ -24,14 +23,13 @@ from app.engine import (
     mixing_matrix,
     negated,
     noisy_loop,
-    polynomial_roots,
 )
 from app.engine.scan import held_scan
 from app.knobs import KnobError
 from app.lesson import Design
 from app.plants import MODELS, platform
 from app.plants import platform_siso as siso
-from app.plants.platform_channels import HORIZONTAL, T_y, in_channels
+from app.plants.platform_channels import T_y, in_channels
 from app.plants.platform_lqg import coils, ground
 from app.words import Text
 
@@ -54,7 +52,6 @@ FAR = 1.0  # m or m/s beyond which a run is drawn at the edge
 KICK = np.array(MODEL.kick) * 0.004
 A_EDGE, B_EDGE = 0.6, 0.3
 GRID_A, GRID_B = np.linspace(-A_EDGE, A_EDGE, 49), np.linspace(-B_EDGE, B_EDGE, 41)
-ZERO_PAIR = polynomial_roots(siso.rigid_polynomials(HORIZONTAL)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,7 +263,3 @@ def shaken(loop: NoisyLoop, design: Design) -> Shaken:
     z = np.clip(np.nan_to_num(run(loop.A, loop.B[:, :2], motion, kick), nan=FAR, posinf=1e6, neginf=-1e6), -1e6, 1e6)
     return Shaken(DT * np.arange(len(motion)), np.clip(z[:, :10], -FAR, FAR), bare_run(seed, kind, kick),
                   np.clip(z @ loop.C[4:].T, -1e4, 1e4), motion)
-
-
-LABELS = MappingProxyType({"vertical": Text("vertical", "竖直平动"), "rotation": Text("rotation", "俯仰转动"),
-                           "horizontal": Text("horizontal", "水平平动")})
