@@ -131,7 +131,9 @@ class Chart:
             self._plot.series = self._all_series(figure)
         x = figure.t if isinstance(figure, TimeFigure) else figure.f
         old = before.t if isinstance(before, TimeFigure) else before.f
-        if wanted != self._range or float(x[-1]) != float(old[-1]):
+        if figure.title != before.title:
+            self._plot.title = figure.title(self._language)
+        if wanted != self._range or float(x[-1]) != float(old[-1]) or figure.y_label != before.y_label:
             self._range = wanted
             frame = self._frame(figure)
             self._plot.scales, self._plot.axes = frame["scales"], frame["axes"]

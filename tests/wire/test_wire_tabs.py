@@ -134,6 +134,18 @@ def test_the_line_beside_the_clock_follows_the_plant_on_the_stage(enter: Enter, 
     assert "A ball on a ridge rolls away" not in lines()
 
 
+def test_the_title_of_a_chart_follows_what_it_shows(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    tab.update("lesson", value=LESSONS["network"].words["en"].title)
+
+    def titles() -> set[str]:
+        return {w["props"].get("title") for w in tab.widgets.values() if w["type"] == "GuiUplotMessage"}
+    tab.until(lambda: "place of the ball x" in titles(), "the first title")
+    tab.update("plant", value="Pole on a cart")
+    tab.until(lambda: "angle of the pole" in titles(), "the new title")
+    assert "place of the ball x" not in titles()
+
+
 def test_a_reload_brings_the_tab_back(enter: Enter, newest: Newest) -> None:
     tab = enter()
     tab.update(STIFFNESS, value=12.0)
