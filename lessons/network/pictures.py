@@ -18,6 +18,7 @@ MEAN_TAB, WALL_TAB, INPUT_TAB = Text("Covariance", "协方差"), Text("Separatio
 JUST = 1e-3  # of a period: how long before a sample its upper corner is drawn
 TURN = np.linspace(0, 2 * np.pi, 73)
 NEVER = Text("none", "不存在")
+DIGITS, RAISED = "-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
 
 
 def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
@@ -97,10 +98,11 @@ def _teeth(outcome: Outcome) -> TimeFigure:
     curves += [Curve(Text("mean, at least", "均值下界"), _bound(s.lower), "reference", "dot", 1.6),
                Curve(Text("mean, at most", "均值上界"), _bound(s.upper), "reference", "dash", 1.6)]
     peak = float(s.teeth.max())
-    words = Text(f"Variance of the error over that without loss. This run rises to {_big(peak)}; after {SAMPLES} samples the mean "
-                 f"lies between {_big(s.lower[-1])} and {_big(s.upper[-1])}.",
-                 f"误差方差与无丢包时之比。本次运行最高 {_big(peak)}；{SAMPLES} 个采样后均值在 {_big(s.lower[-1])} 与 "
-                 f"{_big(s.upper[-1])} 之间。")
+    low, high = _big(s.lower[-1]), _big(s.upper[-1])
+    mean = (Text(f"lies between {low} and {high}", f"在 {low} 与 {high} 之间") if s.upper[-1] < MOST else
+            Text(f"is at least {low}", f"不小于 {low}"))
+    words = Text(f"Variance of the error over that without loss. This run rises to {_big(peak)}; after {SAMPLES} samples the mean {mean.en}.",
+                 f"误差方差与无丢包时之比。本次运行最高 {_big(peak)}；{SAMPLES} 个采样后均值{mean.zh}。")
     return TimeFigure("teeth", Text("how unsure the filter is", "滤波器有多不确定"), times(outcome), tuple(curves), "σ²/σ₀²",
                       log=True, window=(0.5, 10.0), tab=MEAN_TAB, caption=words)
 
@@ -113,8 +115,11 @@ def _bound(values: np.ndarray) -> np.ndarray:
 def _big(value: float) -> str:
     """A ratio in few letters."""
     if value >= MOST:
-        return "10⁹+"
-    return f"{value:.3g}" if value < 1e4 else f"{value:.1e}".replace("e+0", "·10^").replace("e+", "·10^")
+        return "10⁹"
+    if value < 1e4:
+        return f"{value:.3g}"
+    mantissa, power = f"{value:.1e}".split("e")
+    return f"{mantissa}·10{str(int(power)).translate(str.maketrans(DIGITS, RAISED))}"
 
 
 def _log(values: np.ndarray) -> np.ndarray:
