@@ -101,7 +101,8 @@ def _teeth(outcome: Outcome) -> TimeFigure:
     low, high = _big(s.lower[-1]), _big(s.upper[-1])
     mean = (Text(f"lies between {low} and {high}", f"在 {low} 与 {high} 之间") if s.upper[-1] < MOST else
             Text(f"is at least {low}", f"不小于 {low}"))
-    words = Text(f"Variance of the error over that without loss. This run rises to {_big(peak)}; after {SAMPLES} samples the mean {mean.en}.",
+    words = Text(f"Variance of the error over that without loss. This run rises to {_big(peak)}; after {SAMPLES} samples the mean "
+                 f"{mean.en}.",
                  f"误差方差与无丢包时之比。本次运行最高 {_big(peak)}；{SAMPLES} 个采样后均值{mean.zh}。")
     return TimeFigure("teeth", Text("how unsure the filter is", "滤波器有多不确定"), times(outcome), tuple(curves), "σ²/σ₀²",
                       log=True, window=(0.5, 10.0), tab=MEAN_TAB, caption=words)
