@@ -13,6 +13,7 @@ from .error_dynamics.lesson import LESSON as error_dynamics
 from .hidden_modes.lesson import LESSON as hidden_modes
 from .kalman.lesson import LESSON as kalman
 from .network.lesson import LESSON as network
+from .lqg.lesson import LESSON as lqg
 from .noise.lesson import LESSON as noise
 from .observability.lesson import LESSON as observability
 from .robust_observer.lesson import LESSON as robust_observer
@@ -31,6 +32,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     noise,
     kalman,
     decoupling,
+    lqg,
     robust_observer,
     bilinear_observer,
     network,

@@ -14,7 +14,7 @@ from .noise import step_covariance
 from .plant import Plant, as_matrix
 from .pole_sets import Poles
 from .scan import step_matrices
-from .spectrum import WORST_EIGENVECTORS
+from .spectrum import modal_coordinates
 
 __all__ = ["NoisyLoop", "noisy_loop"]
 
@@ -40,7 +40,7 @@ class NoisyLoop:
     @cached_property
     def poles(self) -> Poles:
         """Poles of the loop, sorted by (real, imag)."""
-        return np.sort_complex(self._modal[0])
+        return np.sort_complex(np.linalg.eigvals(self.A).astype(complex))
 
     @property
     def stable(self) -> bool:
@@ -95,11 +95,11 @@ class NoisyLoop:
         rows = self.outputs() if rows is None else self._fitting(rows)
         omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=float))
         points = np.exp(1j * omega * self.dt) if self.dt else 1j * omega
-        poles, vectors, into, sound = self._modal
         C, D = rows @ self.C, rows @ self.D
-        if not sound:
+        if self._modal is None:
             return C @ np.linalg.solve(points[:, None, None] * np.eye(len(self.A)) - self.A, self.B.astype(complex)) + D
-        residues = (C @ vectors).T[:, :, None] * into[:, None, :]
+        poles, out, into = self._modal
+        residues = (rows @ out).T[:, :, None] * into[:, None, :]
         with np.errstate(divide="ignore", invalid="ignore"):
             return (1 / (points[:, None] - poles) @ residues.reshape(len(poles), -1)).reshape(-1, *D.shape) + D
 
@@ -152,10 +152,8 @@ class NoisyLoop:
                          self.measured, dt)
 
     @cached_property
-    def _modal(self) -> tuple[Poles, np.ndarray, np.ndarray, bool]:
-        poles, vectors = np.linalg.eig(self.A)
-        sound = bool(np.linalg.cond(vectors) <= WORST_EIGENVECTORS)
-        return poles.astype(complex), vectors, np.linalg.solve(vectors, self.B) if sound else vectors, sound
+    def _modal(self) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+        return modal_coordinates(self.A, self.B, self.C)
 
     def _rows(self, T: object | None, part: slice) -> np.ndarray:
         width = part.stop - part.start

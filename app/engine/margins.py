@@ -105,6 +105,10 @@ class LoopMargins:
         """Whether the closed loop is stable."""
         return self.loop.stable
 
+    def input(self, i: int) -> ChannelMargins:
+        """Of the loop cut at plant input i alone, the others closed: what `inputs` says of it, without the rest."""
+        return _channel(self.loop, range(self.loop.inputs)[i], self.names[i])
+
     @cached_property
     def inputs(self) -> tuple[ChannelMargins, ...]:
         """Of the loop cut at each plant input."""

@@ -10,7 +10,7 @@ import numpy as np
 from .errors import EngineError, ShapeError
 from .plant import Plant, as_matrix
 from .pole_sets import Poles
-from .spectrum import WORST_EIGENVECTORS, frequency_response
+from .spectrum import frequency_response, modal_coordinates
 
 __all__ = ["Sensitivity", "sensitivity"]
 
@@ -68,10 +68,8 @@ class Sensitivity:
     @cached_property
     def modal(self) -> tuple[Poles, np.ndarray] | None:
         """Poles and residues (N, m+p, m+p) of S, None where the eigenvectors are ill conditioned."""
-        poles, vectors = np.linalg.eig(self.A)
-        if np.linalg.cond(vectors) > WORST_EIGENVECTORS:
-            return None
-        return poles, (self.C @ vectors).T[:, :, None] * np.linalg.solve(vectors, self.B)[:, None, :]
+        found = modal_coordinates(self.A, self.B, self.C)
+        return None if found is None else (found[0], found[1].T[:, :, None] * found[2][:, None, :])
 
     def at(self, omega: np.ndarray) -> np.ndarray:
         """S at frequencies in rad/s of any shape, ∞ included: complex (…, m+p, m+p)."""

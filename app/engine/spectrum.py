@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy import signal
+from scipy.linalg import matrix_balance
 
 from .errors import EngineError, ShapeError
 from .plant import as_matrix
 
-__all__ = ["Spectrum", "amplitude_response", "frequency_response", "psd"]
+__all__ = ["Spectrum", "amplitude_response", "frequency_response", "modal_coordinates", "psd"]
 
 WORST_EIGENVECTORS = 1e6  # condition beyond which modal residues lose too many digits
 
@@ -54,6 +55,20 @@ def psd(series: object, fs: float, segment: int | None = None, window: str = "ha
     return Spectrum(frequency, density)
 
 
+def modal_coordinates(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Poles λ (n,), C V (p, n) and V⁻¹ B (n, m) with A V = V diag(λ): H = Σ (C vᵢ)(wᵢ B)/(s − λᵢ).
+
+    A is balanced first, so that units of the states do not matter. None where the eigenvectors are ill conditioned.
+    """
+    if not len(A):
+        return np.empty(0, dtype=complex), np.empty((len(C), 0), dtype=complex), np.empty((0, B.shape[1]), dtype=complex)
+    balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
+    poles, vectors = np.linalg.eig(balanced)
+    if np.linalg.cond(vectors) > WORST_EIGENVECTORS:
+        return None
+    return poles.astype(complex), (C * scale) @ vectors, np.linalg.solve(vectors, B / scale[:, None])
+
+
 def frequency_response(A: object, B: object, C: object, D: object, omega: object, dt: float = 0.0) -> np.ndarray:
     """H = C (λ I − A)⁻¹ B + D at λ = jω, or at e^{jω dt} where dt > 0: complex (n_ω, p, m), ω in rad/s.
 
@@ -68,10 +83,11 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
     if n == 0:
         return np.tile(d.astype(complex), (len(w), 1, 1))
     points = np.exp(1j * w * dt) if dt else 1j * w
-    poles, vectors = np.linalg.eig(a)
-    if np.linalg.cond(vectors) > WORST_EIGENVECTORS:
+    modal = modal_coordinates(a, b, c)
+    if modal is None:
         return _solved(a, b, c, d, points)
-    residues = (c @ vectors).T[:, :, None] * np.linalg.solve(vectors, b)[:, None, :]  # (n, p, m)
+    poles, out, into = modal
+    residues = out.T[:, :, None] * into[:, None, :]  # (n, p, m)
     with np.errstate(divide="ignore", invalid="ignore"):
         weights = 1 / (points[:, None] - poles)
         return (weights @ residues.reshape(n, -1)).reshape(-1, *d.shape) + d

@@ -306,3 +306,10 @@ def test_a_large_static_gain_alone_does_not_make_a_loop_ill_posed() -> None:
     plant = Plant([[-1.0]], [[1.0]], [[1.0]])
     margins = loop_margins(plant, [[-1e9]])
     assert margins.stable and margins.inputs[0].nearest == pytest.approx(1.0)
+
+
+def test_one_input_says_what_all_inputs_say_of_it() -> None:
+    rng = np.random.default_rng(3)
+    plant = Plant(-np.eye(3) + 0.5 * rng.standard_normal((3, 3)), rng.standard_normal((3, 2)), rng.standard_normal((2, 3)))
+    margins = loop_margins(plant, -0.3 * np.eye(2))
+    assert repr(margins.input(1)) == repr(margins.inputs[1])  # NaN where there is no crossing

@@ -1,0 +1,74 @@
+"""Doyle's plant of 1978: two states, one input, one output, and an optimal loop with no margins to speak of.
+
+ẋ₁ = x₁ + x₂ + w, ẋ₂ = x₂ + u + w, y = x₁ + v; the weights are Q = q [1; 1][1 1], R = 1, the noise W = σ on both states
+alike, V = 1. Then K = f [1 1] with f = 2 + √(4 + q), L = d [1; 1] with d = 2 + √(4 + σ), and with the plant's input gain
+multiplied by m the loop is stable up to m = 1 + 1/(d f) exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import sqrt
+
+import numpy as np
+
+from ..engine.plant import Plant
+from ..words import Text
+from .body import Body
+from .gauge_body import gauge_body
+from .model import Model, Signal, Window
+
+SOURCE = "J. C. Doyle, Guaranteed margins for LQG regulators, IEEE Transactions on Automatic Control 23 (1978)"
+TOGETHER = np.array([[1.0], [1.0]])  # where the noise enters, and (transposed) what is weighted
+TOGETHER.setflags(write=False)
+
+
+def plant() -> Plant:
+    """Both states unstable at +1; u drives the second, the first is measured."""
+    A, B, C = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])
+    return Plant(A, B, C, state_names=("x1", "x2"), name="doyle-1978")
+
+
+def gains(q: float, sigma: float) -> tuple[float, float]:
+    """(f, d) = (2 + √(4 + q), 2 + √(4 + σ))."""
+    return 2 + sqrt(4 + q), 2 + sqrt(4 + sigma)
+
+
+def largest_gain(q: float, sigma: float) -> float:
+    """The factor of the input gain at which the optimal loop turns unstable: 1 + 1/(d f)."""
+    f, d = gains(q, sigma)
+    return 1 + 1 / (d * f)
+
+
+def body() -> Body:
+    """Two gauges for the states, the first one measured, and a large one for x₁ + x₂, which the cost weighs."""
+    shape = gauge_body(2, (0,))
+    pose, anchors = shape.pose, shape.anchors
+    return replace(
+        shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
+        anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
+        caption=Text("Small gauges: the states x₁ and x₂, of which x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost",
+                     "小表为状态 x₁、x₂，其中 x₁ 可测，亮灯；大表为 x₁ + x₂，虚影为其估计值"))
+
+
+PER_SUM = 5.0  # the large gauge's unit is made for g of another plant
+MODEL = Model(
+    id="doyle",
+    label=Text("Doyle's plant of 1978", "Doyle 1978 年的反例对象"),
+    plant=plant(),
+    body=body(),
+    x0=(0.3, -0.2),
+    guess=(0.0, 0.0),
+    horizon=6.0,
+    dt=0.012,
+    controller_poles=(-2.0, -1.5),
+    observer_poles=(-4.0, -3.0),
+    controller_window=Window(-12.0, 4.0, 8.0),
+    observer_window=Window(-12.0, 4.0, 8.0),
+    kick=(0.0, 0.3),
+    watched=(Signal(Text("measured state x₁", "可测状态 x₁"), (1.0, 0.0), "1"),
+             Signal(Text("hidden state x₂", "不可测状态 x₂"), (0.0, 1.0), "1")),
+    u_max=10.0,
+    input_unit="1",
+    source=SOURCE,
+)

@@ -1,0 +1,150 @@
+"""The plants of the lesson: the platform with the report's weights, Doyle's plant of 1978, or any model that fits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from app.engine import NoisyLoop, Plant, noisy_loop
+from app.lesson import Design
+from app.plants import MODELS, doyle, platform_lqg
+from app.plants.model import Model
+from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_y
+from app.words import Text
+
+REPORT, DOYLE = "platform", "doyle"
+MOST = 200  # frequencies of a figure
+
+
+@dataclass(frozen=True)
+class Factors:
+    """What multiplies a case's own Q, R, W, V, and its true sensor noise: α_Q, α_R, β_Q, β_R and V_true/V."""
+
+    alpha_q: float
+    alpha_r: float
+    beta_q: float
+    beta_r: float
+    sensor: float
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A model with weights and noise of unit size, and what is shown of it.
+
+    plant: with its controlled inputs alone; G (n×q); Q, R, W, V: what the factors multiply; the true noise is
+    `disturbance`·W and `sensor`·V. rows (k×n): the watched channels with their names; spectra are drawn in
+    `unit`²/Hz, `scale` times SI, inputs in `input_unit`. band: Hz in which peaks are looked for, low: Hz below it that
+    is reported too. wide: Hz of the robustness figures; dt, horizon: s of the run; computer: s between two samples of
+    the Monte-Carlo, warm_up and record: s of it.
+    """
+
+    id: str
+    label: Text
+    model: Model
+    plant: Plant
+    G: np.ndarray
+    Q: np.ndarray
+    R: np.ndarray
+    W: np.ndarray
+    V: np.ndarray
+    rows: np.ndarray
+    names: tuple[Text, ...]
+    factors: Callable[[Design], Factors]
+    true_disturbance: Callable[[Factors], float]
+    unit: str
+    scale: float
+    input_unit: str
+    input_scale: float
+    frequency: np.ndarray
+    band: tuple[float, float]
+    low: float
+    wide: np.ndarray
+    dt: float
+    horizon: float
+    computer: float
+    warm_up: float
+    record: float
+
+    @cached_property
+    def open_loop(self) -> NoisyLoop:
+        """The plant left alone under the true disturbance of unit factor, its watched channels as outputs."""
+        return noisy_loop(self.plant, None, self.G, self.W).watching(self.rows)
+
+    @cached_property
+    def open_psd(self) -> np.ndarray | None:
+        """Densities (n_f, k) of the channels without control, None where the plant is unstable."""
+        return self.open_loop.psd(self.frequency) if self.open_loop.stable else None
+
+    @cached_property
+    def recovery_unit(self) -> float:
+        """q₀² = tr(G W Gᵀ)/tr(B Bᵀ): fictitious noise on the inputs that weighs as much as the disturbances."""
+        return float(np.trace(self.G @ self.W @ self.G.T) / np.trace(self.plant.B @ self.plant.B.T))
+
+
+def _grid(plant: Plant, low: float, high: float, count: int) -> np.ndarray:
+    """A logarithmic sweep in Hz, denser around the lightly damped modes inside it."""
+    points = [np.geomspace(low, high, count)]
+    for pole in (complex(p) for p in plant.poles if p.imag > 0):
+        f = pole.imag / (2 * np.pi)
+        if low < f < high and abs(pole.real) < 0.2 * abs(pole):
+            points.append(f + abs(pole.real) / (2 * np.pi) * np.tan(np.linspace(-1.35, 1.35, 9)))
+    grid = np.unique(np.concatenate(points))
+    return grid[(grid >= low) & (grid <= high)][:MOST]
+
+
+def _by_knobs(design: Design) -> Factors:
+    return Factors(design["alpha_q"], design["alpha_r"], design["beta_q"], design["beta_r"], design["sensor"])
+
+
+def _by_paper(design: Design) -> Factors:
+    return Factors(design["q"], 1.0, design["sigma"], 1.0, 1.0)
+
+
+def _one(factors: Factors) -> float:
+    return 1.0
+
+
+def _as_believed(factors: Factors) -> float:
+    return factors.beta_q
+
+
+def report_case() -> Case:
+    """The platform with ten states; Q, R, W, V as in the report with σ_v = 10⁻⁹ taken literally."""
+    model = MODELS["platform"]
+    whole, unit = model.plant, platform_lqg.Weights(1.0, 1.0, 1.0, 1.0, platform_lqg.LITERAL_V)
+    plant = platform_lqg.coils(whole)
+    channels = (VERTICAL, ROTATION, HORIZONTAL)
+    names = tuple(Text(f"{c.name.en} channel", f"{c.name.zh}通道") for c in channels)
+    return Case(REPORT, Text("platform of the report", "报告中的平台"), model, plant, platform_lqg.ground(whole),
+                unit.Q(whole), unit.R, unit.W, unit.V, T_y[:3] @ plant.C, names, _by_knobs, _one, "µm/s", 1e6, "mN", 1e3,
+                _grid(plant, 0.05, 50.0, 150), (0.5, 3.0), 0.1, np.geomspace(1e-2, 1e4, 140), 0.03, 6.0, 5e-3, 60.0, 170.0)
+
+
+def doyle_case() -> Case:
+    """Doyle's plant; q and σ are α_Q and β_Q, R = V = 1, and the noise is what the filter believes."""
+    model, together = doyle.MODEL, doyle.TOGETHER
+    one = np.eye(1)
+    names = (Text("measured state x₁", "可测状态 x₁"), Text("hidden state x₂", "不可测状态 x₂"),
+             Text("weighted sum x₁ + x₂", "加权和 x₁ + x₂"))
+    return Case(DOYLE, Text("Doyle's plant of 1978", "Doyle 1978 年的反例"), model, model.plant, together, together @ together.T, one,
+                one, one, np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), names, _by_paper, _as_believed, "1", 1.0, "1", 1.0,
+                np.geomspace(1e-2, 30.0, 150), (0.01, 30.0), 0.1, np.geomspace(1e-3, 1e3, 160), 0.015, 6.0, 2e-3, 4.0, 33.0)
+
+
+def case_of(model: Model) -> Case:
+    """Any model: Q = CᵀC, R = I, unit intensities of its disturbances (of its inputs if it names none) and sensors."""
+    plant, G = model.controlled, model.disturbed
+    G = plant.B if G is None else G
+    size = np.abs(plant.poles[np.abs(plant.poles) > 1e-6])
+    slow, fast = (float(size.min()), float(size.max())) if size.size else (1.0, 1.0)
+    low, high = max(slow / 40, 1e-4), min(fast * 10, 1e4)
+    shown = min(plant.p, 3)
+    names = tuple(Text(f"output {n}", f"输出 {n}") for n in plant.output_names[:shown])
+    dt = model.horizon / 300
+    return Case(model.id, model.label, model, plant, G, plant.C.T @ plant.C, np.eye(plant.m), np.eye(G.shape[1]), np.eye(plant.p),
+                plant.C[:shown], names, _by_knobs, _one, "y", 1.0, model.input_unit, 1.0,
+                _grid(plant, low, high, 150), (low, high), low * 2, np.geomspace(low / 10, high * 10, 160), dt, model.horizon,
+                dt / 4, model.horizon, 4096 * dt)

@@ -1,0 +1,257 @@
+"""What a design of this lesson leads to: gains, the noisy loop, its costs, its robustness, one run. All of it cached."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import (
+    Belief,
+    ChannelMargins,
+    KalmanFilter,
+    LoopMargins,
+    NoisyLoop,
+    Optimal,
+    Plant,
+    SampledLqg,
+    Scenario,
+    Schedule,
+    compensator,
+    loop_margins,
+    lqe,
+    lqr,
+    noisy_loop,
+    sampled_lqg,
+    simulate,
+    state_feedback_margins,
+)
+from app.lesson import Design
+
+from .cases import Case, Factors
+
+STEADY, RECURSIVE = "steady", "recursive"
+LOOK = 60  # matrices looked at together
+SLACK = 0.1  # of the largest first error, the least standard deviation that the recursive filter begins with
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What of a design shapes the loop: the case's factors, the recovery in decades, the true gain of the inputs."""
+
+    factors: Factors
+    recovery: float
+    gain: float
+
+    def plain(self) -> Setting:
+        """The same without recovery."""
+        return Setting(self.factors, 0.0, self.gain)
+
+
+def setting_of(case: Case, design: Design) -> Setting:
+    """The loop's part of a design."""
+    return Setting(case.factors(design), design["recovery"], design["gain"])
+
+
+@lru_cache(maxsize=32)
+def regulator(case: Case, alpha_q: float, alpha_r: float) -> Optimal:
+    """LQR for α_Q Q and α_R R."""
+    return lqr(case.plant.A, case.plant.B, alpha_q * case.Q, alpha_r * case.R)
+
+
+@lru_cache(maxsize=64)
+def estimator(case: Case, beta_q: float, beta_r: float, recovery: float) -> Optimal:
+    """LQE for the noise believed, β_Q G W Gᵀ + q² B Bᵀ and β_R V, with q² = (10^recovery − 1) q₀² β_Q."""
+    return lqe(case.plant.A, np.eye(case.plant.n), case.plant.C, believed(case, beta_q, recovery), beta_r * case.V)
+
+
+def believed(case: Case, beta_q: float, recovery: float) -> np.ndarray:
+    """The intensity of process noise that the filter is told, n×n."""
+    noise = case.G @ case.W @ case.G.T + (10.0**recovery - 1) * case.recovery_unit * case.plant.B @ case.plant.B.T
+    return beta_q * (noise + noise.T) / 2
+
+
+def gains(case: Case, setting: Setting) -> tuple[Optimal, Optimal]:
+    """Regulator and estimator."""
+    f = setting.factors
+    return regulator(case, f.alpha_q, f.alpha_r), estimator(case, f.beta_q, f.beta_r, setting.recovery)
+
+
+@lru_cache(maxsize=32)
+def loop(case: Case, setting: Setting) -> NoisyLoop:
+    """The loop of the true plant, its inputs `gain` times as strong, under the true noise."""
+    reg, est = gains(case, setting)
+    real = Plant(case.plant.A, setting.gain * case.plant.B, case.plant.C, setting.gain * np.asarray(case.plant.D))
+    f = setting.factors
+    return noisy_loop(real, compensator(case.plant, reg.gain, est.gain), case.G, case.true_disturbance(f) * case.W,
+                      f.sensor * case.V).watching(case.rows)
+
+
+# --- cost ------------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Cost:
+    """Averages of xᵀQx + uᵀRu. state + input = total of this loop; known: what a regulator knowing x pays; least: of
+    the best LQG for the true noise; idle: without control (∞ where there is none). sensors: rms of each input that the
+    sensors' noise causes, ground: that the disturbances cause."""
+
+    state: float
+    input: float
+    known: float
+    least: float
+    idle: float
+    sensors: tuple[float, ...]
+    ground: tuple[float, ...]
+
+    @property
+    def total(self) -> float:
+        """state + input."""
+        return self.state + self.input
+
+
+def cost(case: Case, setting: Setting) -> Cost:
+    """The costs of a setting, ∞ where its loop is unstable."""
+    f, z = setting.factors, loop(case, setting)
+    Q, R = f.alpha_q * case.Q, f.alpha_r * case.R
+    reg = regulator(case, f.alpha_q, f.alpha_r)
+    true = case.true_disturbance(f)
+    known = float(np.trace(reg.solution @ case.G @ case.W @ case.G.T)) * true
+    best = estimator(case, true, f.sensor, 0.0)
+    least = known + float(np.sum((reg.gain.T @ R @ reg.gain) * best.solution))
+    open_loop = case.open_loop
+    idle = true * float(np.sum(Q * open_loop.covariance)) if open_loop.stable else np.inf
+    if not z.stable:
+        endless = (np.inf,) * case.plant.m
+        return Cost(np.inf, np.inf, known, least, idle, endless, endless)
+    state, asked = z.cost(Q, R)
+    whole = z.variance(z.inputs())
+    sensors = np.minimum(z.only(disturbances=0.0).variance(z.inputs()), whole)
+    return Cost(state, asked, known, least, idle, tuple(np.sqrt(sensors).tolist()), tuple(np.sqrt(whole - sensors).tolist()))
+
+
+@lru_cache(maxsize=64)
+def sensor_input(case: Case, setting: Setting) -> float:
+    """Rms over all inputs of what the sensors' noise alone makes them do, ∞ for an unstable loop."""
+    z = loop(case, setting)
+    return float(np.sqrt(z.only(disturbances=0.0).variance(z.inputs()).sum())) if z.stable else np.inf
+
+
+# --- robustness ------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class Robustness:
+    """A loop cut at one plant input, the model being right. margins there; loop gain ℓ (n_f,) at the case's wide
+    frequencies; all inputs at once: min σ(I + L) and its unstructured disk α, and min σ over frequency (n_f,)."""
+
+    margins: ChannelMargins
+    gain: np.ndarray
+    together: np.ndarray
+    nearest: float
+    alpha: float
+
+
+@lru_cache(maxsize=32)
+def ideal(case: Case, alpha_q: float, alpha_r: float, cut: int) -> Robustness:
+    """Of LQR, the whole state known."""
+    return _robustness(case, state_feedback_margins(case.plant, regulator(case, alpha_q, alpha_r).gain), cut)
+
+
+@lru_cache(maxsize=32)
+def real(case: Case, factors: Factors, recovery: float, cut: int) -> Robustness:
+    """Of LQG."""
+    reg, est = gains(case, Setting(factors, recovery, 1.0))
+    return _robustness(case, loop_margins(case.plant, compensator(case.plant, reg.gain, est.gain)), cut)
+
+
+def _robustness(case: Case, margins: LoopMargins, cut: int) -> Robustness:
+    m = case.plant.m
+    S = margins.loop.at(2 * np.pi * case.wide)[:, :m, :m]
+    dense = margins.loop.values[:, :m, :m]
+    return Robustness(margins.input(cut), 1 / S[:, cut, cut] - 1, _least(S), 1 / _largest(dense),
+                      1 / _largest(dense - 0.5 * np.eye(m)))
+
+
+def _least(S: np.ndarray) -> np.ndarray:
+    """1/σ_max(S) of each matrix of a stack: σ_min of I + L."""
+    if S.shape[-1] == 1:
+        return 1 / np.abs(S[:, 0, 0])
+    return 1 / np.sqrt(np.linalg.eigvalsh(S.conj().swapaxes(1, 2) @ S)[:, -1])
+
+
+def _largest(matrices: np.ndarray) -> float:
+    """The largest singular value of a stack; one whose Frobenius norm lies below the best so far need not be looked at."""
+    size = np.linalg.norm(matrices, axis=(1, 2))
+    if matrices.shape[-1] == 1:
+        return float(size.max())
+    order, best = np.argsort(size)[::-1], 0.0
+    for part in np.array_split(order, max(len(order) // LOOK, 1)):
+        if size[part[0]] <= best:
+            break
+        M = matrices[part]
+        best = max(best, float(np.sqrt(np.linalg.eigvalsh(M.conj().swapaxes(1, 2) @ M)[:, -1].max())))
+    return best
+
+
+# --- one run ---------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A run without noise from a wrong first belief: t (n_t,), x, xhat (n_t, n), u (n_t, m)."""
+
+    t: np.ndarray
+    x: np.ndarray
+    xhat: np.ndarray
+    u: np.ndarray
+
+    def error(self, case: Case) -> np.ndarray:
+        """‖e‖ (n_t,) over the first three watched signals, each over its largest true value in the run."""
+        parts = []
+        for signal in case.model.watched[:3]:
+            true, guess = signal.of(self.x), signal.of(self.xhat)
+            parts.append((true - guess) / max(float(np.abs(true).max()), 1e-12))
+        return np.linalg.norm(parts, axis=0)
+
+
+@lru_cache(maxsize=8)
+def computer(case: Case, factors: Factors, recovery: float, dt: float) -> SampledLqg:
+    """The design sampled every dt seconds."""
+    f = factors
+    return sampled_lqg(case.plant, f.alpha_q * case.Q, f.alpha_r * case.R, believed(case, f.beta_q, recovery), f.beta_r * case.V, dt,
+                       np.eye(case.plant.n))
+
+
+@lru_cache(maxsize=8)
+def first_belief(case: Case) -> np.ndarray:
+    """The covariance that the recursive filter begins with in the run: the squares of its first errors, none too small."""
+    e = np.abs(np.asarray(case.model.x0) - np.asarray(case.model.guess))
+    return np.diag(np.maximum(e, SLACK * max(e.max(), 1e-9)) ** 2)
+
+
+@lru_cache(maxsize=8)
+def schedule(case: Case, beta_q: float, beta_r: float, recovery: float, steps: int) -> Schedule:
+    """Gains of the recursive filter in the run; no reading and no weight of the regulator changes them."""
+    kf = KalmanFilter.from_plant(case.plant, believed(case, beta_q, recovery), beta_r * case.V, case.dt, np.eye(case.plant.n))
+    return kf.schedule(Belief(np.zeros(case.plant.n), first_belief(case)), steps)
+
+
+def trace(case: Case, setting: Setting, kick: float, recursive: bool) -> Trace:
+    """The run of a design: the continuous loop with the steady filter, or the sampled one with the recursive filter."""
+    steps = round(case.horizon / case.dt) + 1
+    kicks = ((case.dt * round(kick / case.dt), case.model.kick),) if kick >= 0 else ()
+    if not recursive:
+        reg, est = gains(case, setting)
+        p = case.plant
+        real_plant = Plant(p.A, setting.gain * p.B, p.C, setting.gain * np.asarray(p.D))
+        run = simulate(Scenario(real_plant, reg.gain, est.gain, x0=case.model.x0, xhat0=case.model.guess, dt=case.dt,
+                                horizon=case.dt * (steps - 1), model=p, impulses=kicks))
+        return Trace(run.t, run.x, run.xhat, run.u_applied)
+    f = setting.factors
+    sampled = computer(case, replace(f, sensor=1.0), setting.recovery, case.dt)
+    w, v = np.zeros((steps, case.plant.n)), np.zeros((steps, case.plant.p))
+    for time, jump in kicks:
+        w[max(round(time / case.dt) - 1, 0)] += np.asarray(jump)
+    s = sampled.plant
+    with np.errstate(over="ignore", invalid="ignore"):
+        found = sampled.run(case.model.x0, w, v, schedule(case, f.beta_q, f.beta_r, setting.recovery, steps), case.model.guess,
+                            Plant(s.A, setting.gain * s.B, s.C, s.D, s.dt))
+    good = int(np.argmin(np.append(np.isfinite(found.x).all(axis=1) & (np.abs(found.x).max(axis=1) < 1e9), False)))
+    keep = slice(0, max(good, 2))
+    return Trace(found.t[keep], np.nan_to_num(found.x[keep]), np.nan_to_num(found.xhat[keep]), np.nan_to_num(found.u[keep]))
