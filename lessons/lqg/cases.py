@@ -8,15 +8,18 @@ from functools import cached_property
 
 import numpy as np
 
-from app.engine import NoisyLoop, Plant, noisy_loop
+from app.engine import NoisyLoop, Plant, noisy_loop, typical_rate
 from app.lesson import Design
 from app.plants import MODELS, doyle, platform_lqg
 from app.plants.model import Model
 from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_y
 from app.words import Text
 
+from ..toolkit import sizes
+
 REPORT, DOYLE = "platform", "doyle"
 MOST = 200  # frequencies of a figure
+SHARE = 0.01  # of an output at the start: how far the sensors of a person's own plant err
 
 
 @dataclass(frozen=True)
@@ -135,16 +138,23 @@ def doyle_case() -> Case:
 
 
 def case_of(model: Model) -> Case:
-    """Any model: Q = CᵀC, R = I, unit intensities of its disturbances (of its inputs if it names none) and sensors."""
+    """Any model in its own measures: Q = 1 for outputs as large as at the start, R = 1 for inputs of u_max.
+
+    The disturbances (of the inputs, if the model names none) are as strong as u_max over one typical time, the sensors
+    err by a hundredth of an output. Spectra begin and end beyond all poles.
+    """
     plant, G = model.controlled, model.disturbed
     G = plant.B if G is None else G
-    size = np.abs(plant.poles[np.abs(plant.poles) > 1e-6])
-    slow, fast = (float(size.min()), float(size.max())) if size.size else (1.0, 1.0)
-    low, high = max(slow / 40, 1e-4), min(fast * 10, 1e4)
+    size, rate = sizes(model), typical_rate(plant)
+    speed = np.abs(plant.poles[np.abs(plant.poles) > 1e-6 * rate])
+    slow, fast = (float(speed.min()), float(speed.max())) if speed.size else (rate, rate)
+    low, high = max(slow, rate * 1e-3) / 40, min(fast, rate * 1e3) * 2
     shown = min(plant.p, 3)
+    weighed = plant.C / size[:, None]
     names = tuple(Text(f"output {n}", f"输出 {n}") for n in plant.output_names[:shown])
-    dt = model.horizon / 300
-    return Case(model.id, model.label, model, plant, G, plant.C.T @ plant.C, np.eye(plant.m), np.eye(G.shape[1]), np.eye(plant.p),
-                plant.C[:shown], names, _by_knobs, _one, "y", 1.0, model.input_unit, 1.0,
-                _grid(plant, low, high, 150), (low, high), low * 2, np.geomspace(low / 10, high * 10, 160), dt, model.horizon,
+    dt = model.horizon / 200
+    return Case(model.id, model.label, model, plant, G, weighed.T @ weighed, np.eye(plant.m) / model.u_max**2,
+                np.eye(G.shape[1]) * model.u_max**2 / rate, np.diag((SHARE * size) ** 2) / rate,
+                weighed[:shown], names, _by_knobs, _one, "y", 1.0, model.input_unit, 1.0,
+                _grid(plant, low, high, 150), (low, high), low * 2, np.geomspace(low / 10, high * 10, 140), dt, model.horizon,
                 dt / 4, model.horizon, 4096 * dt)

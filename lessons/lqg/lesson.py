@@ -214,6 +214,6 @@ def on_model(model: Model) -> Lesson:
     return replace(build((case_of(model),)), tasks=())
 
 
-LESSON = build((report_case(), doyle_case()))
+LESSON = replace(build((report_case(), doyle_case())), adapt=on_model)
 
 __all__ = ["LESSON", "EngineError", "build", "on_model"]

@@ -32,6 +32,7 @@ from app.lesson import Design
 from .cases import Case, Factors
 
 STEADY, RECURSIVE = "steady", "recursive"
+FAR = 1e9  # a state beyond this ends the run
 LOOK = 60  # matrices looked at together
 SLACK = 0.1  # of the largest first error, the least standard deviation that the recursive filter begins with
 
@@ -242,7 +243,7 @@ def trace(case: Case, setting: Setting, kick: float, recursive: bool) -> Trace:
         real_plant = Plant(p.A, setting.gain * p.B, p.C, setting.gain * np.asarray(p.D))
         run = simulate(Scenario(real_plant, reg.gain, est.gain, x0=case.model.x0, xhat0=case.model.guess, dt=case.dt,
                                 horizon=case.dt * (steps - 1), model=p, impulses=kicks))
-        return Trace(run.t, run.x, run.xhat, run.u_applied)
+        return _long_enough(Trace(run.t, run.x, run.xhat, run.u_applied), case.dt)
     f = setting.factors
     sampled = computer(case, replace(f, sensor=1.0), setting.recovery, case.dt)
     w, v = np.zeros((steps, case.plant.n)), np.zeros((steps, case.plant.p))
@@ -252,6 +253,13 @@ def trace(case: Case, setting: Setting, kick: float, recursive: bool) -> Trace:
     with np.errstate(over="ignore", invalid="ignore"):
         found = sampled.run(case.model.x0, w, v, schedule(case, f.beta_q, f.beta_r, setting.recovery, steps), case.model.guess,
                             Plant(s.A, setting.gain * s.B, s.C, s.D, s.dt))
-    good = int(np.argmin(np.append(np.isfinite(found.x).all(axis=1) & (np.abs(found.x).max(axis=1) < 1e9), False)))
-    keep = slice(0, max(good, 2))
-    return Trace(found.t[keep], np.nan_to_num(found.x[keep]), np.nan_to_num(found.xhat[keep]), np.nan_to_num(found.u[keep]))
+    good = int(np.argmin(np.append(np.isfinite(found.x).all(axis=1) & (np.abs(found.x).max(axis=1) < FAR), False)))
+    keep = slice(0, max(good, 1))
+    return _long_enough(Trace(found.t[keep], found.x[keep], found.xhat[keep], np.clip(np.nan_to_num(found.u[keep]), -FAR, FAR)), case.dt)
+
+
+def _long_enough(found: Trace, dt: float) -> Trace:
+    """A run that ended at its first instant, held for one step, so that there is something to draw."""
+    if len(found.t) > 1:
+        return found
+    return Trace(np.array([0.0, dt]), *(np.repeat(part[:1], 2, axis=0) for part in (found.x, found.xhat, found.u)))

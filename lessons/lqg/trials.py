@@ -91,7 +91,7 @@ def _warm_up(bench: Bench, rng: np.random.Generator) -> Iterator[tuple[float, np
     """All records together through the time in which the recursive filter's gain still changes."""
     s, case, kf = bench.sampled.plant, bench.case, bench.sampled.filter
     n, steps = s.n, round(case.warm_up / s.dt)
-    P = case.open_loop.covariance if case.open_loop.stable else np.eye(n)
+    P = case.open_loop.covariance if case.open_loop.stable else np.diag(np.square(case.model.x0))
     P = P + 1e-9 * np.trace(P) / n * np.eye(n)
     z = np.hstack([rng.standard_normal((RECORDS, n)) @ root(P).T, np.zeros((RECORDS, n))])
     belief, to_w, to_v = Belief(np.zeros(n), P), root(bench.process), root(bench.readings)
