@@ -87,7 +87,7 @@ from .scenario import Run, Scenario
 from .sensitivity import Sensitivity, sensitivity
 from .simulate import autonomous_error, separation_meter, simulate
 from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
-from .spectrum import Spectrum, amplitude_response, frequency_response, psd
+from .spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd
 from .square_root import SquareRootFilter
 from .starting import StartingGain, shift_observer, shift_poles, starting_feedback, starting_observer, typical_rate
 from .track import Schedule, Track, as_record, means_along
@@ -244,6 +244,7 @@ __all__ = [
     "measured",
     "mechanics_response",
     "mixing_matrix",
+    "modal_coordinates",
     "monte_carlo",
     "move_pole",
     "needed_noncentrality",
