@@ -12,8 +12,8 @@ from .duality.lesson import LESSON as duality
 from .error_dynamics.lesson import LESSON as error_dynamics
 from .hidden_modes.lesson import LESSON as hidden_modes
 from .kalman.lesson import LESSON as kalman
-from .network.lesson import LESSON as network
 from .lqg.lesson import LESSON as lqg
+from .network.lesson import LESSON as network
 from .noise.lesson import LESSON as noise
 from .observability.lesson import LESSON as observability
 from .robust_observer.lesson import LESSON as robust_observer
@@ -31,8 +31,8 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     saturation,
     noise,
     kalman,
-    decoupling,
     lqg,
+    decoupling,
     robust_observer,
     bilinear_observer,
     network,
