@@ -48,11 +48,12 @@ def average(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """Means and medians, one loss after another on the same random numbers; every yield is a place to stop."""
     d = outcome.design
     chance = np.random.default_rng([int(d["seed"]), 18]).random((RUNS, SAMPLES))
+    every = 4 if watched(*key(d)).sampled.plant.n <= 2 else 1
     mean = np.empty(SAMPLES + 1)
     for k, ratios in enumerate(_ratios(d, chance >= d["loss"])):
         mean[k] = ratios.mean()
-        if k % 4 == 3:
-            yield FIRST * k / SAMPLES, outcome
+        if k % every == 0:
+            yield FIRST * k / (SAMPLES + 1), outcome
     found = Trials(depends(d), d["loss"], np.clip(mean, 1 / MOST, MOST))
     outcome = with_trials(outcome, found)
     yield FIRST, outcome
@@ -61,7 +62,7 @@ def average(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
         last, before = np.ones(RUNS), FIRST + share * i
         for k, ratios in enumerate(_ratios(d, chance >= loss)):
             last = ratios
-            if k % 4 == 3:
+            if k % every == 0:
                 yield before + share * k / (SAMPLES + 1), outcome
         found = replace(found, means=(*found.means, min(float(last.mean()), MOST)),
                         medians=(*found.medians, min(float(np.median(last)), MOST)))
