@@ -53,7 +53,7 @@ def average(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     for k, ratios in enumerate(_ratios(d, chance >= d["loss"])):
         mean[k] = ratios.mean()
         if k % every == 0:
-            yield FIRST * k / (SAMPLES + 1), outcome
+            yield FIRST * (k + 1) / (SAMPLES + 2), outcome
     found = Trials(depends(d), d["loss"], np.clip(mean, 1 / MOST, MOST))
     outcome = with_trials(outcome, found)
     yield FIRST, outcome
@@ -63,7 +63,7 @@ def average(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
         for k, ratios in enumerate(_ratios(d, chance >= loss)):
             last = ratios
             if k % every == 0:
-                yield before + share * k / (SAMPLES + 1), outcome
+                yield before + share * (k + 1) / (SAMPLES + 2), outcome
         found = replace(found, means=(*found.means, min(float(last.mean()), MOST)),
                         medians=(*found.medians, min(float(np.median(last)), MOST)))
         outcome = with_trials(outcome, found)
