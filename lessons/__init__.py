@@ -10,6 +10,7 @@ from .bilinear_observer.lesson import LESSON as bilinear_observer
 from .decoupling.lesson import LESSON as decoupling
 from .duality.lesson import LESSON as duality
 from .error_dynamics.lesson import LESSON as error_dynamics
+from .fault_diagnosis.lesson import LESSON as fault_diagnosis
 from .hidden_modes.lesson import LESSON as hidden_modes
 from .kalman.lesson import LESSON as kalman
 from .lqg.lesson import LESSON as lqg
@@ -36,5 +37,6 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     robust_observer,
     bilinear_observer,
     network,
+    fault_diagnosis,
 ), key=lambda lesson: lesson.number)})
 OPENING = "separation"  # the lesson that the page opens on

@@ -1,0 +1,68 @@
+"""The deck, what disturbs it, the filter that the loop trusts, and the bank of seven that watches sensors and coils."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import FaultBank, KalmanFilter, ResidualGenerator, dlqr, residual_generator
+from app.engine.loop import discretise
+from app.plants import MODELS
+from app.plants.platform import SENSORS, Parameters, deck, deck_disturbance
+
+MODEL = MODELS["deck"]
+DT, COUNT = 0.02, 601  # s and samples: 12 s
+HORIZON = DT * (COUNT - 1)
+SIGMA = 1e-3  # m/s, noise of a reading
+GROUND = 4e-10  # m² s, intensity of each ground motion
+DRAUGHT = 3e-4  # N² s, intensity of an unknown force that presses one side down and the other up
+COILS = ("u1", "u2", "u3")
+PLACES = (*SENSORS, *COILS)
+NAMES = ("−VL", "−HL", "−VR", "−HR", "−u1", "−u2", "−u3")
+Q_WEIGHT = 1e5  # of the outputs, against 1 for the inputs
+
+
+@lru_cache(maxsize=1)
+def model() -> KalmanFilter:
+    """The filter that knows the deck, its disturbances and its sensors' noise as they are: one sample of DT."""
+    B = MODEL.plant.B
+    G = np.column_stack([deck_disturbance(), B[:, 1] - B[:, 0]])
+    return KalmanFilter.from_plant(MODEL.plant, np.diag([GROUND, GROUND, DRAUGHT]), SIGMA**2 * DT * np.eye(4), DT, G)
+
+
+@dataclass(frozen=True, eq=False)
+class Guard:
+    """The bank, and the filter on all four sensors that the loop starts with."""
+
+    bank: FaultBank
+    whole: ResidualGenerator
+
+
+@lru_cache(maxsize=1)
+def guard() -> Guard:
+    """Four members that each leave out one sensor, three that each ignore one coil."""
+    kf = model()
+    sensors = [residual_generator(kf, name, [j for j in range(4) if j != i]) for i, name in enumerate(NAMES[:4])]
+    coils = [residual_generator(kf, name, None, kf.B[:, [j]]) for j, name in enumerate(NAMES[4:])]
+    return Guard(FaultBank(kf, (*sensors, *coils)), residual_generator(kf, "all"))
+
+
+@lru_cache(maxsize=8)
+def gain(without: int | None = None) -> np.ndarray:
+    """K (3×6) of the sampled regulator, with a row of zeros for the coil that is no longer used."""
+    kf = model()
+    used = [j for j in range(3) if j != without]
+    K = np.zeros((3, 6))
+    K[used] = dlqr(kf.A, kf.B[:, used], Q_WEIGHT * kf.C.T @ kf.C, np.eye(len(used))).gain
+    return K
+
+
+@lru_cache(maxsize=64)
+def truth(stiffer: float) -> tuple[np.ndarray, np.ndarray]:
+    """A and B of a deck whose vertical springs are stiffer by this share than the bank believes."""
+    if stiffer == 0:
+        return model().A, model().B
+    real = discretise(deck(Parameters(kz=Parameters.kz * (1 + stiffer))), DT)
+    return real.A, real.B

@@ -1,0 +1,131 @@
+"""From residuals to a verdict: windows, thresholds, alarms, who is accused and when, and what was to be expected."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import (
+    alarm_probability,
+    isolate,
+    needed_noncentrality,
+    residual_threshold,
+    window_energy,
+    window_mean,
+)
+
+from .bank import COUNT, NAMES, PLACES, guard
+from .runs import Record
+
+ENERGY, MEAN = "energy", "mean"
+HOLD = 10  # samples that one pattern of alarms must last before anyone is accused
+FADE = 100  # samples in which the bank forgets a kick
+POWER = 0.99
+
+
+@dataclass(frozen=True)
+class Test:
+    """How the residuals are judged: the statistic, its window in samples, the false-alarm rate of one window."""
+
+    statistic: str = ENERGY
+    window: int = 25
+    rate: float = 1e-3
+
+    @property
+    def dof(self) -> int:
+        """Degrees of freedom of χ²."""
+        return guard().bank.dof * (self.window if self.statistic == ENERGY else 1)
+
+    @property
+    def threshold(self) -> float:
+        """The upper quantile of χ²."""
+        return _threshold(self.dof, self.rate)
+
+    @property
+    def needed(self) -> float:
+        """The noncentrality that gives an alarm with probability POWER."""
+        return _needed(self.dof, self.rate)
+
+    def values(self, residuals: np.ndarray) -> np.ndarray:
+        """The statistic of the windows that end at each sample, (COUNT, 7); zero before the first is full."""
+        out = np.zeros((COUNT, len(NAMES)))
+        out[self.window - 1:] = (window_energy if self.statistic == ENERGY else window_mean)(residuals, self.window)
+        return out
+
+    def probability(self, noncentrality: np.ndarray) -> np.ndarray:
+        """Of an alarm."""
+        return alarm_probability(noncentrality, self.dof, self.rate)
+
+
+_threshold = lru_cache(maxsize=256)(residual_threshold)
+
+
+@lru_cache(maxsize=256)
+def _needed(dof: int, rate: float) -> float:
+    return needed_noncentrality(dof, rate, POWER)
+
+
+@dataclass(frozen=True, eq=False)
+class Verdict:
+    """values: statistic over threshold (COUNT, 7). named (COUNT,): column of the fault, −1 none, −2 unclear.
+
+    first: sample of the first alarm; decided: sample of the accusation, and who; None if there is none.
+    """
+
+    values: np.ndarray
+    named: np.ndarray
+    first: int | None
+    decided: int | None
+    who: str | None
+
+
+def judge(test: Test, record: Record) -> Verdict:
+    """Accuses the fault whose row the alarms fit for HOLD samples on end, the member that ignores it having been quiet before.
+
+    "Before" goes back to the last sample without any alarm, or by a window and FADE samples: what upsets every member is none
+    of these faults, also while it fades and some have forgotten it already.
+    """
+    ratio = test.values(record.residuals) / test.threshold
+    alarms, signature = ratio > 1, guard().bank.signature
+    named, some = isolate(alarms, signature), alarms.any(axis=1)
+    calm = np.maximum.accumulate(np.where(some, -1, np.arange(COUNT)))  # the last sample without an alarm
+    heard = np.vstack([np.zeros(len(NAMES), dtype=int), np.cumsum(alarms, axis=0)])
+    since = np.maximum(calm + 1, np.arange(COUNT) + 1 - test.window - FADE)
+    upset = heard[1:] > heard[since]  # which members have given an alarm since
+    decided, who = None, None
+    for column, place in enumerate(PLACES):
+        at = _lasting((named == column) & ~upset[:, ~signature[:, column]].any(axis=1))
+        if at is not None and (decided is None or at < decided):
+            decided, who = at, place
+    first = np.flatnonzero(some)
+    return Verdict(ratio, named, int(first[0]) if len(first) else None, decided, who)
+
+
+def _lasting(holds: np.ndarray) -> int | None:
+    """The sample at which a condition has held for HOLD samples for the first time."""
+    total = np.concatenate([[0], np.cumsum(holds)])
+    full = np.flatnonzero(total[HOLD:] - total[:-HOLD] == HOLD)
+    return int(full[0]) + HOLD - 1 if len(full) else None
+
+
+@dataclass(frozen=True, eq=False)
+class Forecast:
+    """strength (COUNT, 7): noncentrality of each window over what POWER asks for; delay: when all that should see it do.
+
+    `delay` counts samples from the fault on, HOLD included; None if that never comes.
+    """
+
+    strength: np.ndarray
+    delay: int | None
+
+
+def forecast(test: Test, silent: Record, column: int | None, start: int) -> Forecast:
+    """What the fault does without noise: from when on every member that sees it gives an alarm with probability POWER."""
+    strength = test.values(silent.residuals) / test.needed
+    if column is None:
+        return Forecast(strength, None)
+    seen = guard().bank.signature[:, column]
+    at = _lasting(np.all(strength[:, seen] >= 1, axis=1))
+    return Forecast(strength, None if at is None else at - start)
