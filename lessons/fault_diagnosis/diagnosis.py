@@ -26,7 +26,7 @@ POWER = 0.99
 
 
 @dataclass(frozen=True)
-class Test:
+class Rule:
     """How the residuals are judged: the statistic, its window in samples, the false-alarm rate of one window."""
 
     statistic: str = ENERGY
@@ -81,7 +81,7 @@ class Verdict:
     who: str | None
 
 
-def judge(test: Test, record: Record) -> Verdict:
+def judge(test: Rule, record: Record) -> Verdict:
     """Accuses the fault whose row the alarms fit for HOLD samples on end, the member that ignores it having been quiet before.
 
     "Before" goes back to the last sample without any alarm, or by a window and FADE samples: what upsets every member is none
@@ -121,7 +121,7 @@ class Forecast:
     delay: int | None
 
 
-def forecast(test: Test, silent: Record, column: int | None, start: int) -> Forecast:
+def forecast(test: Rule, silent: Record, column: int | None, start: int) -> Forecast:
     """What the fault does without noise: from when on every member that sees it gives an alarm with probability POWER."""
     strength = test.values(silent.residuals) / test.needed
     if column is None:

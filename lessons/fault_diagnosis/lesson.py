@@ -14,7 +14,7 @@ from app.prose import read_prose
 from app.words import Text
 
 from ..toolkit import matrix, number, on_board, run_knobs
-from .bank import COUNT, DT, HORIZON, MODEL, NAMES, PLACES, guard
+from .bank import COUNT, DT, HORIZON, MODEL, PLACES, guard
 from .body import BODY
 from .diagnosis import ENERGY, MEAN
 from .pictures import PLACE_NAMES, all_figures
@@ -111,20 +111,21 @@ def _checks(s: Study) -> tuple[Check, ...]:
 
 
 def _boards(s: Study) -> tuple[Board, Board]:
-    window = MODEL.controller_window
-    coil = s.case.coil or 0
-    zeros = unknown_coil(coil).zeros
-    quiet = PLACES.index(s.case.place) if s.case.place != NONE else 0
-    poles = guard().bank.members[quiet].poles
+    zeros = unknown_coil(s.case.coil or 0).zeros
+    poles = guard().bank.members[_ignoring(s)].poles
     lively = np.log(poles[np.abs(poles) > 1e-6].astype(complex)) / DT
-    o = MODEL.observer_window
+    w = MODEL.observer_window
     return (
-        Board("deck", Text(f"deck: poles ×, zero ○ of coil u{coil + 1}", f"平台：极点 ×，线圈 u{coil + 1} 的零点 ○"),
-              on_board(MODEL.plant.poles, window), zeros=() if zeros is None else tuple(complex(z) for z in zeros),
-              side="left", re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
-        Board("member", Text(f"observer poles of {NAMES[quiet]}", f"成员 {NAMES[quiet]} 的观测器极点"), on_board(lively, o),
-              role="estimate", side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high),
+        Board("deck", Text("deck: poles ×, zero ○ from coil to sensors", "平台：极点 ×，线圈到传感器的零点 ○"), tuple(MODEL.plant.poles),
+              zeros=() if zeros is None else tuple(complex(z) for z in zeros), side="left", re_low=-6.0, re_high=2.0, im_high=12.0),
+        Board("member", Text("poles of the member that should stay quiet", "应当保持安静的成员的极点"), on_board(lively, w),
+              role="estimate", side="right", re_low=w.re_low, re_high=w.re_high, im_high=w.im_high),
     )
+
+
+def _ignoring(s: Study) -> int:
+    """The member that ignores the true fault; the first one if there is none."""
+    return 0 if s.column is None else s.column
 
 
 def _stage(s: Study) -> Stage:
@@ -139,7 +140,7 @@ def _stage(s: Study) -> Stage:
 
 
 def _formulas(s: Study, coil: int) -> tuple[Formula, ...]:
-    quiet = guard().bank.members[PLACES.index(s.case.place) if s.case.place != NONE else 0]
+    quiet = guard().bank.members[_ignoring(s)]
     name = quiet.name.replace("−", "-")
     total = (rf"T = \sum_{{i=0}}^{{{s.test.window - 1}}} \nu_{{k-i}}^{{\mathsf T}} S^{{-1}} \nu_{{k-i}}" if s.test.statistic == ENERGY
              else rf"T = \tfrac{{1}}{{{s.test.window}}} \| \sum_i S^{{-1/2}} \nu_{{k-i}} \|^2")

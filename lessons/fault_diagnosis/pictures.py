@@ -18,7 +18,7 @@ RESIDUAL_TAB, VERDICT_TAB, LOOP_TAB = Text("Residuals", "残差"), Text("Verdict
 RATE_TAB, REACH_TAB = Text("False alarms", "误报"), Text("Reach", "灵敏度")
 T = DT * np.arange(COUNT)
 T.setflags(write=False)
-FLOOR = 0.05  # of the threshold: nothing lower is drawn
+FLOOR = 0.1  # of the threshold: nothing lower is drawn
 LOOKS: tuple[tuple[str, Dash], ...] = (("plant", "solid"), ("estimate", "dash"), ("force", "dot"), ("error", "solid"))
 YES, NO, HERE = "●", "○", "▶ "
 COIL_NAMES = (Text("coil u1 (left)", "线圈 u1（左）"), Text("coil u2 (right)", "线圈 u2（右）"),
@@ -44,7 +44,7 @@ def _residuals(s: Study, name: str, title: Text, which: range) -> TimeFigure:
     when = f"{DT * at:.2f} s"
     said = (Text(f"At {when} over the threshold: {', '.join(loud)}.", f"{when} 时超过阈值：{'、'.join(loud)}。") if loud else
             Text(f"At {when} none is over the threshold.", f"{when} 时没有残差超过阈值。"))
-    return TimeFigure(name, title, T, tuple(curves), "T / threshold", log=True, window=(0.1, 10.0), caption=said,
+    return TimeFigure(name, title, T, tuple(curves), "T / χ²", log=True, window=(0.1, 10.0), caption=said,
                       tab=RESIDUAL_TAB)
 
 
@@ -84,7 +84,7 @@ def isolation(s: Study) -> TableFigure:
         rows.append((Text(mark + name.en, mark + name.zh), *cells))
     rows.append((Text(f"alarms at {DT * at:.2f} s", f"{DT * at:.2f} s 时的报警"),
                  *(YES if v > 1 else NO for v in s.verdict.values[at])))
-    rows.append((Text("T / threshold", "T / 阈值"), *(f"{v:.3g}" for v in s.verdict.values[at])))
+    rows.append((Text("T / threshold", "T / 阈值"), *(f"{v:.2f}" if v < 100 else f"{v:.0f}" for v in s.verdict.values[at])))
     said = (Text("No alarm: no row to look for.", "没有报警，无行可对。") if now == -1 else
             Text("The alarms fit no row: not one of these faults alone.", "报警与任何一行都不符：不是单一的上述故障。") if now == -2 else
             Text(f"The alarms fit one row only: {PLACE_NAMES[now].en}.", f"报警只与一行相符：{PLACE_NAMES[now].zh}。"))
@@ -162,9 +162,9 @@ def _rates(s: Study) -> PlaneFigure:
     if s.trials is not None:
         low, high = (v / s.test.rate for v in s.trials.band(s.test.rate))
         shares = s.trials.alarms / s.trials.windows / s.test.rate
-        top = max(top, 1.15 * high, 1.1 * float(shares.max()))
-        curves += [Curve(Text("99 % band", "99 % 区间"), np.full(2, high), "disturbance", "dot", 1.6, x),
-                   Curve(Text("99 % band", "99 % 区间"), np.full(2, low), "disturbance", "dot", 1.6, x)]
+        top = max(top, 1.4 * high, 1.2 * float(shares.max()))
+        curves.append(Curve(Text("99 % band", "99 % 区间"), np.array([low, high, high, low, low]), "disturbance", "dot", 1.6,
+                            np.array([0.5, 0.5, 7.5, 7.5, 0.5])))
         points = [Point(i + 1.0, float(v), "plant" if low <= v <= high else "error", "dot", same(NAMES[i]))
                   for i, v in enumerate(shares)]
         inside = int(sum(low <= v <= high for v in shares))
@@ -173,7 +173,7 @@ def _rates(s: Study) -> PlaneFigure:
     else:
         said = Text("Press the button: healthy runs are drawn and their alarms counted.", "请按按钮：抽取无故障的运行并统计报警。")
     return PlaneFigure("rates", Text("false alarms, measured over designed", "误报率：实测 / 设计"), tuple(curves), tuple(points),
-                       "member", "measured / designed", (0.5, 7.5), (0.0, top), caption=said, tab=RATE_TAB)
+                       "member", "measured / designed", (0.0, 8.0), (0.0, top), caption=said, tab=RATE_TAB)
 
 
 def _counts(s: Study) -> TableFigure:
@@ -209,7 +209,8 @@ def _tones(s: Study) -> FrequencyFigure:
         lost = s.silent.asked - s.silent.applied
         missing = float(np.abs(lost[s.case.start:, s.case.coil]).max(initial=0.0))
     curves = [Curve(same("u1, u2"), values[:, 0], "plant"), Curve(same("u3"), values[:, 2], "estimate", "dash")]
-    curves.append(Curve(Text("missing now", "目前缺少"), np.full(len(TONES), max(missing, 1e-2)), "error", "dot"))
+    if missing > 0:
+        curves.append(Curve(Text("missing now", "目前缺少"), np.full(len(TONES), max(missing, 1e-2)), "error", "dot"))
     best = TONES[int(np.argmin(values[:, 0]))]
     said = Text(f"A missing force of u1 is seen best at {best:.2f} Hz, from {values[:, 0].min():.2g} N on.",
                 f"u1 缺少的力在 {best:.2f} Hz 处最易察觉，只需 {values[:, 0].min():.2g} N。")

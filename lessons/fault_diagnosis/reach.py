@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from .bank import DT, guard
-from .diagnosis import ENERGY, Test
+from .diagnosis import ENERGY, Rule
 
 TONES = np.geomspace(0.2, 5.0, 90)  # Hz
 
@@ -34,7 +34,7 @@ def over_tones() -> np.ndarray:
     return np.array(rows)
 
 
-def gathered(test: Test, tone: np.ndarray | float) -> np.ndarray:
+def gathered(test: Rule, tone: np.ndarray | float) -> np.ndarray:
     """What a window gathers of a sine of amplitude 1, on the average over its phase: N/2, or less where a mean cancels it."""
     half = np.pi * DT * np.asarray(tone, dtype=float)
     if test.statistic == ENERGY:
@@ -42,7 +42,7 @@ def gathered(test: Test, tone: np.ndarray | float) -> np.ndarray:
     return (np.sin(test.window * half) / np.sin(half)) ** 2 / (2 * test.window)
 
 
-def least(test: Test, tone: float) -> np.ndarray:
+def least(test: Rule, tone: float) -> np.ndarray:
     """The least bias (m/s) or missing amplitude (N) that each member sees with probability POWER, (7 members, 7 faults).
 
     inf where a member does not see a fault.
@@ -53,6 +53,6 @@ def least(test: Test, tone: float) -> np.ndarray:
     return np.where(seen, np.sqrt(test.needed) / np.where(seen, np.maximum(size, 1e-9), 1.0), np.inf)
 
 
-def least_force(test: Test) -> np.ndarray:
+def least_force(test: Rule) -> np.ndarray:
     """The least missing amplitude in N that all six see on the average, over TONES: (tones, 3)."""
     return np.sqrt(test.needed / np.maximum(gathered(test, TONES), 1e-6))[:, None] / over_tones()

@@ -12,7 +12,7 @@ from app.engine import Decoupling, binomial_band, decoupling
 from app.lesson import Design
 
 from .bank import DT, MODEL, NAMES, PLACES
-from .diagnosis import Forecast, Test, Verdict, forecast, judge
+from .diagnosis import Forecast, Rule, Verdict, forecast, judge
 from .runs import BIAS, BLIND, NONE, SWITCH, Case, Record, draw, drawn, quiet, simulate, switched
 
 RUNS, AT_ONCE = 400, 4
@@ -50,7 +50,7 @@ class Study:
     """`record` is the run that is shown; `blind` the one in which nobody acts (the same object if nobody does)."""
 
     case: Case
-    test: Test
+    test: Rule
     record: Record
     blind: Record
     verdict: Verdict
@@ -89,9 +89,9 @@ def case_of(d: Design) -> Case:
     return Case(place, kind, size, d["at"], **common)
 
 
-def test_of(d: Design) -> Test:
+def test_of(d: Design) -> Rule:
     """How a design judges."""
-    return Test(d["statistic"], int(d["window"]), d["rate"])
+    return Rule(d["statistic"], int(d["window"]), d["rate"])
 
 
 def study(d: Design) -> Study:

@@ -1,0 +1,274 @@
+"""Fault diagnosis: each single fault isolated, false alarms as designed, and what the lesson says about the deck."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2
+
+from app.engine import FaultBank, Plant, binomial_band, observability, residual_generator
+from lessons.fault_diagnosis.bank import COUNT, DT, PLACES, gain, guard, model, truth
+from lessons.fault_diagnosis.diagnosis import ENERGY, HOLD, MEAN, Rule, judge
+from lessons.fault_diagnosis.lesson import LESSON
+from lessons.fault_diagnosis.reach import TONES, gathered, least, over_tones
+from lessons.fault_diagnosis.runs import BLIND, DRIFT, NONE, OPEN, STUCK, SWITCH, Case, drawn, quiet, simulate, switched
+from lessons.fault_diagnosis.study import unknown_coil
+
+SEEDS = range(30)
+
+
+def outcome(**values):
+    return LESSON.compute(LESSON.apply(LESSON.start(), values))
+
+
+def worked_through(**values):
+    *_, (_, done) = LESSON.job.run(outcome(**values))
+    return done.extra.trials
+
+
+# --- isolation ---------------------------------------------------------------------------------------------------------
+FAULTS = (
+    *(pytest.param(Case(p, size=10.0), Rule(), id=f"{p}-bias") for p in PLACES[:4]),
+    *(pytest.param(Case(p, DRIFT, 4.0), Rule(), id=f"{p}-drift") for p in PLACES[:4]),
+    *(pytest.param(Case(p, STUCK, force=2.0), Rule(MEAN), id=f"{p}-stuck") for p in PLACES[:4]),
+    *(pytest.param(Case(p, size=0.6, loop=OPEN, tone=1.4), Rule(), id=f"{p}-weak") for p in PLACES[4:]),
+)
+
+
+@pytest.mark.parametrize("case, test", FAULTS)
+def test_each_single_fault_is_isolated_on_every_seed(case, test):
+    for seed in SEEDS:
+        verdict = judge(test, simulate(case, drawn(seed)))
+        assert verdict.who == case.place, seed
+        assert verdict.decided >= case.start + HOLD - 1
+
+
+def test_every_fault_has_a_row_of_its_own():
+    signature = guard().bank.signature
+    assert np.array_equal(signature, ~np.eye(7, dtype=bool))
+    assert len({tuple(column) for column in signature.T}) == 7
+
+
+def test_without_any_one_sensor_the_rest_sees_the_whole_deck():
+    kf = model()
+    for i in range(4):
+        rest = Plant(kf.A, kf.B, np.delete(kf.C, i, axis=0), dt=DT)
+        assert observability(rest).observable
+        assert guard().bank.members[i].size == 6
+
+
+@pytest.mark.parametrize("liar, honest", [("HL", "HR"), ("HR", "HL")])
+def test_the_model_tells_apart_what_the_sum_cannot(liar, honest):
+    """HL + HR moves by the bias whichever of the two lies; the member without the liar stays exactly as it was."""
+    case = Case(liar, size=3.0)
+    lie, sane = quiet(case), quiet(Case())
+    total = (lie.y - sane.y)[case.start:, [1, 3]].sum(axis=1)
+    assert np.allclose(total, 3e-3, atol=1e-12)
+    strength = np.abs(lie.residuals - sane.residuals).max(axis=(0, 2))
+    assert strength[PLACES.index(liar)] < 1e-9 < 1 < strength[PLACES.index(honest)]
+    assert outcome(place=liar).extra.right
+
+
+def test_a_lie_of_VL_looks_almost_like_coil_1():
+    size = np.linalg.norm(guard().bank.response(1.0)[:, :, 0], axis=1)
+    assert size[4] / size[1] == pytest.approx(0.257, abs=0.005)
+    assert np.argmin(np.delete(size, 0)) == 3
+
+
+def test_without_HR_a_lasting_lie_of_HL_could_not_be_told_from_coil_3():
+    kf = model()
+    alone = FaultBank(kf, (residual_generator(kf, "u3", [0, 1, 2], kf.B[:, [2]]),))
+    both = np.linalg.norm(guard().bank.response(1.0)[6, :, 1])
+    assert np.linalg.norm(alone.response(1.0)[0, :, 1]) < 1e-3 * both
+    parity = 1 / (np.sqrt(2) * 1e-3)  # HL + HR has twice the variance
+    assert both == pytest.approx(parity, rel=1e-3)
+
+
+# --- coils -------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("coil", range(3))
+def test_no_observer_of_six_states_but_a_residual_of_five(coil):
+    known = unknown_coil(coil)
+    assert known.rank_CE == known.rank_E == 1 and not known.exists
+    assert np.allclose(known.zeros, 0, atol=1e-8)
+    member = guard().bank.members[4 + coil]
+    assert member.size == 5 and np.allclose(member.hidden, 1, atol=1e-8)
+
+
+@pytest.mark.parametrize("coil", ["u1", "u2", "u3"])
+def test_a_weak_coil_leaves_its_member_untouched_and_a_constant_one_leaves_all(coil):
+    healthy, weak = (simulate(c, drawn(2)) for c in (Case(loop=OPEN), Case(coil, size=0.7, loop=OPEN)))
+    change = np.abs(weak.residuals - healthy.residuals).max(axis=(0, 2))
+    assert change[PLACES.index(coil)] < 1e-9 and np.all(np.delete(change, PLACES.index(coil)) > 0.1)
+    at_rest = np.linalg.norm(guard().bank.response(1.0)[:, :, PLACES.index(coil)], axis=1)
+    assert np.all(at_rest < 1e-9)
+
+
+def test_what_nobody_asks_for_cannot_be_missed():
+    healthy, dead = (simulate(c, drawn(5)) for c in (Case(loop=OPEN, force=0.0), Case("u1", size=1.0, loop=OPEN, force=0.0)))
+    assert np.abs(healthy.residuals - dead.residuals).max() < 1e-10
+
+
+def test_a_good_loop_hides_a_weak_coil():
+    """Near a mode the loop pushes against the known force; 1 N is left with 0.13 N at 1.3 Hz."""
+    asked = [np.abs(quiet(Case(loop=loop, tone=1.3)).asked[300:, 0]).max() for loop in (BLIND, OPEN)]
+    assert asked[0] < 0.15 and asked[1] == pytest.approx(1.0, abs=0.01)
+
+
+def test_the_best_frequency_lies_between_pitch_and_vertical_mode():
+    worst = over_tones()
+    assert 1.19 < TONES[np.argmax(worst[:, 0])] < 1.5
+    half = [np.linalg.norm(guard().bank.response(np.exp(2j * np.pi * f * DT))[0, :, 4]) for f in (1.4, 0.5)]
+    assert half[0] / half[1] == pytest.approx(7, abs=0.6)
+
+
+# --- thresholds --------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("statistic, window, rate", [(ENERGY, 25, 1e-3), (ENERGY, 1, 0.05), (MEAN, 60, 1e-5)])
+def test_the_threshold_is_the_quantile(statistic, window, rate):
+    test = Rule(statistic, window, rate)
+    assert test.threshold == pytest.approx(chi2.isf(rate, 3 * window if statistic == ENERGY else 3), rel=1e-12)
+    assert outcome(statistic=statistic, window=window, rate=rate).metrics["threshold"] == test.threshold
+
+
+@pytest.mark.parametrize("values", [{"rate": 1e-2}, {"rate": 0.05, "statistic": MEAN, "window": 10},
+                                    {"rate": 1e-2, "loop": OPEN, "force": 4.0}])
+def test_false_alarms_come_as_designed(values):
+    trials = worked_through(place=NONE, **values)
+    low, high = binomial_band(trials.windows, values["rate"], 1 - 0.01 / 7)
+    assert np.all((trials.alarms >= low * trials.windows) & (trials.alarms <= high * trials.windows))
+    assert trials.any <= 7 * values["rate"] * trials.windows * 1.2
+
+
+def test_a_wrong_model_breaks_the_promise():
+    trials = worked_through(place=NONE, stiffer=15.0)
+    assert trials.alarms.max() / trials.windows > 3 * trials.band(1e-3)[1]
+
+
+def test_many_runs_accuse_the_right_one_and_never_another():
+    trials = worked_through(place="VR", kind=DRIFT)
+    assert trials.right == trials.runs and trials.wrong == 0
+
+
+def test_the_promised_delay_holds_for_nine_runs_in_ten():
+    """Six members at 99 % each: at least 94 % of the runs have all six alarms at the promised time."""
+    for place in ("HL", "u3"):
+        o = outcome(place=place, loop=OPEN)
+        s = o.extra
+        at = s.case.start + s.forecast.delay
+        alarms = np.array([s.test.values(simulate(s.case, drawn(seed)).residuals)[at] > s.test.threshold for seed in range(200)])
+        seen = guard().bank.signature[:, s.column]
+        assert np.all(alarms[:, seen].mean(axis=0) > 0.96)
+        assert np.all(alarms[:, ~seen].mean(axis=0) < 0.02)
+
+
+def test_reach_is_the_size_that_gives_an_alarm_with_99_percent():
+    test = Rule()
+    size = least(test, 0.5)[6, 1]  # HL, seen by −u3
+    lie, none = quiet(Case("HL", size=1e3 * size)), quiet(Case())
+    strength = test.values(lie.residuals - none.residuals)[-1] / test.needed
+    assert strength[6] == pytest.approx(1.0, rel=1e-3)
+    k = np.arange(25)
+    phases = np.linspace(0, 2 * np.pi, 400, endpoint=False)
+    waves = np.sin(2 * np.pi * 0.8 * DT * k + phases[:, None])
+    assert gathered(test, 0.8) == pytest.approx((waves**2).sum(axis=1).mean(), rel=1e-6)
+    assert gathered(Rule(MEAN), 0.8) == pytest.approx((waves.sum(axis=1)**2).mean() / 25, rel=1e-6)
+
+
+# --- the loop ----------------------------------------------------------------------------------------------------------
+def step_by_step(case, noise, decided, who):
+    """The same run, one sample after another: the oracle of the legs and scans."""
+    kf, g = model(), guard()
+    A, B = truth(case.stiffer)
+    index = PLACES.index(who)
+    x, xhat, frozen = np.zeros(6), noise.whole.copy(), None
+    z = [noise.bank[s].copy() for s in g.bank.slices]
+    used, K, active = None, gain(), np.ones(3)
+    xs, beliefs = [], []
+    for k in range(COUNT):
+        if k == decided:
+            if index < 4:
+                used, xhat = g.bank.members[index], z[index].copy()
+            else:
+                K, active = gain(index - 4), np.where(np.arange(3) == index - 4, 0.0, 1.0)
+        t = DT * k
+        rise, angle = case.force * (1 - np.exp(-2 * t)), 2 * np.pi * case.tone * t
+        r = active * rise * np.array([np.sin(angle), np.sin(angle), np.cos(angle)])
+        u = r - K @ xhat
+        y = kf.C @ x + noise.v[k]
+        push = u.copy()
+        if k >= case.start:
+            if case.sensor is not None:
+                frozen = y[case.sensor] if frozen is None else frozen
+                y[case.sensor] = frozen if case.kind == STUCK else y[case.sensor] + 1e-3 * case.size * (
+                    DT * (k - case.start) if case.kind == DRIFT else 1.0)
+            if case.coil is not None:
+                push[case.coil] *= 1 - case.size
+        xs.append(x)
+        beliefs.append(xhat)
+        o = g.whole if used is None else used
+        x, xhat = A @ x + B @ push + noise.w[k], o.F @ xhat + o.G @ u + o.K @ y
+        z = [m.F @ v + m.G @ u + m.K @ y for m, v in zip(g.bank.members, z, strict=True)]
+    return np.array(xs), np.array(beliefs)
+
+
+@pytest.mark.parametrize("case", [Case("VR", DRIFT, 4.0, loop=SWITCH), Case("HL", STUCK, loop=SWITCH, force=3.0, stiffer=0.05),
+                                  Case("u2", size=1.0, loop=SWITCH, force=3.0)], ids=lambda c: c.place)
+def test_the_run_is_what_stepping_through_it_gives(case):
+    before = simulate(case, drawn(3))
+    verdict = judge(Rule(), before)
+    assert verdict.who == case.place
+    after = switched(case, drawn(3), before, verdict.decided, verdict.who)
+    x, xhat = step_by_step(case, drawn(3), verdict.decided, verdict.who)
+    assert np.allclose(after.x, x, atol=1e-12) and np.allclose(after.xhat, xhat, atol=1e-12)
+    assert np.array_equal(after.y[:verdict.decided], before.y[:verdict.decided])
+    assert judge(Rule(), after).decided == verdict.decided
+
+
+def test_a_drift_that_nobody_notices_tilts_the_deck_and_acting_levels_it():
+    """The numbers of the task: 13 mrad, 1.9 with the sum of squares, 1.1 with the mean, due after 2.5 and 1.8 s."""
+    blind, energy, mean = (outcome(place="VR", kind=DRIFT, **v) for v in ({}, {"loop": SWITCH}, {"loop": SWITCH, "statistic": MEAN}))
+    assert [round(1e3 * o.metrics["pitch"], 1) for o in (blind, energy, mean)] == [13.2, 1.9, 1.1]
+    assert energy.metrics["expected_delay"] == pytest.approx(2.5) and mean.metrics["expected_delay"] == pytest.approx(1.82)
+    s = blind.extra.record
+    assert abs(s.xhat[-100:, 2].mean()) > 3 * abs(s.x[-100:, 2].mean())  # and the estimate wanders off farther
+
+
+@pytest.mark.parametrize("loop", [OPEN, BLIND, SWITCH])
+def test_a_kick_accuses_nobody(loop):
+    for seed in range(20):
+        s = outcome(place=NONE, kick=3.0 + 0.3 * seed, seed=seed, loop=loop).extra
+        assert s.verdict.who is None and s.verdict.first is not None
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_healthy_runs_accuse_nobody(seed):
+    assert outcome(place=NONE, seed=seed).extra.verdict.who is None
+
+
+# --- tasks, exam, job --------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("task", LESSON.tasks, ids=lambda t: t.id)
+def test_tasks_hold_for_any_noise(task):
+    for seed in (0, 7, 4711):
+        assert task.check(outcome(**{**task.solution, "seed": seed})).solved
+
+
+@pytest.mark.parametrize("seed", range(1, 9))
+def test_the_exam_answer_is_where_the_pencil_loses_rank(seed):
+    item = LESSON.exam(seed)
+    a, b, c, d, e1, e2 = (float(item.numbers[k]) for k in ("a", "b", "c", "d", "e1", "e2"))
+    s = item.answer
+    assert np.linalg.det([[s - a, -b, -e1], [-c, s - d, -e2], [1, 0, 0]]) == pytest.approx(0, abs=1e-9)
+
+
+def test_counts_carry_over_to_another_reaction_only():
+    *_, (_, done) = LESSON.job.run(outcome())
+    assert LESSON.carry(done, outcome(loop=SWITCH)).extra.trials is done.extra.trials
+    assert LESSON.carry(done, outcome(kick=2.0)).extra.trials is done.extra.trials
+    for other in ({"window": 26}, {"bias": 4.0}, {"loop": OPEN}, {"stiffer": 5.0}, {"seed": 2}):
+        assert LESSON.carry(done, outcome(**other)).extra.trials is None
+
+
+def test_the_stage_marks_the_liar_and_flags_the_accused():
+    o = outcome()
+    body, at = o.stage.body, o.extra.verdict.decided
+    before, between, after = (body.pose(o.stage.x[k].tolist(), body.gain) for k in (0, at - 1, at))
+    assert before["gauge left"].colour != between["gauge left"].colour == after["gauge left"].colour
+    assert between["flag"].position[2] < -5 < 0 < after["flag"].position[2]
+    assert abs(after["flag"].position[0] - after["gauge left"].position[0]) < 1e-9
