@@ -49,8 +49,10 @@ def _residuals(s: Study, name: str, title: Text, which: range) -> TimeFigure:
 
 
 def _decisive(s: Study) -> int:
-    """The sample that is talked about: the verdict's, else the last."""
-    return COUNT - 1 if s.verdict.decided is None else s.verdict.decided
+    """The sample that is talked about: the verdict's, else the last of those with most alarms."""
+    if s.verdict.decided is not None:
+        return s.verdict.decided
+    return COUNT - 1 - int(np.argmax((s.verdict.values > 1).sum(axis=1)[::-1]))
 
 
 def _reading(s: Study) -> TimeFigure:
@@ -86,10 +88,19 @@ def isolation(s: Study) -> TableFigure:
                  *(YES if v > 1 else NO for v in s.verdict.values[at])))
     rows.append((Text("T / threshold", "T / 阈值"), *(f"{v:.2f}" if v < 100 else f"{v:.0f}" for v in s.verdict.values[at])))
     said = (Text("No alarm: no row to look for.", "没有报警，无行可对。") if now == -1 else
-            Text("The alarms fit no row: not one of these faults alone.", "报警与任何一行都不符：不是单一的上述故障。") if now == -2 else
+            _unclear(s.verdict.values[at] > 1) if now == -2 else
             Text(f"The alarms fit one row only: {PLACE_NAMES[now].en}.", f"报警只与一行相符：{PLACE_NAMES[now].zh}。"))
     return TableFigure("isolation", Text("isolation table", "故障隔离表"), (Text("fault", "故障"), *(same(n) for n in NAMES)),
                        tuple(rows), said, VERDICT_TAB)
+
+
+def _unclear(alarms: np.ndarray) -> Text:
+    """Why no row fits: everybody gives an alarm, or more than one member is quiet."""
+    quiet = [name for name, loud in zip(NAMES, alarms, strict=True) if not loud]
+    if not quiet:
+        return Text("Every member gives an alarm: this is none of the seven faults.", "所有成员都报警：不是这七种故障之一。")
+    return Text(f"No row fits: {len(quiet)} members are quiet, {', '.join(quiet[:3])}{' …' if len(quiet) > 3 else ''}.",
+                f"没有一行相符：{len(quiet)} 个成员安静，即 {'、'.join(quiet[:3])}{'等' if len(quiet) > 3 else ''}。")
 
 
 def _members() -> TableFigure:
