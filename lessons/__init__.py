@@ -21,6 +21,7 @@ from .robust_observer.lesson import LESSON as robust_observer
 from .saturation.lesson import LESSON as saturation
 from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
+from .weak_states.lesson import LESSON as weak_states
 
 LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for lesson in sorted((
     virtual_sensor,
@@ -34,6 +35,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     kalman,
     lqg,
     decoupling,
+    weak_states,
     robust_observer,
     bilinear_observer,
     network,

@@ -110,6 +110,17 @@ def plant(parameters: Parameters = Parameters()) -> Plant:
                  name="platform")
 
 
+def in_time_units(full: Plant, unit: float) -> Plant:
+    """The same plant with time counted in units of `unit` seconds, τ = t/unit; the outputs stay in m/s.
+
+    x = S x̃ with S = diag(1, …, 1/unit, …), for velocities are per unit of τ: Ã = unit S⁻¹AS, B̃ = unit S⁻¹B, C̃ = CS.
+    Hankel values stay, the singular values of controllability and observability matrices do not.
+    """
+    half = full.n // 2
+    S = np.concatenate([np.ones(half), np.full(full.n - half, 1 / unit)])
+    return Plant(unit * full.A * S / S[:, None], unit * full.B / S[:, None], full.C * S, name=full.name)
+
+
 def deck(parameters: Parameters = Parameters()) -> Plant:
     """Six states, three coils: the limit kp → ∞, where the test masses belong to the deck (m + 2μ, J + 2μs²)."""
     A, B, C = rigid(parameters).matrices()

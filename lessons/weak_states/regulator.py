@@ -1,0 +1,108 @@
+"""LQG designed on all ten states and on fewer, both on the platform with ten."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import Lqg, NoisyLoop, Plant, lqg, noisy_loop
+from app.plants.platform_lqg import Weights, coils, ground
+from app.words import Text
+
+from .system import STATES, System, model
+
+OUTPUTS, ALIKE = "outputs", "alike"
+PRESSED = ((OUTPUTS, Text("the four outputs", "四个输出")), (ALIKE, Text("every balanced state alike", "所有平衡状态一视同仁")))
+EQUAL = 1e10  # weight of each balanced state where all count alike
+PAIRS = STATES // 2
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One design on a balanced model, closed around the ten states: gains by pair (5,), densities, cost, force.
+
+    densities (n_f, 4) of the outputs in (m/s)²/Hz, cost of the average xᵀQx + uᵀRu, force: rms of all coils in N. None of
+    the three where the loop is unstable. rightmost: real part of the slowest pole.
+    """
+
+    design: Lqg
+    K: np.ndarray
+    L: np.ndarray
+    rightmost: float
+    densities: np.ndarray | None
+    cost: float | None
+    force: float | None
+
+    @property
+    def stable(self) -> bool:
+        """Whether the loop with the ten-state platform is stable."""
+        return self.densities is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """The design on ten states and the one on fewer, and the densities without control."""
+
+    free: np.ndarray
+    full: Loop
+    small: Loop
+
+    @property
+    def gap(self) -> float | None:
+        """Largest relative difference between their densities, over the outputs and over frequency."""
+        if self.small.densities is None or self.full.densities is None:
+            return None
+        return float(np.abs(self.small.densities / self.full.densities - 1).max())
+
+    @property
+    def extra(self) -> float | None:
+        """Cost of the small design on the platform over that of the full one, less one."""
+        if self.small.cost is None or self.full.cost is None:
+            return None
+        return self.small.cost / self.full.cost - 1
+
+    @property
+    def growth(self) -> float:
+        """How much larger ‖K‖ is on ten states than on fewer."""
+        return float(np.linalg.norm(self.full.design.K) / np.linalg.norm(self.small.design.K)) - 1
+
+
+@lru_cache(maxsize=32)
+def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
+    weights = Weights(v0=v0)
+    small = model(s, order)
+    Q = weights.Q(small) if pressed == OUTPUTS else EQUAL * np.eye(order)
+    design = lqg(coils(small), Q, weights.R, weights.W, weights.V, ground(small))
+    K, L = by_pair(design.K), by_pair(design.L.T)
+    loop = _closed(s, design.controller, weights)
+    rightmost = float(loop.poles.real.max())
+    if not loop.stable:
+        return Loop(design, K, L, rightmost, None, None, None)
+    paid = weights.Q(s.plant) if pressed == OUTPUTS else EQUAL * s.balanced.left.T @ s.balanced.left
+    spent = loop.cost(paid, weights.R)
+    return Loop(design, K, L, rightmost, loop.psd(s.frequencies), sum(spent), float(np.sqrt(spent[1] / weights.alpha_r)))
+
+
+@lru_cache(maxsize=32)
+def _free(s: System) -> np.ndarray:
+    weights = Weights()
+    return noisy_loop(coils(s.plant), None, ground(s.plant), weights.W).psd(s.frequencies)
+
+
+def compare(s: System, order: int, v0: float, pressed: str) -> Compared:
+    """Both designs for measurement noise of intensity v0 in (m/s)² s, Q from the outputs or from every balanced state."""
+    return Compared(_free(s), _on(s, STATES, v0, pressed), _on(s, order, v0, pressed))
+
+
+def by_pair(gain: np.ndarray) -> np.ndarray:
+    """Norm of the columns of a gain by pairs of balanced states, (5,), zero for pairs that the model has not."""
+    squares = np.zeros(STATES)
+    squares[:gain.shape[1]] = (gain**2).sum(axis=0)
+    return np.sqrt(squares.reshape(PAIRS, 2).sum(axis=1))
+
+
+def _closed(s: System, controller: Plant, weights: Weights) -> NoisyLoop:
+    return noisy_loop(coils(s.plant), controller, ground(s.plant), weights.W, weights.V)
+

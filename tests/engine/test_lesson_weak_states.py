@@ -1,0 +1,235 @@
+"""Lesson 12: ranks hang on the clock, Hankel values do not; the weak pair has a face; nobody misses it."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import control
+import mpmath
+import numpy as np
+import pytest
+from scipy.linalg import solve_continuous_are
+
+from app.engine import Plant, balanced_truncation, controllability, hankel_singular_values, observability
+from app.plants.platform import Parameters, in_time_units, plant
+from app.published.platform import RECORDS
+from app.published.record import verify_one
+from lessons.weak_states.body import BODY, NOMINAL, PERIOD, share
+from lessons.weak_states.lesson import LESSON
+from lessons.weak_states.system import AGAINST, TOGETHER, VERTICAL, closed_forms, cut, model, system
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+def metrics(**changes):
+    return outcome(**changes).metrics
+
+
+def gramian(A, B):
+    """Wc in 40 digits: the linear equations A W + W Aᵀ = −B Bᵀ for the entries of a symmetric W."""
+    n = len(A)
+    place = {(i, j): k for k, (i, j) in enumerate((i, j) for i in range(n) for j in range(i, n))}
+    M, right = mpmath.zeros(len(place)), mpmath.zeros(len(place), 1)
+    for (i, j), row in place.items():
+        for k in range(n):
+            M[row, place[min(k, j), max(k, j)]] += mpmath.mpf(float(A[i, k]))
+            M[row, place[min(i, k), max(i, k)]] += mpmath.mpf(float(A[j, k]))
+        right[row] = -sum((mpmath.mpf(float(B[i, k])) * mpmath.mpf(float(B[j, k])) for k in range(B.shape[1])), mpmath.mpf(0))
+    solved = mpmath.lu_solve(M, right)
+    W = mpmath.zeros(n)
+    for (i, j), row in place.items():
+        W[i, j] = W[j, i] = solved[row]
+    return W
+
+
+@lru_cache(maxsize=1)
+def balanced_by_svd():
+    """Hankel values, T and its inverse from an SVD in 40 digits: the oracle for what double precision must find."""
+    P = plant()
+    with mpmath.workdps(40):
+        reach, see = mpmath.cholesky(gramian(P.A, P.B)), mpmath.cholesky(gramian(P.A.T, P.C.T))
+        U, S, V = mpmath.svd_r(see.T * reach)
+        T, left = reach * V.T, (see * U).T
+        for k in range(P.n):
+            for i in range(P.n):
+                T[i, k] /= mpmath.sqrt(S[k])
+                left[k, i] /= mpmath.sqrt(S[k])
+        return tuple(np.array(M.tolist(), dtype=float) for M in (S, T, left))
+
+
+def response(P, f):
+    """G(j2πf) by python-control, (n_f, p, m)."""
+    return np.moveaxis(control.ss(P.A, P.B, P.C, P.D).frequency_response(2 * np.pi * f, squeeze=False).complex, 2, 0)
+
+
+# --- rank ----------------------------------------------------------------------------------------------------------------
+def test_the_usual_rank_in_seconds_is_four_and_six():
+    P = plant()
+    blocks, rows = [P.B], [P.C]
+    for _ in range(9):
+        blocks.append(P.A @ blocks[-1])
+        rows.append(rows[-1] @ P.A)
+    assert np.linalg.matrix_rank(np.hstack(blocks)) == 4 and np.linalg.matrix_rank(np.vstack(rows)) == 6
+    m = metrics(tolerance=1e-9)
+    assert (m["rank_controllability"], m["rank_observability"]) == (4, 4)
+
+
+def test_in_five_milliseconds_the_same_plant_has_rank_ten():
+    for tolerance in (1e-6, 5e-5):
+        m = metrics(clock=5e-3, tolerance=tolerance)
+        assert (m["rank_controllability"], m["rank_observability"]) == (10, 10)
+
+
+def test_by_the_millisecond_controllability_falls_from_ten_to_six_over_the_reports_range():
+    found = [metrics(measure="absolute", clock=1e-3, tolerance=t)["rank_controllability"] for t in (1e-12, 1e-9, 1e-7, 1e-6)]
+    assert found[0] == 10 and found[-1] == 6 and found == sorted(found, reverse=True)
+    assert metrics(measure="absolute", tolerance=1e-6)["rank_controllability"] == 10  # in seconds it does not
+
+
+def test_the_clock_changes_ranks_and_not_hankel_values():
+    P = plant()
+    for unit in (1e-3, 5e-3, 0.1):
+        counted = in_time_units(P, unit)
+        assert np.allclose(hankel_singular_values(counted), hankel_singular_values(P), rtol=1e-6)
+        assert np.allclose(counted.poles, P.poles * unit, rtol=1e-9)
+    quick = in_time_units(P, 5e-3)
+    assert controllability(quick).matrix_rank(1e-6) == observability(quick).matrix_rank(1e-6) == 10
+
+
+# --- Hankel values and truncation ---------------------------------------------------------------------------------------------
+def test_hankel_values_are_those_of_forty_digits():
+    assert system(NOMINAL).hankel == pytest.approx(balanced_by_svd()[0].ravel(), rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [4, 6, 8])
+def test_truncations_are_those_of_an_svd_in_forty_digits(order):
+    """Pairs of equal values leave the coordinates open: transfer functions are compared."""
+    P, s = plant(), system(NOMINAL)
+    _, T, left = balanced_by_svd()
+    small = control.ss(left[:order] @ P.A @ T[:, :order], left[:order] @ P.B, P.C @ T[:, :order], np.zeros((4, 5)))
+    f = s.frequencies
+    oracle = np.moveaxis(small.frequency_response(2 * np.pi * f, squeeze=False).complex, 2, 0)
+    assert np.abs(response(model(s, order), f) - oracle).max() < 1e-5 * cut(s, order).peak
+    assert np.abs(response(balanced_truncation(P, order).plant, f) - oracle).max() < 1e-5 * cut(s, order).peak
+
+
+@pytest.mark.parametrize("order", range(1, 10))
+def test_the_error_keeps_below_twice_the_sum_of_what_is_cut(order):
+    """The truth from python-control over 4000 frequencies and a fine comb about every mode."""
+    s = system(NOMINAL)
+    comb = [m.frequency * (1 + m.damping * np.linspace(-2, 2, 401)) for m in s.motions]
+    f = np.unique(np.concatenate([np.geomspace(1e-3, 1e3, 4000), *comb]))
+    error = np.linalg.norm(response(s.plant, f) - response(model(s, order), f), 2, axis=(1, 2)).max()
+    m = metrics(order=order)
+    assert error <= m["bound"] * (1 + 1e-6)
+    assert m["error"] == pytest.approx(error, rel=2e-3)
+
+
+def test_ten_to_eight_is_half_the_bound_at_thirty_hertz():
+    m = metrics(order=8)
+    assert m["error"] == pytest.approx(1.771e-4, abs=1e-7) and m["error_at"] == pytest.approx(30.2, abs=0.05)
+    assert m["bound"] == pytest.approx(3.541e-4, abs=1e-7)
+    assert m["error"] == pytest.approx(m["sigma9"] + m["sigma10"], rel=1e-3)
+
+
+def test_the_wider_gap_lies_after_six():
+    s = system(NOMINAL)
+    ratio = s.hankel[:-1] / s.hankel[1:]
+    assert int(ratio.argmax()) + 1 == 6 and ratio[5] == pytest.approx(798, abs=1)
+    assert pytest.approx(798, abs=1) == 43.0305 / 0.0539 and pytest.approx(539, abs=1) == 0.0539 / 0.0001  # as printed
+    m = metrics(order=6)
+    assert m["error"] == pytest.approx(0.108, abs=5e-4) and m["error_at"] == pytest.approx(30.3, abs=0.05)
+    assert metrics(order=5)["error"] == pytest.approx(86, abs=0.5)
+
+
+# --- motions -------------------------------------------------------------------------------------------------------------------
+def test_the_weak_pair_is_the_test_masses_against_each_other():
+    s = system(NOMINAL)
+    assert [m.kind for m in s.motions] == [VERTICAL, 1, 2, TOGETHER, AGAINST]
+    weak = s.motions[-1]
+    assert weak.frequency == pytest.approx(30.21, abs=0.01)
+    assert abs(weak.shape[3] + weak.shape[4]) < 1e-6 * abs(weak.shape[3] - weak.shape[4])
+
+
+def test_strengths_from_eigenvectors_are_the_hankel_values():
+    for p in (NOMINAL, Parameters(h=0.05), Parameters(s=0.15, mu=0.2), Parameters(a=0.2, kp=500)):
+        s = system(p)
+        assert [m.strength for m in s.motions] == pytest.approx(s.hankel[::2], rel=5e-3)
+
+
+@pytest.mark.parametrize("changes", [{}, {"h": 0.05}, {"s": 0.16}, {"mu": 0.02}, {"a": 0.2}, {"kp": 20000.0}])
+def test_closed_forms_of_the_geometry(changes):
+    m = metrics(**changes)
+    p = Parameters(**changes)
+    for index, value in closed_forms(p):
+        assert value == pytest.approx(m[f"sigma{index + 1}"], rel=0.045), index
+
+
+def test_a_stiffer_servo_makes_the_weak_pair_faster_and_no_weaker():
+    soft, stiff = (metrics(kp=k, pair="5") for k in (900.0, 18000.0))
+    assert stiff["frequency"] > 4 * soft["frequency"]
+    assert stiff["sigma9"] == pytest.approx(soft["sigma9"], rel=0.02)
+    assert metrics(s=0.17)["sigma9"] > 10 * metrics()["sigma9"]
+    assert metrics(h=0.06)["sigma9"] == pytest.approx(5.1 * metrics()["sigma9"], rel=0.02)
+
+
+def test_the_ghost_lacks_what_the_model_lacks():
+    s = system(NOMINAL)
+    assert [round(share(s, m, 8)) for m in s.motions] == [1, 1, 1, 1, 0]
+    assert [round(share(s, m, 6)) for m in s.motions] == [1, 1, 1, 0, 0]
+    stage = outcome(pair="5", order=8).stage
+    assert stage is not None and stage.xhat is not None
+    ball = [BODY.pose(row.tolist(), BODY.gain)["test mass left"].position[2] for row in stage.x]
+    still = [BODY.pose(row.tolist(), BODY.gain)["test mass left"].position[2] for row in stage.xhat]
+    assert np.ptp(ball) > 0.1 and np.ptp(still) < 1e-3
+    right = [BODY.pose(row.tolist(), BODY.gain)["test mass right"].position[2] for row in stage.x]
+    assert np.corrcoef(ball, right)[0, 1] < -0.99
+    swings = np.diff(np.flatnonzero(np.diff(np.sign(np.array(ball) - np.mean(ball))) > 0))
+    assert np.allclose(np.diff(stage.t)[0] * swings, PERIOD, atol=0.06)
+
+
+# --- LQG -------------------------------------------------------------------------------------------------------------------------
+def test_nobody_misses_the_weak_pair():
+    m = metrics(order=8)
+    assert m["gap"] < 3e-5 and abs(m["extra"]) < 1e-9 and abs(m["growth"]) < 1e-6
+    for v0 in (1e-12, 1e-6):
+        m = metrics(order=8, v0=v0)
+        assert m["gap"] < 1e-3 and abs(m["extra"]) < 1e-8
+
+
+def test_not_even_when_every_state_counts_alike():
+    o = outcome(order=8, pressed="alike")
+    c = o.extra.compared
+    assert 0.03 < c.growth < 0.05 and abs(c.full.force / c.small.force - 1) == pytest.approx(1.5e-5, abs=0.3e-5)
+
+
+def test_cutting_too_much_is_dear():
+    assert metrics(order=4)["extra"] == pytest.approx(0.17, abs=0.005)
+    assert "extra" not in metrics(order=4, v0=1e-12)  # unstable
+    assert not next(c for c in outcome(order=4, v0=1e-12).checks if c.id == "stable").holds
+    assert abs(metrics(order=6)["extra"]) < 1e-6
+
+
+def test_the_gains_on_eight_states_are_those_of_scipys_riccati_equation():
+    s, o = system(NOMINAL), outcome(order=8)
+    small = model(s, 8)
+    Q = 100 * small.C.T @ np.diag([1e8, 1e10, 1e8, 1e10]) @ small.C
+    B, R = small.B[:, :3], 0.1 * np.eye(3)
+    K = np.linalg.solve(R, B.T @ solve_continuous_are(small.A, B, Q, R))
+    assert np.allclose(o.gains["K"], K, rtol=1e-4, atol=1e-6 * np.abs(K).max())
+
+
+def test_published_lines_of_chapter_three_hold():
+    for record in RECORDS:
+        if any(word in record.item for word in ("rank", "order", "LQG on", "Hankel", "gap")):
+            assert verify_one(record).holds, record.item
+
+
+@pytest.mark.parametrize("seed", range(1, 6))
+def test_the_exam_answer_is_twice_the_sum_of_two_hankel_values(seed):
+    item = LESSON.exam(seed)
+    g, c, k = (float(item.numbers[name]) for name in "gck")
+    channel = Plant(np.array([[0.0, 1.0], [-k, -c]]), np.array([[0.0], [g]]), np.array([[0.0, 1.0]]))
+    assert 2 * hankel_singular_values(channel).sum() == pytest.approx(item.answer, rel=1e-9)
