@@ -16,6 +16,7 @@ from .kalman.lesson import LESSON as kalman
 from .lqg.lesson import LESSON as lqg
 from .network.lesson import LESSON as network
 from .noise.lesson import LESSON as noise
+from .nonlinear.lesson import LESSON as nonlinear
 from .observability.lesson import LESSON as observability
 from .robust_observer.lesson import LESSON as robust_observer
 from .saturation.lesson import LESSON as saturation
@@ -36,6 +37,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     lqg,
     decoupling,
     weak_states,
+    nonlinear,
     robust_observer,
     bilinear_observer,
     network,

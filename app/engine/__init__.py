@@ -15,6 +15,7 @@ from .diophantine import Diophantine, diophantine, sylvester
 from .dominance import Dominance, dominance, dominance_of, relative_gains
 from .errors import EngineError, PoleError, RiccatiError, ShapeError
 from .fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
+from .flow import Flow, NonlinearPlant, slopes
 from .functional import FunctionalObserver, functional_observer
 from .functional_loop import (
     FunctionalRun,
@@ -58,6 +59,16 @@ from .loop_spectrum import NoisyLoop, noisy_loop
 from .lqg import Lqg, lqg
 from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
 from .ltr import Recovered, recover, recover_at_output, transmission_zeros
+from .many_filters import (
+    Beliefs,
+    Corrections,
+    ExtendedFilters,
+    LinearFilters,
+    ManyFilters,
+    PrintedUnscentedFilters,
+    UnscentedFilters,
+)
+from .many_runs import Experiment, Sample, Steering, errors_squared, march_many
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
 from .mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
 from .monte_carlo import MonteCarlo, monte_carlo, welch_expectation
@@ -98,6 +109,7 @@ __all__ = [
     "AdcNoise",
     "Attempt",
     "Belief",
+    "Beliefs",
     "BilinearForm",
     "BilinearObserver",
     "BilinearPlant",
@@ -108,6 +120,7 @@ __all__ = [
     "Controllability",
     "CoprimeFactors",
     "Correction",
+    "Corrections",
     "Coupling",
     "CriticalLoss",
     "Decoupling",
@@ -116,8 +129,11 @@ __all__ = [
     "DiskMargin",
     "Dominance",
     "EngineError",
+    "Experiment",
+    "ExtendedFilters",
     "ExtendedKalmanFilter",
     "FaultBank",
+    "Flow",
     "FunctionalObserver",
     "FunctionalRun",
     "Gramians",
@@ -126,10 +142,12 @@ __all__ = [
     "KalmanDecomposition",
     "KalmanFilter",
     "LinearFilter",
+    "LinearFilters",
     "Link",
     "LoopMargins",
     "LoopShape",
     "Lqg",
+    "ManyFilters",
     "MechanicsResponse",
     "Mixing",
     "Mode",
@@ -138,6 +156,7 @@ __all__ = [
     "NetworkRun",
     "NetworkScenario",
     "NoisyLoop",
+    "NonlinearPlant",
     "Norm",
     "Observability",
     "Optimal",
@@ -146,6 +165,7 @@ __all__ = [
     "Plant",
     "PoleError",
     "Poles",
+    "PrintedUnscentedFilters",
     "Recovered",
     "RecoveryMap",
     "Region",
@@ -155,6 +175,7 @@ __all__ = [
     "RobustObserver",
     "RootBelief",
     "Run",
+    "Sample",
     "SampledController",
     "SampledLoop",
     "SampledLqg",
@@ -168,11 +189,13 @@ __all__ = [
     "SquaredError",
     "StableSplit",
     "StartingGain",
+    "Steering",
     "Track",
     "TransferFunction",
     "Trial",
     "Truncation",
     "UnknownInputObserver",
+    "UnscentedFilters",
     "UnscentedKalmanFilter",
     "Whiteness",
     "alarm_probability",
@@ -210,6 +233,7 @@ __all__ = [
     "each_column",
     "error_index",
     "error_transfer",
+    "errors_squared",
     "every_entry",
     "expand",
     "frequency_response",
@@ -235,6 +259,7 @@ __all__ = [
     "lqe",
     "lqg",
     "lqr",
+    "march_many",
     "mare",
     "match_poles",
     "mean_bounds",
@@ -295,6 +320,7 @@ __all__ = [
     "simulate",
     "simulate_bilinear",
     "simulate_network",
+    "slopes",
     "spectral_radius",
     "split_stable",
     "starting_feedback",

@@ -138,6 +138,16 @@ class ExtendedKalmanFilter(NonlinearFilter):
         return joseph(belief.covariance, expand(self.h, self.H, belief.mean, u, "h", self.p)[1], self.R, M)
 
 
+def sigma_weights(n: int, alpha: float, beta: float, kappa: float) -> tuple[float, np.ndarray, np.ndarray]:
+    """√(n+λ) and the weights of means and of covariances (2n + 1,), λ = α²(n+κ) − n."""
+    reach = alpha**2 * (n + kappa)
+    mean = np.full(2 * n + 1, 0.5 / reach)
+    mean[0] = 1 - n / reach
+    covariance = mean.copy()
+    covariance[0] += 1 - alpha**2 + beta
+    return float(np.sqrt(reach)), mean, covariance
+
+
 @dataclass(frozen=True, eq=False)
 class UnscentedKalmanFilter(NonlinearFilter):
     """2n + 1 sigma points through f and h instead of derivatives; see `NonlinearFilter`.
@@ -164,12 +174,7 @@ class UnscentedKalmanFilter(NonlinearFilter):
     @cached_property
     def weights(self) -> tuple[float, np.ndarray, np.ndarray]:
         """√(n+λ), the weights of means and of covariances (2n + 1,)."""
-        reach = self.alpha**2 * (self.n + self.kappa)
-        mean = np.full(2 * self.n + 1, 0.5 / reach)
-        mean[0] = 1 - self.n / reach
-        covariance = mean.copy()
-        covariance[0] += 1 - self.alpha**2 + self.beta
-        return float(np.sqrt(reach)), mean, covariance
+        return sigma_weights(self.n, self.alpha, self.beta, self.kappa)
 
     def points(self, belief: Belief) -> np.ndarray:
         """The sigma points as columns, n × (2n + 1)."""

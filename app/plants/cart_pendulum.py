@@ -16,6 +16,7 @@ from typing import Literal
 import numpy as np
 
 from ..engine.errors import EngineError
+from ..engine.flow import NonlinearPlant
 from ..engine.plant import Plant
 from ..words import Text
 from .body import (
@@ -72,23 +73,67 @@ def nonlinear(x: np.ndarray, u: np.ndarray | float, parameters: Parameters = Par
 
     (M + m) p̈ + m l cosθ θ̈ = u − c ṗ + m l sinθ θ̇²,  m l cosθ p̈ + m l² θ̈ = m g l sinθ − d θ̇.
     """
+    states = np.moveaxis(np.asarray(x), -1, 0)
+    return np.moveaxis(rates(states, np.asarray(u), parameters), 0, -1)
+
+
+def rates(x: np.ndarray, u: np.ndarray, parameters: Parameters = Parameters()) -> np.ndarray:
+    """The same with the states first: x (4, …), u (…) in N."""
     k = parameters
-    x = np.asarray(x)
-    angle, v, omega = x[..., 1], x[..., 2], x[..., 3]
+    angle, v, omega = x[1], x[2], x[3]
     sine, cosine = np.sin(angle), np.cos(angle)
-    ml = k.ball * k.length
-    push = u - k.friction * v + ml * sine * omega**2
-    fall = ml * k.g * sine - k.pivot * omega
-    determinant = ml * k.length * (k.cart + k.ball * sine**2)
-    acceleration = (ml * k.length * push - ml * cosine * fall) / determinant
-    spin = ((k.cart + k.ball) * fall - ml * cosine * push) / determinant
-    return np.stack(np.broadcast_arrays(v, omega, acceleration, spin), axis=-1)
+    fall = k.g * sine - k.pivot / (k.ball * k.length) * omega
+    push = u - k.friction * v + k.ball * k.length * sine * omega * omega
+    out = np.empty((4, *push.shape), dtype=push.dtype)
+    out[0], out[1] = v, omega
+    out[2] = acceleration = (push - k.ball * cosine * fall) / (k.cart + k.ball * sine * sine)
+    out[3] = (fall - cosine * acceleration) / k.length
+    return out
+
+
+def rate_slopes(x: np.ndarray, u: np.ndarray, parameters: Parameters = Parameters()) -> np.ndarray:
+    """∂ẋ/∂x (N, 4, 4) at the columns of x (4, N), u (N,) or (1,) in N."""
+    k = parameters
+    angle, v, omega = x[1], x[2], x[3]
+    sine, cosine = np.sin(angle), np.cos(angle)
+    drag, swing = k.pivot / (k.ball * k.length), k.ball * k.length * omega
+    fall, push = k.g * sine - drag * omega, u - k.friction * v + swing * sine * omega
+    inertia = k.cart + k.ball * sine * sine
+    acceleration = (push - k.ball * cosine * fall) / inertia
+    steeper = cosine * (swing * omega - k.ball * k.g * cosine - 2 * k.ball * sine * acceleration) + k.ball * sine * fall
+    J = np.zeros((x.shape[1], 4, 4))
+    J[:, 0, 2] = J[:, 1, 3] = 1.0
+    J[:, 2, 1] = by_angle = steeper / inertia
+    J[:, 2, 2] = by_v = -k.friction / inertia
+    J[:, 2, 3] = by_omega = (2 * swing * sine + k.ball * drag * cosine) / inertia
+    J[:, 3, 1] = (k.g * cosine + sine * acceleration - cosine * by_angle) / k.length
+    J[:, 3, 2] = -cosine * by_v / k.length
+    J[:, 3, 3] = (-drag - cosine * by_omega) / k.length
+    return J
+
+
+def nonlinear_plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") -> NonlinearPlant:
+    """The full equations as a record; y is the position, the angle, or both."""
+    rows = [index for index, _, _ in _chosen(sensor)]
+    C = np.eye(4)[rows]
+
+    def output_slope(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(C, (x.shape[1], *C.shape))
+
+    return NonlinearPlant(4, 1, len(rows), lambda x, u: rates(x, u[0], parameters),
+                          lambda x, u: rate_slopes(x, u[0], parameters), lambda x, u: x[rows], output_slope,
+                          "cart-pendulum, full equations")
+
+
+def _chosen(sensor: str) -> tuple[tuple[int, str, str], ...]:
+    if sensor not in SENSORS:
+        raise EngineError(f"There is no sensor {sensor!r} on the cart; choose one of {', '.join(SENSORS)}.")
+    return SENSORS[sensor]
 
 
 def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") -> Plant:
     """The equations linearised about upright; y is the position, the angle, or both. Raises EngineError otherwise."""
-    if sensor not in SENSORS:
-        raise EngineError(f"There is no sensor {sensor!r} on the cart; choose one of {', '.join(SENSORS)}.")
+    chosen = _chosen(sensor)
     k = parameters
     M, m, length = k.cart, k.ball, k.length
     turn = k.pivot / length  # the pivot's friction as a force on the pole's end
@@ -96,7 +141,6 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") ->
          [0, -m * k.g / M, -k.friction / M, turn / M],
          [0, (M + m) * k.g / (M * length), k.friction / (M * length), -(M + m) * turn / (m * M * length)]]
     B = [[0], [0], [1 / M], [-1 / (M * length)]]
-    chosen = SENSORS[sensor]
     return Plant(np.array(A), np.array(B), np.eye(4)[[index for index, _, _ in chosen]],
                  state_names=("p", "theta", "v", "omega"), input_names=("force",),
                  output_names=tuple(name for _, name, _ in chosen),

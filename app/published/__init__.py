@@ -5,7 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
-from . import bilinear, classics, diagnosis, duan, network, notes, platform, platform_lqg, platform_siso, tutorial
+from . import (
+    bilinear,
+    classics,
+    diagnosis,
+    duan,
+    network,
+    nonlinear,
+    notes,
+    platform,
+    platform_lqg,
+    platform_siso,
+    tutorial,
+)
 from .record import Published, Result, verify_one
 
 __all__ = ["Published", "Result", "records", "table", "verify_all", "verify_one"]
@@ -21,6 +33,7 @@ def records() -> tuple[Published, ...]:
         *platform_siso.RECORDS,
         *platform_lqg.RECORDS,
         *bilinear.RECORDS,
+        *nonlinear.RECORDS,
         *classics.RECORDS,
         *diagnosis.RECORDS,
         *network.RECORDS,

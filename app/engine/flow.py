@@ -1,0 +1,121 @@
+"""A nonlinear plant over one sampling step: Runge and Kutta's fourth order, many states at a time, and its derivative."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .errors import EngineError, ShapeError
+from .plant import Plant
+
+__all__ = ["Flow", "NonlinearPlant", "slopes"]
+
+Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
+STEP = 1e-30  # of the complex step: its square is below every rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Flow:
+    """x[k+1] = f(x[k], u[k]): ẋ = rhs(x, u) over `step` seconds with u held, in `parts` equal steps of order four.
+
+    States are columns: rhs maps x (n, N), u (m, N) or (m, 1) to ẋ (n, N); `slope`, if given, to ∂ẋ/∂x (N, n, n). A flow
+    is itself such a map, fit for the filters as f. Kutta (1901). Raises EngineError for a step that is not positive.
+    """
+
+    rhs: Map
+    step: float
+    parts: int = 1
+    slope: Map | None = None
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.step) and self.step > 0 and self.parts >= 1):
+            raise EngineError("A flow needs a step longer than zero and at least one part.")
+
+    def __call__(self, x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        """The states one step later, (n, N)."""
+        h, rhs = self.step / self.parts, self.rhs
+        for _ in range(self.parts):
+            k1 = rhs(x, u)
+            k2 = rhs(x + h / 2 * k1, u)
+            k3 = rhs(x + h / 2 * k2, u)
+            k4 = rhs(x + h * k3, u)
+            x = x + h / 6 * (k1 + 2 * (k2 + k3) + k4)
+        return x
+
+    def expand(self, x: np.ndarray, u: np.ndarray, lead: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """The states one step later (n, N) and ∂f/∂x (N, n, n): the exact derivative of the discrete map, not of the flow.
+
+        Only the first `lead` columns are differentiated if that is given; u is then (m, N) or (m, 1) as ever.
+        """
+        lead = x.shape[1] if lead is None else lead
+        held = u if u.shape[1] == 1 else u[:, :lead]
+        if self.slope is None:
+            return self(x, u), slopes(self, x[:, :lead], held)[1]
+        h, rhs, slope, Phi = self.step / self.parts, self.rhs, self.slope, None
+        for _ in range(self.parts):
+            k1 = rhs(x, u)
+            second = x + h / 2 * k1
+            k2 = rhs(second, u)
+            third = x + h / 2 * k2
+            k3 = rhs(third, u)
+            fourth = x + h * k3
+            d1 = slope(x[:, :lead], held)
+            J = slope(second[:, :lead], held)
+            d2 = J + J @ (h / 2 * d1)
+            J = slope(third[:, :lead], held)
+            d3 = J + J @ (h / 2 * d2)
+            J = slope(fourth[:, :lead], held)
+            part = h / 6 * (d1 + 2 * (d2 + d3) + J + J @ (h * d3))
+            Phi = np.eye(len(x)) + part if Phi is None else Phi + part @ Phi
+            x = x + h / 6 * (k1 + 2 * (k2 + k3) + rhs(fourth, u))
+        assert Phi is not None
+        return x, Phi
+
+
+def slopes(f: Map, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """f(x) (p, N) and ∂f/∂x (N, p, n) at the columns of x (n, N), by a complex step: exact to rounding.
+
+    Squire and Trapp (1998). f must be analytic: no |x|, no comparisons. Raises ShapeError, EngineError.
+    """
+    n, N = x.shape
+    many = (x[:, None, :] + 1j * STEP * np.eye(n)[:, :, None]).reshape(n, n * N)
+    values = np.asarray(f(many, np.tile(u, (1, n)) if u.shape[1] == N and N > 1 else u))
+    if values.ndim != 2 or values.shape[1] != n * N:
+        raise ShapeError(f"The map must return a column for each of {n * N} states; its result has the shape {values.shape}.")
+    if not np.iscomplexobj(values):
+        raise EngineError("The map loses the imaginary part, so a complex step cannot differentiate it; give its slope.")
+    values = values.reshape(len(values), n, N)
+    return np.real(values[:, 0]).copy(), (np.imag(values) / STEP).transpose(2, 0, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class NonlinearPlant:
+    """ẋ = rhs(x, u), y = output(x, u) of columns, with the slopes ∂ẋ/∂x (N, n, n) and ∂y/∂x (N, p, n) by hand.
+
+    n states, m inputs, p outputs. Every function takes x (n, N) and u (m, N) or (m, 1), and complex states pass.
+    """
+
+    n: int
+    m: int
+    p: int
+    rhs: Map
+    slope: Map
+    output: Map
+    output_slope: Map
+    name: str = ""
+
+    def flow(self, step: float, parts: int = 1) -> Flow:
+        """The plant over one sampling step in s."""
+        return Flow(self.rhs, step, parts, self.slope)
+
+    def observe(self, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """y (p, N) and its slopes (N, p, n)."""
+        return self.output(x, u), self.output_slope(x, u)
+
+    def linear(self, x: object, u: object) -> Plant:
+        """A, B, C of the expansion about a state (n,) and an input (m,); B by a complex step."""
+        at, push = (np.asarray(v, dtype=float).reshape(-1, 1) for v in (x, u))
+        B = slopes(lambda v, _: self.rhs(at + 0 * v[:1], v), push, at)[1][0] if self.m else np.zeros((self.n, 0))
+        return Plant(self.slope(at, push)[0], B, self.output_slope(at, push)[0], name=self.name)

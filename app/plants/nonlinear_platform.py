@@ -1,0 +1,68 @@
+"""The rigid deck of the platform once more, on springs that harden and with coils that weaken as their gap opens.
+
+State (x, z, θ, vx, vz, ω) and inputs (u1, u2, u3) as in `platform.deck`. A spring of stiffness k stretched by e pulls with
+k e (1 + γ (e/ℓ)²); a coil displaced by d from its middle pushes with u e^{−ν d/ℓ}. With γ = ν = 0 it is the linear deck.
+Both laws are additions of ours: the report names such effects as reasons for an extended filter and gives no numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from ..engine.flow import NonlinearPlant
+from . import platform
+
+
+@dataclass(frozen=True)
+class Laws:
+    """hardening γ: share by which a spring stretched by `length` is stiffer; weakening ν of the coils; length ℓ in m."""
+
+    hardening: float = 0.5
+    weakening: float = 0.2
+    length: float = 0.005
+
+
+DEFAULT = platform.Parameters()
+
+
+def plant(laws: Laws = Laws(), parameters: platform.Parameters = DEFAULT) -> NonlinearPlant:
+    """M q̈ + D q̇ + K q + Eᵀ diag(k γ/ℓ²) (E q)³ = G diag(e^{−ν G'q/ℓ}) u, y = S q̇ (VL, HL, VR, HR)."""
+    k, (A, B, C, enter) = parameters, _linear(parameters)
+    # the stretches of the three springs, then the displacements of the three coils
+    middle = np.array([[0, 1, -k.a, 0, 0, 0], [0, 1, k.a, 0, 0, 0], [1, 0, k.h, 0, 0, 0],
+                       [0, 1, -k.b, 0, 0, 0], [0, 1, k.b, 0, 0, 0], [1, 0, k.h, 0, 0, 0]])
+    cubic = -enter * (np.array([k.kz, k.kz, k.kx]) * laws.hardening / laws.length**2)
+    into, both = np.hstack([cubic, B]), np.vstack([A, middle])
+    rate = -laws.weakening / laws.length
+
+    def rhs(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        read = both @ x
+        stretch, forces = read[6:9], read[6:]
+        forces[3:] = u * np.exp(rate * read[9:])
+        stretch *= stretch * stretch
+        return read[:6] + into @ forces
+
+    def slope(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        read = middle @ x
+        read[:3] *= 3 * read[:3]
+        read[3:] = rate * u * np.exp(rate * read[3:])
+        return A + (into * read.T[:, None, :]) @ middle
+
+    def output(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return C @ x
+
+    def output_slope(x: np.ndarray, u: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(C, (x.shape[1], *C.shape))
+
+    return NonlinearPlant(6, 3, 4, rhs, slope, output, output_slope, "deck on hardening springs")
+
+
+@lru_cache(maxsize=4)
+def _linear(parameters: platform.Parameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A, B, C of the deck, and M⁻¹Eᵀ below zeros: how spring forces enter the six states."""
+    deck, k = platform.deck(parameters), parameters
+    springs = np.array([[0, 1, -k.a], [0, 1, k.a], [1, 0, k.h]])
+    return deck.A, deck.B, deck.C, np.vstack([np.zeros((3, 3)), np.linalg.solve(platform.rigid(parameters).M, springs.T)])

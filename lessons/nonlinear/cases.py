@@ -1,0 +1,125 @@
+"""The three cases: the deck on hardening springs, the pole in the fog, and the falling body of the literature."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import Flow, NonlinearPlant, lqr
+from app.engine.noise import step_covariance
+from app.plants import cart_pendulum, falling_body, nonlinear_platform, platform
+from app.plants.body import Body
+from app.plants.deck_body import GAIN
+from app.plants.deck_body import STAGE as DECK_STAGE
+from app.plants.model import Signal
+from app.words import Text
+
+PLATFORM, PENDULUM, FALL = "platform", "pendulum", "fall"
+KF, EKF, UKF = "kf", "ekf", "ukf"
+DEGREE = 180 / np.pi
+GROUND, COUPLE = 4e-10, 3e-4  # m² s of each ground motion, N² s of a draught that tilts the deck
+SINE = 0.16  # Hz, of the known force
+LENGTH = nonlinear_platform.Laws.length
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What an experiment needs, and how it is drawn.
+
+    Q, R: covariances at noise scales of one. spread (n,): standard deviations of the start at size one about `guess`.
+    draft, full: samples of the picture while knobs move and of the long job. scale, state: stage units a unit of the state
+    by which the cloud is drawn. error_gain: how many times the stage exaggerates the ghost's error.
+    """
+
+    id: str
+    step: float
+    parts: int
+    draft: int
+    full: int
+    guess: np.ndarray
+    spread: np.ndarray
+    Q: np.ndarray
+    R: np.ndarray
+    body: Body
+    watched: tuple[Signal, Signal]
+    kick: np.ndarray
+    gain: np.ndarray
+    u_max: np.ndarray
+    scale: float
+    state: int
+    error_gain: float = 1.0
+
+
+@lru_cache(maxsize=1)
+def cases() -> tuple[Case, Case, Case]:
+    """All three, made once: a stage keeps the body that it has built."""
+    return _platform(), _pendulum(), _fall()
+
+
+def case_of(name: str) -> Case:
+    """The case of that name."""
+    return next(c for c in cases() if c.id == name)
+
+
+def _unit(n: int, i: int) -> tuple[float, ...]:
+    return tuple(float(j == i) for j in range(n))
+
+
+def _platform() -> Case:
+    deck, step = platform.deck(), 0.025
+    G = np.column_stack([platform.deck_disturbance(), deck.B[:, 1] - deck.B[:, 0]])
+    gain = lqr(deck.A, deck.B, 2e4 * deck.C.T @ deck.C, np.eye(3)).gain
+    return Case(PLATFORM, step, 1, 27, 100, np.zeros(6), np.array([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2]),
+                step_covariance(deck.A, G @ np.diag([GROUND, GROUND, COUPLE]) @ G.T, step), 1e-6 * np.eye(4),
+                platform.rigid_body(),
+                (Signal(Text("height of the deck z", "平台高度 z"), _unit(6, 1), "mm", 1e3),
+                 Signal(Text("pitch of the deck θ", "平台俯仰角 θ"), _unit(6, 2), "mrad", 1e3)),
+                np.array(platform.DECK.kick), gain, np.full(3, 10.0), DECK_STAGE * GAIN, 1)
+
+
+def _pendulum() -> Case:
+    line, step = cart_pendulum.plant(), 0.05
+    noise = line.B @ line.B.T * 1e-3 + np.diag([0.0, 0.0, 0.0, 1e-4])
+    gain = lqr(line.A, line.B, np.diag([1.0, 5.0, 1.0, 1.0]), [[0.1]]).gain
+    return Case(PENDULUM, step, 1, 26, 60, np.zeros(4), np.array([0.05, 0.1, 0.05, 0.1]),
+                step_covariance(line.A, noise, step), np.array([[0.005**2]]), cart_pendulum.MODEL.body,
+                (Signal(Text("angle of the pole θ", "摆杆角度 θ"), _unit(4, 1), "°", DEGREE),
+                 Signal(Text("position of the cart p", "小车位置 p"), _unit(4, 0), "m")),
+                np.array(cart_pendulum.MODEL.kick), gain, np.array([30.0]), cart_pendulum.STAGE, 1)
+
+
+def _fall() -> Case:
+    return Case(FALL, falling_body.SAMPLE, 2, 31, 31, np.array(falling_body.GUESS), np.array(falling_body.SPREAD),
+                np.zeros((3, 3)), np.array([[falling_body.NOISE**2]]), falling_body.body(),
+                (Signal(Text("altitude h", "高度 h"), _unit(3, 0), "km", 1e-3),
+                 Signal(Text("drag coefficient β", "阻力系数 β"), _unit(3, 2), "1/km", 1e3)),
+                np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.UNITS, 0, falling_body.ERROR_GAIN)
+
+
+def plant_of(name: str, hardening: float, weakening: float) -> NonlinearPlant:
+    """The equations; hardening and weakening are those of the platform."""
+    if name == PLATFORM:
+        return nonlinear_platform.plant(nonlinear_platform.Laws(hardening, weakening))
+    return cart_pendulum.nonlinear_plant() if name == PENDULUM else falling_body.plant()
+
+
+def flow_of(case: Case, plant: NonlinearPlant) -> Flow:
+    """One sampling step."""
+    return plant.flow(case.step, case.parts)
+
+
+def starts(case: Case, size: float, runs: int, rng: np.random.Generator) -> np.ndarray:
+    """True starts (n, runs), drawn from what the filters believe; the falling body's drag alone is that of the papers."""
+    x0 = case.guess[:, None] + size * case.spread[:, None] * rng.standard_normal((len(case.guess), runs))
+    if case.id == FALL:
+        x0[2] = falling_body.START[2]
+    return x0
+
+
+def inputs_of(case: Case, count: int, force: float) -> np.ndarray:
+    """Known inputs (count, m): on the platform a force at 0.16 Hz, a quarter period ahead, half of it across."""
+    if case.id != PLATFORM:
+        return np.zeros((count, len(case.u_max)))
+    return np.outer(force * np.cos(2 * np.pi * SINE * case.step * np.arange(count)), [1.0, 1.0, 0.5])

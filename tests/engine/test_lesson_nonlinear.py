@@ -1,0 +1,136 @@
+"""Nonlinear: three filters on one flow; both reduce to the Kalman filter, and NEES tells which deceives itself."""
+
+import numpy as np
+import pytest
+
+from app.engine import chi2_band
+from lessons.nonlinear.cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF, case_of
+from lessons.nonlinear.lesson import LESSON
+from lessons.nonlinear.pictures import verdict
+from lessons.nonlinear.report import linear_spreads
+from lessons.nonlinear.runs import FILTERS, MANY, Study, studies
+
+SEEDS = range(1, 7)
+LINEAR = {"hardening": 0.0, "weakening": 0.0}
+
+
+def many(**values) -> Study:
+    design = LESSON.apply(LESSON.start(), {"case": PLATFORM, **values})
+    *_, study = studies(design, MANY, case_of(design["case"]).full, 50)
+    assert study is not None
+    return study
+
+
+def says(study: Study, name: str) -> str:
+    return verdict(study.nees[name], study.x.shape[1], study.runs).en
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("more", [{}, {"steer": True, "filter": UKF}, {"alpha": 0.4, "kappa": 1.0, "beta": 0.0}])
+def test_without_bends_extended_and_unscented_are_the_kalman_filter_to_rounding(seed, more):
+    study = many(**LINEAR, seed=seed, **more)
+    assert max(study.apart.values()) < 1e-10
+    for name in (EKF, UKF):
+        np.testing.assert_allclose(study.nees[name], study.nees[KF], rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_all_three_are_consistent_where_nothing_bends(seed):
+    study = many(**LINEAR, seed=seed)
+    low, high = chi2_band(6, MANY, 0.99999)
+    assert ((study.nees[KF] > low) & (study.nees[KF] < high)).all()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_algorithm_3_as_printed_is_not_the_kalman_filter_where_nothing_bends(seed, capsys):
+    study = many(**LINEAR, seed=seed, redraw=False)
+    with capsys.disabled():
+        print(f"\nseed {seed}: printed UKF up to {study.apart[UKF]:.3f} σ from the KF, NEES per state "
+              f"{study.ratio(UKF):.3f} against {study.ratio(KF):.3f}; EKF {study.apart[EKF]:.1e} σ")
+    assert study.apart[UKF] > 0.1 and study.apart[EKF] < 1e-10
+    assert study.ratio(UKF) < 0.97 * study.ratio(KF)  # it believes less than it could
+    assert many(**LINEAR, seed=seed).apart[UKF] < 1e-10
+
+
+def test_the_printed_gain_costs_what_the_text_says():
+    right, believed, real, apart = linear_spreads(PLATFORM, 10.0, 0.1)
+    assert 5.5 < real[-1] / right[-1] < 7 and apart > 0.1
+    for name in (PLATFORM, PENDULUM):
+        right, believed, real, apart = linear_spreads(name, 1.0, 1.0)
+        assert (real >= right * (1 - 1e-12)).all() and believed[-1] > right[-1] and apart > 1e-3
+    right, believed, real, apart = linear_spreads(FALL, 1.0, 1.0)  # Q = 0: nothing to redraw for
+    np.testing.assert_allclose(believed, right, rtol=1e-9)
+    np.testing.assert_allclose(real, right, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_on_the_falling_body_the_extended_filter_is_overconfident_and_the_unscented_is_not(seed):
+    """χ²(3): 99 % of the runs belong below its 99 % point. Means: EKF ten thousandfold; UKF as it should, but for strays."""
+    study = many(case=FALL, seed=seed)
+    assert study.honest[UKF] > 0.95 and study.honest[EKF] < 0.15
+    assert says(study, EKF) == "overconfident"
+    assert study.ratio(EKF) > 3e3 and study.ratio(UKF) < 4 and study.nees[EKF][-1] > 1000 * study.nees[UKF][-1]
+    assert 1.3 < study.nis[EKF].mean() < 4.5 and 0.9 < study.nis[UKF].mean() < 1.1
+
+
+def test_on_the_falling_body_most_ensembles_of_the_unscented_filter_lie_in_the_band():
+    low, high = chi2_band(3, MANY, 0.99)
+    studies_ = [many(case=FALL, seed=seed) for seed in range(30)]
+    ends = np.array([s.nees[UKF][-1] for s in studies_])
+    assert low < np.median(ends) < high and np.mean(ends < high) > 0.5 and (ends > low * 0.8).all()
+    errors = np.median([[1e3 * s.rms[EKF][20, 1], 1e3 * s.rms[UKF][20, 1]] for s in studies_], axis=0)
+    assert 0.14 < errors[0] < 0.18 and 0.04 < errors[1] < 0.06  # the prediction's 0.16 and 0.05 per km
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_pole_makes_the_extended_filter_overconfident_and_falls_with_the_linear_one(seed):
+    by = {name: many(case=PENDULUM, filter=name, seed=seed) for name in FILTERS}
+    assert by[KF].fallen >= 35 and max(by[EKF].fallen, by[UKF].fallen) <= 10
+    assert says(by[UKF], EKF) == "overconfident" and says(by[UKF], KF) == "overconfident"
+    assert by[UKF].nees[EKF].max() > 7 * 4
+    assert 0.6 * np.median(by[UKF].nees[EKF]) > np.median(by[UKF].nees[UKF]) * 0.6
+    assert np.median(by[UKF].nees[UKF]) < 4.8
+    wide = many(case=PENDULUM, filter=UKF, seed=seed, size=2.0)
+    assert wide.fallen > 15 and says(wide, UKF) != "consistent"
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_on_the_platform_the_extended_filter_is_honest_up_to_an_amplitude(seed):
+    """γ = 0.3: consistent at half the uncertainty, off for the first half second at one, thousands at two, the UKF far less."""
+    small, one, two = (many(size=size, seed=seed) for size in (0.5, 1.0, 2.0))
+    assert says(small, EKF) == says(small, UKF) == says(one, UKF) == "consistent"
+    assert says(small, KF) == says(one, KF) == says(two, KF) == "overconfident"
+    high = chi2_band(6, MANY, 0.9999)[1]
+    after = one.t > 0.6
+    assert one.nees[EKF].max() > high and (one.nees[EKF][after] < 1.1 * high).all()
+    assert two.nees[EKF].max() > 3000 and 15 < two.nees[UKF].max() < 3000
+    assert two.nees[EKF].max() > 20 * two.nees[UKF].max()
+
+
+@pytest.mark.parametrize("task", LESSON.tasks, ids=lambda t: t.id)
+def test_tasks_hold_for_any_seed(task):
+    for seed in range(20):
+        start = LESSON.apply(LESSON.start(), {"seed": seed})
+        assert not task.check(LESSON.compute(start)).solved
+        assert task.check(LESSON.compute(LESSON.apply(start, task.solution))).solved, seed
+
+
+def test_the_job_keeps_what_only_the_view_changes():
+    first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL}))
+    assert LESSON.job is not None and LESSON.carry is not None
+    *_, (_, last) = LESSON.job.run(first)
+    assert last.extra.runs == MANY
+    for values, kept in (({"line": "S"}, True), ({"filter": UKF}, True), ({"size": 0.7}, False), ({"seed": 3}, False)):
+        after = LESSON.compute(LESSON.apply(first.design, values))
+        assert (LESSON.carry(last, after).extra.runs == MANY) == kept, values
+    steered = LESSON.compute(LESSON.apply(LESSON.start(), {"case": PENDULUM}))
+    *_, (_, done) = LESSON.job.run(steered)
+    after = LESSON.compute(LESSON.apply(steered.design, {"filter": UKF}))
+    assert LESSON.carry(done, after) is after  # another filter steers: other runs
+
+
+def test_exam_is_the_second_moment():
+    item = LESSON.exam(5)
+    a, m, P = (float(item.numbers[k]) for k in "amP")
+    x = m + np.sqrt(P) * np.random.default_rng(0).standard_normal(2_000_000)
+    assert item.answer == pytest.approx(a * np.mean(x**2), rel=5e-3)
