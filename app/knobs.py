@@ -31,7 +31,10 @@ def short(value: float) -> str:
 
 @dataclass(frozen=True)
 class Knob:
-    """What all knobs share. `when` = (other knob, its values) hides this one unless the other has such a value."""
+    """What all knobs share. `when` = (other knob, its values) hides this one unless the other has such a value.
+
+    Neighbours of one `group` stand under its heading.
+    """
 
     name: str
     symbol: str

@@ -10,6 +10,7 @@ import viser
 from ..edits import Do, SetKnobs
 from ..knobs import Knob, Poles
 from ..picture import Picture, TaskState
+from ..words import Text
 from . import phrases
 from .knobs import Widget, make_widget
 from .plants import PlantRow
@@ -30,6 +31,7 @@ class Panel:
         self._widgets: dict[str, tuple[Knob, Widget]] = {}
         self._folders: dict[str, viser.GuiFolderHandle] = {}
         self._formulas: dict[str, viser.GuiHtmlHandle] = {}
+        self._groups: dict[str, viser.GuiHtmlHandle] = {}
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
         self._bar: Any = None
         self._job: viser.GuiButtonHandle | None = None
@@ -88,8 +90,12 @@ class Panel:
     def _knobs(self) -> None:
         gui, lang = self._gui, self._lang
         with gui.add_folder(phrases.KNOBS(lang)):
+            heading: Text | None = None
             for knob in self._lesson.knobs:
                 if not knob.hidden and not isinstance(knob, Poles):
+                    if knob.group is not None and knob.group != heading:
+                        self._groups[knob.group.en] = gui.add_html(f'<div class="ol-group">{knob.group(lang)}</div>')
+                    heading = knob.group
                     self._add_knob(knob)
             self._make_job()
         for knob in self._lesson.knobs:
@@ -170,6 +176,7 @@ class Panel:
             widget.show(picture.design[name], seen, picture.resting)
             if name in self._folders and self._folders[name].visible != seen:
                 self._folders[name].visible = seen
+        self._show_groups(picture)
         if self._plants is not None:
             self._plants.show(picture)
         if picture.resting:
@@ -179,6 +186,14 @@ class Panel:
             self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))
         verdict = picture.state.exam
         _write(self._exam, "" if verdict is None else _judged(verdict.solved, verdict.text(self._lang)))
+
+    def _show_groups(self, picture: Picture) -> None:
+        """A heading stands while one of the knobs below it does."""
+        standing = {knob.group.en for knob, _ in self._widgets.values()
+                    if knob.group is not None and self._lesson.shown(knob, picture.design)}
+        for name, heading in self._groups.items():
+            if heading.visible != (name in standing):
+                heading.visible = name in standing
 
     def _show_numbers(self, picture: Picture) -> None:
         if self._formulas or hasattr(self, "_live"):

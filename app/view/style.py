@@ -12,6 +12,8 @@ SHEET = """
 .ol-veil{font-size:calc(.85rem*var(--mantine-scale));margin:.4rem .6rem;padding:.4rem .6rem;
  border-left:4px solid #E69F00;background:#fff7e6}
 .ol-note{font-size:calc(.85rem*var(--mantine-scale));margin:.2rem .6rem .4rem;color:#3a404a}
+.ol-group{font-size:calc(.78rem*var(--mantine-scale));font-weight:600;letter-spacing:.02em;color:#1c2430;
+ margin:.45rem .6rem 0;padding-top:.3rem;border-top:1px solid #e4e7ec}
 .ol-right{border-left:4px solid #009E73;padding-left:.5rem}.ol-wrong{border-left:4px solid #D55E00;padding-left:.5rem}
 .ol-formula{margin:.15rem .4rem;overflow-x:auto;font-size:calc(.95rem*var(--mantine-scale))}
 .ol-formula:has(mtd:nth-child(5)){font-size:calc(.78rem*var(--mantine-scale))}

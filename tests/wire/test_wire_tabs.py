@@ -192,3 +192,19 @@ def test_a_full_server_says_so_and_goes_on_serving_those_inside() -> None:
             third.until(lambda: third.has(STIFFNESS), "a place that has become free")
     finally:
         server.stop()
+
+
+def test_a_heading_stands_over_its_knobs_and_goes_with_them(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    lesson = LESSONS["robust-observer"]
+    tab.update("lesson", value=lesson.words["en"].title)
+    tab.until(lambda: newest().picture.lesson is lesson, "the lesson")  # type: ignore[union-attr]
+    tab.settle()
+
+    def headings(visible: bool) -> set[str]:
+        return {w["props"]["content"].split(">")[1].split("<")[0] for w in tab.widgets.values()
+                if str(w["props"].get("content", "")).startswith('<div class="ol-group">') and w["props"]["visible"] == visible}
+    start = lesson.start()
+    wanted = {k.group.en for k in lesson.knobs if k.group is not None and lesson.shown(k, start)}
+    every = {k.group.en for k in lesson.knobs if k.group is not None and not k.hidden}
+    assert wanted and headings(True) == wanted and headings(True) | headings(False) == every
