@@ -89,6 +89,8 @@ def isolation(s: Study) -> TableFigure:
     rows.append((Text("T / threshold", "T / 阈值"), *(f"{v:.2f}" if v < 100 else f"{v:.0f}" for v in s.verdict.values[at])))
     said = (Text("No alarm: no row to look for.", "没有报警，无行可对。") if now == -1 else
             _unclear(s.verdict.values[at] > 1) if now == -2 else
+            Text(f"The alarms fit the row of {PLACE_NAMES[now].en}, too briefly to accuse it.",
+                 f"报警与“{PLACE_NAMES[now].zh}”一行相符，但持续太短，不足以指认。") if s.verdict.decided is None else
             Text(f"The alarms fit one row only: {PLACE_NAMES[now].en}.", f"报警只与一行相符：{PLACE_NAMES[now].zh}。"))
     return TableFigure("isolation", Text("isolation table", "故障隔离表"), (Text("fault", "故障"), *(same(n) for n in NAMES)),
                        tuple(rows), said, VERDICT_TAB)
