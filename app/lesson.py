@@ -185,7 +185,7 @@ class Lesson:
             return self
         if self.adapt is None:
             raise KnobError(Text(f"Lesson {self.id} is about its own plant; open the sandbox with yours.",
-                                 f"课程 {self.id} 只针对它自己的对象；请在“沙盒”课中使用你的对象。"))
+                                 f"课程 {self.id} 只针对自带的对象；请在“沙盒”课中使用你的对象。"))
         return _fitted(self.adapt, self.sampled, plant)
 
     def knob(self, name: str) -> Knob:
@@ -236,7 +236,7 @@ def _whose(model: Model, converted: bool) -> Text:
     name = Text(f"“{model.label.en}”" if p.name else model.label.en, f"“{model.label.zh}”" if p.name else model.label.zh)
     return Text(f"**This page shows {name.en}** (states {p.n}, inputs {p.m}, outputs {p.p}). Text, prediction and exam item "
                 f"speak of the lesson's own plant.{hold.en}",
-                f"**本页显示的是{name.zh}**（状态 {p.n}，输入 {p.m}，输出 {p.p}）。文字、预测和考题说的是课程自己的对象。{hold.zh}")
+                f"**本页显示的是{name.zh}**（状态 {p.n}，输入 {p.m}，输出 {p.p}）。文字、预测和考题讲的是本课自带的对象。{hold.zh}")
 
 
 def student_seed(student: str, task: str) -> int:

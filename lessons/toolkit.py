@@ -73,7 +73,7 @@ def method_knobs() -> tuple[Choice, Number, Number, Number, Number]:
                hint=Text("Drag the poles yourself, or let LQR and its dual choose them from weights.",
                          "自己拖动极点，或由权重经 LQR 及其对偶给出极点。")),
         weight("q", r"\alpha_Q", "state weight α_Q", "状态权重 α_Q", 1e4,
-               Text("Q = α_Q CᵀC: how much a moving deck costs.", "Q = α_Q CᵀC：对象运动的代价。")),
+               Text("Q = α_Q CᵀC: how much a moving plant costs.", "Q = α_Q CᵀC：对象运动的代价。")),
         weight("r", r"\alpha_R", "input weight α_R", "输入权重 α_R", 1.0,
                Text("R = α_R I: how much force costs. Only α_Q/α_R matters for K.", "R = α_R I：用力的代价。K 只取决于 α_Q/α_R。")),
         weight("w", r"\alpha_W", "process intensity α_W", "过程噪声强度 α_W", 1e2,

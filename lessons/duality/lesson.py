@@ -299,13 +299,13 @@ def _ellipses(window: float, twins: Twins, mirror: float) -> tuple[PlaneFigure, 
                Text(f"Within {window:.3g} s: {reach[2]:.3g} along the easy direction, {reach[3]:.3g} along the hard one.",
                     f"在 {window:.3g} s 之内：容易的方向达 {reach[2]:.3g}，困难的方向只达 {reach[3]:.3g}。"),
                twins.reach, twins.reach_twin,
-               (Text("reached by (A, B)", "(A, B) 可达"), Text("seen by (Aᵀ, Bᵀ)", "(Aᵀ, Bᵀ) 可观")), half),
+               (Text("reached by (A, B)", "(A, B) 可达"), Text("seen by (Aᵀ, Bᵀ)", "(Aᵀ, Bᵀ) 能观")), half),
         _plane("seen", Text("how loudly a start is heard", "初始状态在输出中的响度"),
                Text(f"A unit start leaves an output of norm {seen[2]:.3g} along the long axis and {seen[3]:.3g} along the "
                     f"short one, within {window:.3g} s.{mirrored.en}",
                     f"单位初态沿长轴在 {window:.3g} s 之内留下范数 {seen[2]:.3g} 的输出，沿短轴只有 {seen[3]:.3g}。{mirrored.zh}"),
                twins.seen, twins.seen_twin,
-               (Text("seen by (A, C)", "(A, C) 可观"), Text("reached by (Aᵀ, Cᵀ)", "(Aᵀ, Cᵀ) 可达")), half),
+               (Text("seen by (A, C)", "(A, C) 能观"), Text("reached by (Aᵀ, Cᵀ)", "(Aᵀ, Cᵀ) 可达")), half),
     )
 
 
@@ -325,11 +325,11 @@ def _published(outcome: Outcome) -> Verdict:
 def _ratio(outcome: Outcome) -> Verdict:
     d = outcome.design
     if d["method"] != BY_WEIGHTS or d["mirror"]:
-        return Verdict(False, Text("Choose gains by weights and switch the mirror off.", "请选择由权重给增益，并关闭权重对偶。"))
+        return Verdict(False, Text("Choose gains by weights and switch the mirror off.", "请把“增益由”改为“Q/R 权重”，并关闭“权重对偶”。"))
     scale, ratio = d["w"] / d["q"], (d["w"] / d["v"]) / (d["q"] / d["r"])
     if max(scale, 1 / scale) < 10:
         return Verdict(False, Text(f"α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
-                                   f"α_W 是 α_Q 的 {scale:.3g} 倍；请使它至少大十倍或小十倍。"))
+                                   f"α_W 是 α_Q 的 {scale:.3g} 倍；请使它不小于 10 倍或不大于 1/10。"))
     if abs(ratio - 1) > 0.02:
         return Verdict(False, Text(f"L has changed: α_W/α_V is {ratio:.3g} times α_Q/α_R; it should be the same.",
                                    f"L 变了：α_W/α_V 是 α_Q/α_R 的 {ratio:.3g} 倍，二者应当相等。"))

@@ -127,7 +127,7 @@ def _formulas(case: Case, control: Placement, observer: Placement) -> tuple[Form
 def _live(case: Case) -> Text:
     bolts = case.unseen or case.unmoved
     if not bolts:
-        return Text("Nothing is bolted: the plant is as unstable as between magnets before, and every pole can be moved.",
+        return Text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be moved.",
                     "没有螺栓：对象同样受磁铁吸引而不稳定，但每个极点都能移动。")
     words, rate = pole_words(list(bolts)), f"{max(p.real for p in bolts):.3g}".replace("-", "−")
     if case.unseen:

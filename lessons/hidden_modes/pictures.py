@@ -145,7 +145,7 @@ def _decomposed(name: str) -> MatrixFigure:
     caption = (Text(f"z₁ … z{shown} are reached and seen. The last block is the hidden motion: {block.en}.",
                     f"z₁ … z{shown} 既可达又可见；最后一块就是隐藏的运动：{block.zh}。") if block.en
                else Text("One block: every state is reached and seen.", "只有一块：所有状态既可达又可见。"))
-    return MatrixFigure("decomposed", Text("Kalman decomposition", "Kalman 分解"), whole,
+    return MatrixFigure("decomposed", Text("Kalman decomposition", "卡尔曼分解"), whole,
                         (*(f"z{i + 1}" for i in range(n)), "y"), (*(f"z{i + 1}" for i in range(n)), "u"), (*edges, n),
                         caption=caption, tab=MODES_TAB)
 

@@ -146,7 +146,7 @@ def _variance(outcome: Outcome, i: int) -> TimeFigure:
     promised = study.grown[:, i, i]
     count = PLANNED if study.trials is None else study.trials.count
     low, high = chi2_band(1, count, LEVEL)
-    curves = [Curve(Text("Lyapunov", "李雅普诺夫方程"), promised, "reference", "dash"),
+    curves = [Curve(Text("Lyapunov", "Lyapunov 方程"), promised, "reference", "dash"),
               Curve(Text(f"95 % band, {count} runs", f"95 % 带，{count} 次"), high * promised, "muted", "dot", 1.4),
               Curve(Text("lower edge", "下沿"), low * promised, "muted", "dot", 1.4)]
     if study.trials is None:

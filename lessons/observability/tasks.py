@@ -47,8 +47,9 @@ def _wrong_sentence(outcome: Outcome) -> Verdict:
                                    "这句话没错，但它没有涉及 C e^{At} 随时间的变化；其中有一句涉及。"))
     d = found.weakest.distance
     if d > BLIND:
-        return Verdict(False, Text(f"The sentence is right. Now turn the sensor until it says no: a mode is still {d:.2g} away.",
-                                   f"这句话是对的。再转动传感器，让它给出否定：现在最近的模态离隐藏 {d:.2g}。"))
+        return Verdict(False, Text(f"The sentence is right. Now turn the sensor until it all but fails: "
+                                   f"the nearest mode is still {d:.2g} from hidden.",
+                                   f"这句话是对的。再转动传感器，使它几乎不成立：现在最近的模态离隐藏 {d:.2g}。"))
     return Verdict(True, Text(f"At {design['angle']:.4g}° a mode is {d:.1g} from hidden and the Gramian's least eigenvalue is "
                               f"{outcome.metrics['least_energy']:.1g}.".replace("-", "−"),
                               f"在 {design['angle']:.4g}°，有一个模态离隐藏 {d:.1g}，Gram 矩阵的最小特征值为 "

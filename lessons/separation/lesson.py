@@ -225,8 +225,8 @@ def fast_observer(outcome: Outcome) -> Verdict:
     if m["slowest_controller"] >= 0 or m["slowest_observer"] >= 0:
         return Verdict(False, Text("A pole is not in the left half plane.", "有极点不在左半平面。"))
     if ratio >= 3:
-        return Verdict(True, Text(f"The slowest observer pole is {ratio:.1f} times faster than the slowest controller pole.",
-                                  f"最慢的观测器极点比最慢的控制器极点快 {ratio:.1f} 倍。"))
+        return Verdict(True, Text(f"The slowest observer pole is {ratio:.1f} times as fast as the slowest controller pole.",
+                                  f"最慢观测器极点的实部是最慢控制器极点的 {ratio:.1f} 倍。"))
     return Verdict(False, Text(f"The ratio of the slowest poles is {ratio:.1f}; it should be at least 3.",
                                f"两组最慢极点之比为 {ratio:.1f}，应不小于 3。"))
 
@@ -244,8 +244,8 @@ def _break_the_wall(outcome: Outcome) -> Verdict:
 def _unstable_compensator(outcome: Outcome) -> Verdict:
     own = float(np.max(np.real(outcome.poles["compensator"])))
     if own > 0 and outcome.metrics["slowest_loop"] < 0:
-        return Verdict(True, Text(f"The compensator has a pole at {own:+.3g}, and the loop is stable all the same.",
-                                  f"补偿器有极点 {own:+.3g}，而闭环依然稳定。"))
+        return Verdict(True, Text(f"The compensator has a pole with real part {own:+.3g}, and the loop is stable all the same.",
+                                  f"补偿器有实部为 {own:+.3g} 的极点，而闭环依然稳定。"))
     return Verdict(False, Text(f"The compensator's rightmost pole is {own:.3g}; it must cross into the right half plane "
                                "while the loop stays stable.",
                                f"补偿器最右极点为 {own:.3g}；要让它进入右半平面而闭环保持稳定。"))
