@@ -93,7 +93,7 @@ def _pendulum() -> Case:
 def _fall() -> Case:
     return Case(FALL, falling_body.SAMPLE, 2, 31, 31, np.array(falling_body.GUESS), np.array(falling_body.SPREAD),
                 np.zeros((3, 3)), np.array([[falling_body.NOISE**2]]), falling_body.body(),
-                (Signal(Text("altitude h", "高度 h"), _unit(3, 0), "km", 1e-3),
+                (Signal(Text("altitude h", "高度 h"), _unit(3, 0), "m"),
                  Signal(Text("drag coefficient β", "阻力系数 β"), _unit(3, 2), "1/km", 1e3)),
                 np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.UNITS, 0, falling_body.ERROR_GAIN)
 

@@ -22,6 +22,7 @@ LAW_TAB = Text("Laws", "非线性规律")
 REPORT_TAB = Text("Algorithm 3", "算法 3")
 LOOKS = ((KF, "second", "dot"), (EKF, "estimate", "dash"), (UKF, "force", "solid"))
 FLOOR, CEILING = 1e-3, 1e9
+SHOWN_ERROR = 250.0  # m, largest error of the altitude that is drawn
 
 
 def name_of(filter_: str) -> Text:
@@ -44,11 +45,14 @@ def band_of(dof: int, runs: int) -> tuple[float, float]:
 # --- one run ---------------------------------------------------------------------------------------------------------
 def _state(outcome: Outcome) -> TimeFigure:
     s, who = outcome.extra, outcome.design["filter"]
-    signal = s.case.watched[0]
+    signal, falls = s.case.watched[0], s.case.id == FALL
     true, mean, sigma = signal.of(s.x), signal.of(s.means[who]), 3 * s.sigmas[who][:, s.case.state] * signal.scale
     inside = 100 * float(np.mean(np.abs(true - mean) <= sigma))
-    bound = 4 * float(np.max(np.abs(true))) + 1e-9
-    return TimeFigure("state", signal.name, s.t, (
+    if falls:  # metres against tens of kilometres: only the error can be seen
+        true, mean = np.zeros_like(true), mean - true
+    bound = SHOWN_ERROR if falls else 4 * float(np.max(np.abs(true))) + 1e-9
+    title = Text("error of the altitude in this run", "本次运行的高度误差") if falls else signal.name
+    return TimeFigure("state", title, s.t, (
         Curve(Text("true", "真实"), true),
         Curve(Text(f"estimate, {who.upper()}", f"估计（{who.upper()}）"), np.clip(mean, -bound, bound), "estimate", "dash"),
         Curve(same("+ 3σ"), np.clip(mean + sigma, -bound, bound), "muted", "dot", 1.2),
@@ -128,9 +132,10 @@ def _verdicts(outcome: Outcome) -> TableFigure:
     lost = sum(s.lost.values())
     gone = Text(f" Given up: {lost}.", f"放弃 {lost} 次。") if lost else same("")
     few = (Text("Few runs say little about rare failures; the button tries many.", "次数少，看不出罕见的失败；请按按钮多次试验。")
-           if s.runs < 50 else Text(f"{s.runs} runs.", f"共 {s.runs} 次运行。"))
+           if s.runs < 50 else
+           Text("Last column but one: runs whose NEES ends below the 99 % point of χ².", "“99 % 内”：末尾 NEES 低于 χ² 的 99 % 分位点的运行。"))
     return TableFigure("verdicts", Text(f"NEES over {s.runs} runs, {n} expected", f"{s.runs} 次运行的 NEES，应为 {n}"),
-                       (Text("filter", "滤波器"), Text("mean", "均值"), Text("largest", "最大"), Text("runs within 99 %", "99 % 内的运行"),
+                       (Text("filter", "滤波器"), Text("mean", "均值"), Text("largest", "最大"), Text("in 99 %", "99 % 内"),
                         Text("verdict", "结论")), rows, tab=CONSISTENCY_TAB,
                        caption=Text(few.en + fell.en + gone.en, few.zh + fell.zh + gone.zh))
 
@@ -178,10 +183,12 @@ def _sine_gap(degrees: float) -> float:
 def _plane(id: str, title: Text, x_label: str, y_label: str, x: np.ndarray, true: np.ndarray, line: np.ndarray,
            sigma: float | None, caption: Text, y_range: tuple[float, float]) -> PlaneFigure:
     points = () if sigma is None else tuple(
-        Point(sign * sigma, float(np.interp(sign * sigma, x, true)), "estimate", "dot", same("σ" if sign > 0 else "−σ"))
+        Point(sign * sigma, float(np.interp(sign * sigma, x, true)), "estimate", "dot", same("σ" if sign < 0 else ""))
         for sign in (1.0, -1.0) if sigma <= float(x[-1]))
-    return PlaneFigure(id, title, (Curve(Text("law", "实际规律"), np.clip(true, *y_range), "plant", "solid", 2.0, x),
-                                   Curve(Text("tangent", "切线"), np.clip(line, *y_range), "reference", "dash", 1.4, x)), points,
+    bent, straight = ((y >= y_range[0]) & (y <= y_range[1]) for y in (true, line))
+    curves = (Curve(Text("law", "实际规律"), true[bent], "plant", "solid", 2.0, x[bent]),
+              Curve(Text("tangent", "切线"), line[straight], "reference", "dash", 1.4, x[straight]))
+    return PlaneFigure(id, title, curves, points,
                        x_label, y_label, (float(x[0]), float(x[-1])), y_range, caption=caption, tab=LAW_TAB)
 
 
@@ -199,7 +206,7 @@ def _second_law(outcome: Outcome) -> PlaneFigure:
         push = np.cos(np.radians(angle)) / (k.cart + k.ball * np.sin(np.radians(angle))**2)
         return _plane("law2", Text("how much a force on the cart turns the pole", "小车受力对摆杆的作用"), "θ [°]", "rad/s²/N", angle, push,
                       np.ones_like(angle), None, Text("Lying flat, the pole can no longer be turned by the cart.",
-                                                      "摆杆放平时，小车的力不再能使它转动。"), (0.0, 1.2))
+                                                      "摆杆放平时，小车的力不再能使它转动。"), (0.0, 1.6))
     h = np.linspace(0, 95, 96)
     air = np.exp(-falling_body.PARAMETERS.density * 1e3 * h)
     return _plane("law2", Text("density of the air", "空气密度"), "h [km]", "", h, air, np.full_like(h, air[-1]), None,
@@ -215,7 +222,8 @@ def _algorithm(outcome: Outcome) -> TimeFigure:
     scale, t = signal.scale, s.case.step * np.arange(len(right))
     worse = float(real[-1] / right[-1] - 1)
     more = float(believed[-1] / right[-1] - 1)
-    said = (Text("Without process noise there is nothing to redraw for: all three are the same.", "没有过程噪声时无需重抽，三者相同。")
+    said = (Text("The falling body has no process noise, so there is nothing to redraw for. Choose the platform.",
+                 "下落体没有过程噪声，无需重抽，三者相同。请改选隔振平台。")
             if s.case.id == FALL else
             Text(f"On the plant made linear: Algorithm 3 believes a σ {100 * more:.1f} % above the Kalman filter's and really "
                  f"errs {100 * worse:.1f} % more.",
