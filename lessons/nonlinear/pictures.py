@@ -133,7 +133,8 @@ def _verdicts(outcome: Outcome) -> TableFigure:
     gone = Text(f" Given up: {lost}.", f"放弃 {lost} 次。") if lost else same("")
     few = (Text("Few runs say little about rare failures; the button tries many.", "次数少，看不出罕见的失败；请按按钮多次试验。")
            if s.runs < 50 else
-           Text("Last column but one: runs whose NEES ends below the 99 % point of χ².", "“99 % 内”：末尾 NEES 低于 χ² 的 99 % 分位点的运行。"))
+           Text("In 99 %: runs whose NEES ends below the 99 % point of χ².",
+                "“99 % 内”：末尾 NEES 低于 χ² 的 99 % 分位点的运行。"))
     return TableFigure("verdicts", Text(f"NEES over {s.runs} runs, {n} expected", f"{s.runs} 次运行的 NEES，应为 {n}"),
                        (Text("filter", "滤波器"), Text("mean", "均值"), Text("largest", "最大"), Text("in 99 %", "99 % 内"),
                         Text("verdict", "结论")), rows, tab=CONSISTENCY_TAB,
