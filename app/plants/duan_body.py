@@ -61,4 +61,4 @@ def rack_body(n: int, q: int, full: Sequence[float]) -> Body:
     return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
         "Blue columns: the plant's states; red columns: the observer's. The gauge shows the input wanted, its ghost the "
         "input given; the green arrow too",
-        "蓝色柱为对象的状态，红色柱为观测器的状态；中间的表显示所要的输入，半透明处为实际给出的输入，绿色箭头亦然"))
+        "蓝色柱为对象的状态，红色柱为观测器的状态；中间的表显示期望输入，半透明部分为实际给出的输入，绿色箭头亦然"))

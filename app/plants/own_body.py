@@ -84,7 +84,7 @@ def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[i
                    ) if count <= MOST_IN_ROW else ()
     seen = Text(" A lit lamp: that state is measured by itself.", "亮灯：该状态被直接测量。") if lit else Text("", "")
     return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
-        f"One tube a state, from left to right and front to back; green arrows: inputs.{seen.en}",
+        f"One tube per state, from left to right and front to back; green arrows: inputs.{seen.en}",
         f"每个管子是一个状态，自左至右、由前向后；绿色箭头为输入。{seen.zh}"), labels)
 
 

@@ -176,25 +176,25 @@ def _facts(outcome: Outcome) -> TableFigure:
     cv, ch = polynomial_roots(siso.CV_DENOMINATOR), polynomial_roots(siso.CH_DENOMINATOR)
     built, design = outcome.extra.controllers, outcome.design
     rows: list[tuple[Text | str, ...]] = [
-        (Text("C_v printed: poles", "C_v 印刷式：极点"), ", ".join(_root(p) for p in cv)),
-        (Text("C_v printed: gain in band", "C_v 印刷式：带内增益"), "−31 252 N s/m"),
-        (Text("C_v printed: used as", "C_v 印刷式：接法"), same("v = +C_v z")),
-        (Text("C_h printed: rightmost pole", "C_h 印刷式：最右极点"), _root(ch[np.argmax(np.real(ch))])),
-        (Text("C_h printed: used as", "C_h 印刷式：接法"), same("v = −C_h z")),
+        (Text("C_v printed: poles", "报告的 C_v：极点"), ", ".join(_root(p) for p in cv)),
+        (Text("C_v printed: gain in band", "报告的 C_v：带内增益"), "−31 252 N s/m"),
+        (Text("C_v printed: used as", "报告的 C_v：接法"), same("v = +C_v z")),
+        (Text("C_h printed: rightmost pole", "报告的 C_h：最右极点"), _root(ch[np.argmax(np.real(ch))])),
+        (Text("C_h printed: used as", "报告的 C_h：接法"), same("v = −C_h z")),
     ]
     for name, chosen, plant in ((Text("vertical in use", "竖直，现用"), design["vertical"], built.vertical),
                                 (Text("horizontal in use", "水平，现用"), design["horizontal"], built.horizontal)):
         if plant is None:
             rows.append((name, Text("open", "开环")))
         elif chosen == PUBLISHED:
-            rows.append((name, Text("as printed", "印刷式")))
+            rows.append((name, Text("as printed", "照报告")))
         else:
             worst = float(np.max(np.real(plant.poles))) if plant.n else -np.inf
             rows.append((name, Text(f"order {plant.n}, {'unstable by itself' if worst > 0 else 'stable'}",
                                     f"{plant.n} 阶，{'自身不稳定' if worst > 0 else '自身稳定'}")))
     return TableFigure("facts", Text("what the controllers are", "控制器的真面目"), (Text("fact", "项目"), Text("value", "数值")),
                        tuple(rows), tab=LOOP_TAB,
-                       caption=Text("Poles in rad/s, recomputed from the printed coefficients.", "极点单位 rad/s，由印刷系数重算。"))
+                       caption=Text("Poles in rad/s, recomputed from the printed coefficients.", "极点单位 rad/s，由报告印出的系数重算。"))
 
 
 def _root(p: complex) -> str:

@@ -26,8 +26,8 @@ def _constant(outcome: Outcome) -> Verdict:
     if m["rightmost"] >= 0 or m["drift"] > 0:
         worst = max(m["rightmost"], m["drift"])
         return Verdict(False, Text(f"There is still a pole at {worst:+.2g} rad/s.", f"仍有极点 {worst:+.2g} rad/s。"))
-    return Verdict(True, Text(f"The gain {d['gain_v']:.4g} N s/m alone brings the peak down by {got:.1f} dB, and no pole is "
-                              "on the right.", f"仅用增益 {d['gain_v']:.4g} N·s/m 就使峰值降低 {got:.1f} dB，且没有右半平面极点。"))
+    return Verdict(True, Text(f"The gain {d['gain_v']:.0f} N s/m alone brings the peak down by {got:.1f} dB, and no pole is "
+                              "on the right.", f"仅用增益 {d['gain_v']:.0f} N·s/m 就使峰值降低 {got:.1f} dB，且没有右半平面极点。"))
 
 
 def _mixing(outcome: Outcome) -> Verdict:

@@ -130,5 +130,5 @@ def columns_body(count: int, full: float) -> Body:
                   Part(f"stem {i}", Rod(0.09), METAL),
                   Part(f"head {i}", Box((0.5, 0.42, 0.12), 0.03), PLANT, twin=True)]
     return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
-        "One column a state; only their sum is measured; the green arrow is the input",
+        "One column per state; only their sum is measured; the green arrow is the input",
         "每根柱子是一个状态，只测量它们的和；绿色箭头为输入"))

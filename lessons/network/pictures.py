@@ -55,7 +55,7 @@ def _state(outcome: Outcome) -> TimeFigure:
                        Curve(Text("steps down: nothing heard", "下凹：没有收到"), comb, "disturbance", width=1.2)),
                       f"[{signal.unit}]" if signal.unit else "x₁", tab=TIME_TAB,
                       caption=Text(f"{lost} of {SAMPLES} samples brought no measurement; the longest gap lasted {longest(s.heard)}.",
-                                   f"{SAMPLES} 个采样时刻中有 {lost} 个没有收到测量；最长的间断为 {longest(s.heard)} 个采样。"))
+                                   f"{SAMPLES} 个采样时刻中有 {lost} 个没有收到测量；最长的间断为 {longest(s.heard)} 个采样周期。"))
 
 
 def longest(heard: np.ndarray) -> int:
@@ -71,12 +71,12 @@ def _input(outcome: Outcome) -> TimeFigure:
     s, d, unit = outcome.extra, outcome.design, KINDS[outcome.design["case"]].input_unit
     lost = int(np.sum(s.run.draw.acted < 0))
     how = Text("zero stands in for them", "以零代替") if d["lost"] == ZERO else Text("the last one is held", "保持上一个值")
-    return TimeFigure("input", Text("input asked for and applied", "要求的输入与实际的输入"), times(outcome),
-                      (Curve(Text("asked", "要求的"), _steps(s.asked[:, 0]), "second", "dash", 1.6),
-                       Curve(Text("applied", "实际的"), _steps(s.applied[:, 0]), "force")), f"u [{unit}]" if unit else "u",
+    return TimeFigure("input", Text("input asked for and applied", "指令输入与实际输入"), times(outcome),
+                      (Curve(Text("asked", "指令"), _steps(s.asked[:, 0]), "second", "dash", 1.6),
+                       Curve(Text("applied", "实际"), _steps(s.applied[:, 0]), "force")), f"u [{unit}]" if unit else "u",
                       tab=TIME_TAB, caption=Text(
                           f"{lost} inputs lost, {how.en}; the others arrive {int(d['delay'])} samples late.",
-                          f"丢失 {lost} 个输入，{how.zh}；其余的晚 {int(d['delay'])} 个采样到达。"))
+                          f"丢失 {lost} 个输入，{how.zh}；其余的晚 {int(d['delay'])} 个采样周期到达。"))
 
 
 def _ages(outcome: Outcome) -> TimeFigure:
@@ -103,7 +103,7 @@ def _teeth(outcome: Outcome) -> TimeFigure:
             Text(f"is at least {low}", f"不小于 {low}"))
     words = Text(f"Variance of the error over that without loss. This run rises to {_big(peak)}; after {SAMPLES} samples the mean "
                  f"{mean.en}.",
-                 f"误差方差与无丢包时之比。本次运行最高 {_big(peak)}；{SAMPLES} 个采样后均值{mean.zh}。")
+                 f"误差方差与无丢包时之比。本次运行最高 {_big(peak)}；{SAMPLES} 个采样周期后均值{mean.zh}。")
     return TimeFigure("teeth", Text("how unsure the filter is", "滤波器有多不确定"), times(outcome), tuple(curves), "σ²/σ₀²",
                       log=True, window=(0.5, 10.0), tab=MEAN_TAB, caption=words)
 
@@ -145,11 +145,11 @@ def _means(outcome: Outcome) -> PlaneFigure:
                    for p, v in zip(OVER, values, strict=False)]
     words = (Text(f"After {SAMPLES} samples, log₁₀. Crosses: mean of {RUNS} runs; dots: their median. At high loss the crosses "
                   "can miss the rare runs that carry the mean. Circle: this run.",
-                  f"{SAMPLES} 个采样之后，取 log₁₀。叉号为 {RUNS} 次运行的均值，圆点为中位数，圆圈为本次运行。"
+                  f"{SAMPLES} 个采样周期之后，取 log₁₀。叉号为 {RUNS} 次运行的均值，圆点为中位数，圆圈为本次运行。"
                   "丢包率高时，叉号可能漏掉支配均值的少数运行。")
              if s.trials is not None else
              Text(f"After {SAMPLES} samples, log₁₀. Circle: this run. Press “Average {RUNS} runs” for means and medians.",
-                  f"{SAMPLES} 个采样之后，取 log₁₀。圆圈为本次运行。按“平均 {RUNS} 次运行”，得到均值与中位数。"))
+                  f"{SAMPLES} 个采样周期之后，取 log₁₀。圆圈为本次运行。按“平均 {RUNS} 次运行”，得到均值与中位数。"))
     return PlaneFigure("means", Text("mean variance over the share lost", "平均方差随丢包率的变化"), tuple(curves), tuple(points),
                        "p", "log₁₀ σ²/σ₀²", (0.0, 1.0), (-0.3, top), caption=words, tab=MEAN_TAB)
 
@@ -164,7 +164,7 @@ def _limits(outcome: Outcome) -> TableFigure:
         (Text("diverges above 1/max|λ|²", "高于 1/max|λ|² 则发散"), f"{100 * edge.lost:.2f} %" if edge.lost < 1 else NEVER),
         (Text("bounded below", "低于此值则有界"), f"{100 * edge.safe:.2f} %"),
         (Text("lost now", "当前丢包率"), f"{100 * p:.1f} %"),
-        (Text("loss · max|λ|², growth a sample", "丢包率 · max|λ|²，每个采样的增长"), f"{m['growth']:.4f}"),
+        (Text("loss · max|λ|², growth per sample", "丢包率 · max|λ|²，每个采样周期的增长倍数"), f"{m['growth']:.4f}"),
         (Text("least limit of the mean, σ²/σ₀²", "均值极限的下界，σ²/σ₀²"), least),
     )
     said = (Text("The mean stays bounded.", "均值有界。") if p < edge.safe else
@@ -229,9 +229,9 @@ def _growth(outcome: Outcome) -> PlaneFigure:
     now = zero_now if d["lost"] == ZERO else hold_now
     top = float(np.clip(np.ceil(2 * max(held.max(), zeroed.max())) / 2, 1.5, 5.0))
     better = Text("holding is the better stand-in", "保持更好") if hold_now < zero_now else Text("zero is the better stand-in", "置零更好")
-    words = Text(f"Growth of E‖x‖² a sample under u = −Kx; below 1 it dies out. At {100 * d['loss_u']:.0f} % lost: {now:.3f}; "
+    words = Text(f"Growth of E‖x‖² per sample under u = −Kx; below 1 it dies out. At {100 * d['loss_u']:.0f} % lost: {now:.3f}; "
                  f"{better.en} there.",
-                 f"u = −Kx 时 E‖x‖² 每个采样的增长；小于 1 则衰减。丢失 {100 * d['loss_u']:.0f} % 时为 {now:.3f}；此处{better.zh}。")
+                 f"u = −Kx 时 E‖x‖² 每周期的增长倍数；小于 1 则衰减。丢失 {100 * d['loss_u']:.0f} % 时为 {now:.3f}；此处{better.zh}。")
     return PlaneFigure("growth", Text("inputs lost: hold or zero", "输入丢包：保持还是置零"),
                        (Curve(Text("hold the last input", "保持上一个输入"), held, "force", x=INPUT_LOSSES),
                         Curve(Text("zero", "置零"), zeroed, "disturbance", "dash", x=INPUT_LOSSES),

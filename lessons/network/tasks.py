@@ -54,7 +54,7 @@ def _gap(outcome: Outcome) -> Verdict:
 def _wall(outcome: Outcome) -> Verdict:
     d, m = outcome.design, outcome.metrics
     if d["case"] != CART or d["delay"] < 2:
-        return Verdict(False, Text("Take the pole on a cart and a delay of at least 2 samples.", "请选小车倒立摆，时延不少于 2 个采样。"))
+        return Verdict(False, Text("Take the pole on a cart and a delay of at least 2 samples.", "请选小车倒立摆，时延不少于 2 个周期。"))
     if m["separation_meter"] > HELD:
         read = f"{m['separation_meter']:.2g}"
         return Verdict(False, Text(f"The meter reads {read}: the observer counts with an input that does not act.",

@@ -150,7 +150,7 @@ def columns_body(count: int, label: Text) -> Body:
     return Body(tuple(parts), pose, arrows, anchors, 1.0, label)
 
 
-COLUMNS_CAPTION = Text("One column a state; above, the states that the data so far allow, and the direction of C",
+COLUMNS_CAPTION = Text("One column per state; above, the states that the data so far allow, and the direction of C",
                        "每个柱子是一个状态；上方是目前数据所允许的状态，以及 C 的方向")
 DECK_BODY = _deck()
 

@@ -193,7 +193,7 @@ def _live(design: Design, metrics: dict[str, float]) -> Text:
         end = Text(" With the true plant the loop is unstable.", " 对真实对象，闭环不稳定。")
     else:
         end = Text(f" On the true plant û misses the wanted input by up to {metrics['late_error']:.2g} at the end.",
-                   f" 对真实对象，末段 û 与所要输入相差最多 {metrics['late_error']:.2g}。")
+                   f" 对真实对象，末段 û 与期望输入相差最多 {metrics['late_error']:.2g}。")
     return Text(start.en + end.en, start.zh + end.zh)
 
 

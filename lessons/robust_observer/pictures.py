@@ -68,9 +68,9 @@ def _input(outcome: Outcome) -> TimeFigure:
     run = outcome.extra.true
     given = run.u[:, 0]
     peak = min(float(np.max(np.abs(given))), MOST)
-    return TimeFigure("input", Text("input wanted and given", "所要的输入与给出的输入"), run.t,
-                      (Curve(Text("wanted, −Kx + v", "所要的 −Kx + v"), _edge(given - run.e_u[:, 0]), "plant"),
-                       Curve(Text("given", "给出的"), _edge(given), "estimate", "dash"),
+    return TimeFigure("input", Text("input wanted and given", "期望输入与实际给出的输入"), run.t,
+                      (Curve(Text("wanted, −Kx + v", "期望的 −Kx + v"), _edge(given - run.e_u[:, 0]), "plant"),
+                       Curve(Text("given", "实际给出的"), _edge(given), "estimate", "dash"),
                        Curve(Text("v", "v"), run.v[:, 0], "muted", "dot", 1.4)), "u", window=(-10.0, 10.0),
                       caption=Text(f"v = −4 sin(5t + π/2). Largest input given: {peak:.3g}.",
                                    f"v = −4 sin(5t + π/2)。给出的输入最大为 {peak:.3g}。"), tab=TIME_TAB)
