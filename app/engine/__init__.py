@@ -7,7 +7,17 @@ from .bilinear import BilinearForm, BilinearObserver, BilinearPlant, bilinear_fu
 from .bilinear_run import BilinearRun, simulate_bilinear
 from .canonise import Canonisation, canonise, canonise_right
 from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
-from .consistency import InnovationTest, SquaredError, Whiteness, chi2_band, innovation_test, nees, nis, whiteness
+from .consistency import (
+    InnovationTest,
+    SquaredError,
+    Whiteness,
+    chi2_band,
+    independent_errors,
+    innovation_test,
+    nees,
+    nis,
+    whiteness,
+)
 from .convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
 from .coprime import CoprimeFactors, coprime_factors
 from .decomposition import KalmanDecomposition, kalman_decomposition, reachable_subspace, unobservable_subspace
@@ -244,6 +254,7 @@ __all__ = [
     "gain_of",
     "gramians",
     "hankel_singular_values",
+    "independent_errors",
     "innovation_test",
     "intermittent_covariances",
     "intermittent_steps",

@@ -8,8 +8,10 @@ import numpy as np
 from scipy.stats import chi2, norm
 
 from .errors import EngineError, ShapeError
+from .plant import as_matrix
 
-__all__ = ["InnovationTest", "SquaredError", "Whiteness", "chi2_band", "innovation_test", "nees", "nis", "whiteness"]
+__all__ = ["InnovationTest", "SquaredError", "Whiteness", "chi2_band", "independent_errors", "innovation_test", "nees", "nis",
+           "whiteness"]
 
 Band = tuple[float, float]
 
@@ -113,12 +115,13 @@ def nis(innovations: object, S: object, level: float = 0.95) -> SquaredError:
     return _judged(values, values[seen], nu.shape[-1], float(seen.sum()), 1, level)
 
 
-def nees(x: object, xhat: object, P: object, level: float = 0.95) -> SquaredError:
+def nees(x: object, xhat: object, P: object, level: float = 0.95, independent: float | None = None) -> SquaredError:
     """Normalised estimation errors squared (x − x̂)ᵀP⁻¹(x − x̂), χ²(n) at every sample for a consistent filter.
 
     x, x̂ of one run (n_t, n) or of many (runs, n_t, n); covariances P, of the same shape with n more, or (n_t, n, n) or
-    (n, n) for all. Values are means over the runs. Errors at neighbouring samples depend on each other: `independent`
-    is runs·n_t over the correlation time of ε, estimated from the record. Raises ShapeError, EngineError.
+    (n, n) for all. Values are means over the runs. Errors at neighbouring samples depend on each other, so a record counts
+    as fewer samples than it has. `independent`: how many for each run, from `independent_errors`; by default n_t over the
+    correlation time of ε, estimated from the record, which a short record does badly. Raises ShapeError, EngineError.
     """
     true, estimate = np.asarray(x, dtype=float), np.asarray(xhat, dtype=float)
     if true.shape != estimate.shape or true.ndim not in (2, 3) or not true.size:
@@ -130,7 +133,43 @@ def nees(x: object, xhat: object, P: object, level: float = 0.95) -> SquaredErro
     each = _squared(e, _covariances(P, e.shape, "P"), "P")
     if not np.isfinite(each).all():
         raise EngineError("x or x̂ holds NaN or infinity; cut the record where it diverged.")
-    return _judged(each.mean(axis=0), each, e.shape[-1], each.size / _correlation_time(each), len(each), level)
+    if independent is not None and not independent > 0:
+        raise EngineError("A record counts as a positive number of independent samples.")
+    count = each.size / _correlation_time(each) if independent is None else independent * len(each)
+    return _judged(each.mean(axis=0), each, e.shape[-1], count, len(each), level)
+
+
+def independent_errors(Phi: object, P: object, steps: int, T: object | None = None) -> float:
+    """How many independent samples the NEES of `steps` successive errors are worth, if the filter is right.
+
+    With e[k+1] = Φ e[k] + white noise and stationary covariance P, Φ = (I − M C) A after the update, ε = eᵀP⁻¹e has
+    cov(ε[k], ε[k+l]) = 2‖W⁻¹ T Φˡ P Tᵀ W⁻ᵀ‖²_F, W Wᵀ = T P Tᵀ; so the mean of N has variance 2n/N′ with
+    N′ = N n / Σ_l (1 − |l|/N) ‖·‖²_F. Φ, P n×n; T k×n for the error of k combinations of states alone, by default all.
+    Exact in mean and variance; that the mean is then χ²(n N′)/N′ is Satterthwaite's approximation. Raises ShapeError.
+    """
+    Phi, P = as_matrix(Phi, "Φ"), as_matrix(P, "P")
+    T = np.eye(len(P)) if T is None else as_matrix(T, "T")
+    if Phi.shape != P.shape or Phi.shape[0] != Phi.shape[1] or T.shape[1] != len(P):
+        raise ShapeError(f"Φ and P must be n×n and T k×n; they are {Phi.shape}, {P.shape}, {T.shape}.")
+    if steps < 1:
+        raise EngineError("A record has at least one sample.")
+    seen = T @ P @ T.T
+    if not (np.diag(seen) > 0).all():
+        raise EngineError("P must be positive definite: a variance is zero or negative.")
+    spread = np.sqrt(np.diag(seen))
+    try:
+        root = np.linalg.cholesky(seen / np.outer(spread, spread)) * spread[:, None]
+    except np.linalg.LinAlgError as problem:
+        raise EngineError("P is not positive definite; leave out states that are known exactly.") from problem
+    left = np.linalg.solve(root, T)[None]  # W⁻¹ T Φˡ for l = 0, 1, …, twice as many each time
+    power = Phi
+    while len(left) < steps:
+        left, power = np.concatenate([left, left @ power]), power @ power
+    right = np.linalg.solve(root, T @ P).T
+    sizes = ((left[:steps] @ right) ** 2).sum(axis=(1, 2))
+    weights = 2 * (1 - np.arange(steps) / steps)
+    weights[0] = 1.0
+    return float(steps * len(T) / (weights @ sizes))
 
 
 def whiteness(innovations: object, lags: int = 20, level: float = 0.95) -> Whiteness:

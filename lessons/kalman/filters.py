@@ -16,6 +16,7 @@ from app.engine import (
     Scenario,
     Schedule,
     Track,
+    independent_errors,
     joseph,
     short_form,
     simulate,
@@ -80,12 +81,16 @@ truth = lru_cache(maxsize=8)(draw)
 
 @dataclass(frozen=True, eq=False)
 class Watcher:
-    """A filter with what it expects before any measurement: Riccati solution, schedule and start."""
+    """A filter with what it expects before any measurement: Riccati solution, schedule and start.
+
+    independent: how many independent samples the NEES of a record after its first SKIP samples are worth, by its own beliefs.
+    """
 
     filter: KalmanFilter
     steady: DiscreteFilter
     schedule: Schedule
     start: Belief
+    independent: float
 
 
 @lru_cache(maxsize=16)
@@ -102,9 +107,16 @@ def watcher(noise: str, q: float, r: float, p0: float) -> Watcher:
         P[:6, :6], P[:6, 6:], P[6:, :6] = np.diag(p0 * SPREAD**2), 0.0, 0.0
         P[6:, 6:] = np.kron(np.eye(4), ADC.relaxations[1] * np.eye(len(ADC.relaxations[0])))
         start = Belief(np.zeros(kf.n), P)
-        return Watcher(kf, steady, _then_steady(kf, steady, kf.schedule(start, LEARNING)), start)
+        return Watcher(kf, steady, _then_steady(kf, steady, kf.schedule(start, LEARNING)), start, _independent(kf))
     kf, start = _believing(q, r * (ADC.variance / SIGMA**2 if noise == COLOURED else 1.0), p0)
-    return Watcher(kf, kf.steady, kf.schedule(start, COUNT), start)
+    return Watcher(kf, kf.steady, kf.schedule(start, COUNT), start, _independent(kf))
+
+
+def _independent(kf: KalmanFilter) -> float:
+    """Errors hang together from sample to sample by (I − M C) A, which the filter knows of itself."""
+    steady = kf.steady
+    Phi = (np.eye(kf.n) - steady.filter_gain @ kf.C) @ kf.A
+    return independent_errors(Phi, steady.filtered, COUNT - SKIP, np.eye(6, kf.n))
 
 
 def _believing(q: float, r: float, p0: float) -> tuple[KalmanFilter, Belief]:

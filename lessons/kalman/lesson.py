@@ -107,7 +107,7 @@ def compute(design: Design) -> Outcome:
     what = truth(int(design["seed"]), design["noise"] != WHITE, design["force"], design["kick"])
     who = watcher(design["noise"], design["q"], design["r"], design["p0"])
     track = watch(who, what)
-    settled = nees(what.x[SKIP:], track.means[SKIP:, :6], track.covariances[SKIP:, :6, :6])
+    settled = nees(what.x[SKIP:], track.means[SKIP:, :6], track.covariances[SKIP:, :6, :6], independent=who.independent)
     first = nees(what.x[:SKIP], track.means[:SKIP, :6], track.covariances[:SKIP, :6, :6])
     test = innovation_test(track.innovations[SKIP:], track.S[SKIP:])
     early = nis(track.innovations[:SKIP], track.S[:SKIP])

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import trapezoid
-from scipy.linalg import cholesky
+from scipy.linalg import cholesky, solve_discrete_lyapunov
 from scipy.stats import chi2, kstest
 
 from app.engine.adc import AdcNoise, with_coloured_noise
 from app.engine.belief import Belief
-from app.engine.consistency import chi2_band, innovation_test, nees, nis, whiteness
+from app.engine.consistency import chi2_band, independent_errors, innovation_test, nees, nis, whiteness
 from app.engine.errors import EngineError, ShapeError
 from app.engine.kalman import KalmanFilter
 from app.engine.spectrum import psd
@@ -216,3 +216,52 @@ def test_coloured_noise_fails_the_plain_filter_and_passes_the_one_that_carries_i
 def test_bad_input_gets_one_sentence(call, sentence):
     with pytest.raises((EngineError, ShapeError), match=sentence):
         call()
+
+
+# --- how many independent errors a record holds ----------------------------------------------------------------------------
+def test_independent_errors_of_a_scalar_have_a_closed_form():
+    """AR(1): cov(ε₀, ε_l) = 2 a^(2l), so N′ = N/(1 + 2Σ(1 − l/N) a^(2l))."""
+    a, N = 0.8, 200
+    lags = np.arange(1, N)
+    expected = N / (1 + 2 * ((1 - lags / N) * a ** (2 * lags)).sum())
+    assert independent_errors([[a]], [[3.0]], N) == pytest.approx(expected)
+    assert independent_errors([[0.0]], [[3.0]], N) == pytest.approx(N)  # white errors: every sample counts
+    assert independent_errors([[a]], [[3.0]], 1) == pytest.approx(1)
+
+
+def test_the_variance_of_the_mean_of_nees_is_what_independent_errors_says():
+    """5000 drawn records of a two-state error with correlated parts, and of one combination of the states."""
+    Phi = np.array([[0.9, 0.3], [-0.2, 0.8]])
+    P = solve_discrete_lyapunov(Phi, np.diag([1.0, 0.25]))
+    rng, N, runs = np.random.default_rng(5), 60, 5000
+    e = rng.multivariate_normal(np.zeros(2), P, runs)
+    record = [e]
+    for _ in range(N - 1):
+        e = e @ Phi.T + rng.normal(size=(runs, 2)) * [1.0, 0.5]
+        record.append(e)
+    errors = np.stack(record, axis=1)
+    for T in (np.eye(2), np.array([[1.0, -2.0]])):
+        part, cov = errors @ T.T, T @ P @ T.T
+        means = np.einsum("rki,ij,rkj->rk", part, np.linalg.inv(cov), part).mean(axis=1)
+        count = independent_errors(Phi, P, N, T)
+        assert means.var() == pytest.approx(2 * len(T) / count, rel=0.1)
+        low, high = chi2_band(len(T), count)
+        assert ((means < low) | (means > high)).mean() == pytest.approx(0.05, abs=0.02)  # Satterthwaite
+
+
+def test_nees_takes_the_count_that_it_is_told():
+    rng = np.random.default_rng(6)
+    e = rng.normal(size=(3, 40, 2))
+    told = nees(e, np.zeros_like(e), np.eye(2), independent=10.0)
+    assert told.independent == pytest.approx(30) and told.mean_band == pytest.approx(chi2_band(2, 30))
+    with pytest.raises(EngineError, match="positive number"):
+        nees(e, np.zeros_like(e), np.eye(2), independent=0.0)
+
+
+@pytest.mark.parametrize("arguments, words", [
+    ((np.eye(2), np.eye(3), 5), "n×n"), ((np.eye(2), np.eye(2), 0), "at least one"),
+    ((np.eye(2), np.zeros((2, 2)), 5), "positive definite"), ((np.eye(2), -np.eye(2), 5), "positive definite"),
+])
+def test_independent_errors_refuses_nonsense(arguments, words):
+    with pytest.raises(EngineError, match=words):
+        independent_errors(*arguments)

@@ -6,9 +6,10 @@ import control
 import numpy as np
 import pytest
 from scipy.linalg import expm, solve_discrete_are
-from scipy.stats import chi2
+from scipy.stats import binom, chi2
 
 from app.engine import chi2_band
+from lessons.kalman.expected import expected
 from lessons.kalman.filters import ADC, DT, MODEL, SIGMA, compare, truth, tuned, watch, watcher
 from lessons.kalman.lesson import LESSON, RUNS
 from lessons.kalman.report import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
@@ -89,12 +90,57 @@ def test_detuned_filters_are_flagged(changes, expected):
     assert expected <= found if expected else not found
 
 
-def test_how_often_the_right_filter_is_flagged_is_what_the_text_says():
-    """Sixty seeds: innovation tests at 5 %; with NEES of one short record about one in six. Bounds at 1e-4 of those rates."""
-    runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(60)]
-    assert sum(bool(o.metrics["failures"]) for o in runs) <= 10
-    flagged = sum(bool(flags(o) - {"riccati"}) for o in runs)
-    assert 1 <= flagged <= 22
+def test_how_often_the_right_filter_is_flagged_is_what_the_levels_say():
+    """240 seeds: innovation tests at 5 %, NEES at 5 %, together one record of ten. Bounds at 1e-3 of those rates."""
+    runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(240)]
+    by_innovations = sum(bool(o.metrics["failures"]) for o in runs)
+    by_nees = sum(o.extra.settled.verdict != "consistent" for o in runs)
+    low, high = binom.ppf([5e-4, 1 - 5e-4], len(runs), 0.05)
+    assert low <= by_innovations <= high and low <= by_nees <= high
+    low, high = binom.ppf([5e-4, 1 - 5e-4], len(runs), 0.0975)
+    assert low <= sum(bool(flags(o) - {"riccati"}) for o in runs) <= high
+
+
+def test_251_errors_count_as_thirty():
+    """Var of the mean of NEES over 240 records is 2n/N′; 251 independent ones would have an eighth of it."""
+    runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(240)]
+    count = runs[0].extra.watcher.independent
+    assert count == pytest.approx(30.5, abs=0.1) and len(runs[0].extra.settled.values) == 251
+    assert np.var([o.extra.settled.mean for o in runs]) == pytest.approx(12 / count, rel=0.35)  # 3.5 of its σ
+
+
+@pytest.mark.parametrize("noise, q, r", [("white", 1.0, 1.0), ("white", 0.05, 1.55), ("white", 20.0, 0.47), ("white", 0.3, 1.0),
+                                         ("coloured", 1.0, 1.0), ("carried", 1.0, 1.0), ("carried", 3.0, 1.0)])
+def test_expected_statistics_are_the_averages_of_records(noise, q, r):
+    e = expected(noise, q, r)
+    runs = [outcome(noise=noise, q=q, r=r, seed=seed) for seed in range(60)]
+
+    def near(values, wanted):
+        assert abs(np.mean(values) - wanted) < 4 * np.std(values) / np.sqrt(len(values)) + 0.01 * wanted
+
+    near([o.metrics["nis_mean"] for o in runs], e.nis)
+    near([o.metrics["nees_mean"] for o in runs], e.nees)
+    near([o.metrics["seen_over_R"] for o in runs], e.over_R)
+    near([o.extra.test.whiteness.correlation[0, 0] + 1 for o in runs], e.memory + 1)
+    assert np.mean(["white" in flags(o) for o in runs]) == pytest.approx(e.flagged, abs=0.2)
+
+
+@pytest.mark.parametrize("task", LESSON.tasks, ids=lambda task: task.id)
+@pytest.mark.parametrize("seed", [0, 1, 2, 3, 5, 17, 116, 2024, 9999])
+def test_tasks_hold_for_every_seed(task, seed):
+    """What they say does not turn on the noise: start and solution get the same sentence for every seed."""
+    start, solved = (task.check(outcome(seed=seed, **values)) for values in ({}, task.solution))
+    assert not start.solved and solved.solved
+    assert (start, solved) == (task.check(outcome()), task.check(outcome(**task.solution)))
+
+
+@pytest.mark.parametrize("name, near_by", [
+    ("tune", {"q": 1.3, "r": 0.9}), ("tune", {"q": 0.8, "r": 1.1}), ("decoy", {"q": 15.0, "r": 0.5}),
+    ("converter", {"noise": "carried", "q": 0.9, "r": 1.2}),
+])
+def test_tasks_hold_in_a_neighbourhood_of_their_solution(name, near_by):
+    task = next(t for t in LESSON.tasks if t.id == name)
+    assert task.check(outcome(**near_by)).solved
 
 
 def test_a_converter_taken_for_white_is_flagged_nearly_always():
@@ -123,11 +169,12 @@ def test_numbers_of_the_text():
     assert start["nis_mean"] == pytest.approx(4.14, abs=0.006) and start["nees_mean"] == pytest.approx(61, abs=0.5)
     assert good["nis_mean"] == pytest.approx(3.90, abs=0.006) and good["nees_mean"] == pytest.approx(6.09, abs=0.006)
     assert good["S_over_R"] == pytest.approx(1.48, abs=0.006)
-    assert outcome(q=20.0, r=0.47).metrics["nis_mean"] == pytest.approx(3.87, abs=0.006)
-    carried = outcome(noise="carried", q=1.0, r=1.0)
-    assert carried.metrics["nis_mean"] == pytest.approx(4.08, abs=0.006)
-    assert carried.metrics["nees_mean"] == pytest.approx(6.31, abs=0.03)
-    assert carried.extra.watcher.filter.n == 6 + 16
+    for noise in ("white", "carried"):
+        e = expected(noise, 1.0, 1.0)
+        assert (e.nis, e.nees) == pytest.approx((4, 6), abs=1e-9) and e.flagged == pytest.approx(1 / 60, rel=1e-3)
+    decoy = expected("white", 20.0, 0.47)
+    assert decoy.nis == pytest.approx(4.08, abs=0.006) and decoy.flagged > 0.9
+    assert outcome(noise="carried", q=1.0, r=1.0).extra.watcher.filter.n == 6 + 16
 
 
 # --- two updates -----------------------------------------------------------------------------------------------------
