@@ -188,7 +188,7 @@ def _plane(id: str, title: Text, x_label: str, y_label: str, x: np.ndarray, true
         for sign in (1.0, -1.0) if sigma <= float(x[-1]))
     bent, straight = ((y >= y_range[0]) & (y <= y_range[1]) for y in (true, line))
     curves = (Curve(Text("law", "实际规律"), true[bent], "plant", "solid", 2.0, x[bent]),
-              Curve(Text("tangent", "切线"), line[straight], "reference", "dash", 1.4, x[straight]))
+              Curve(Text("as the KF takes it", "KF 眼中的规律"), line[straight], "reference", "dash", 1.4, x[straight]))
     return PlaneFigure(id, title, curves, points,
                        x_label, y_label, (float(x[0]), float(x[-1])), y_range, caption=caption, tab=LAW_TAB)
 
@@ -200,8 +200,8 @@ def _second_law(outcome: Outcome) -> PlaneFigure:
         factor = np.exp(-d["weakening"] * 1e-3 * x / LENGTH)
         low, high = 100 * (np.exp(-d["weakening"] * 0.002 / LENGTH) - 1), 100 * (np.exp(d["weakening"] * 0.002 / LENGTH) - 1)
         return _plane("law2", Text("force constant of a coil", "线圈的力常数"), "d [mm]", "", x, factor, np.ones_like(x), None,
-                      Text(f"2 mm apart or together change the force by {low:.0f} % or +{high:.0f} %.",
-                           f"间隙张开或合拢 2 mm，出力变化 {low:.0f} % 或 +{high:.0f} %。"), (0.0, 3.0))
+                      Text(f"2 mm apart or together change the force by −{-low:.0f} % or +{high:.0f} %.",
+                           f"间隙张开或合拢 2 mm，出力变化 −{-low:.0f} % 或 +{high:.0f} %。"), (0.0, 3.0))
     if s.case.id == PENDULUM:
         k, angle = cart_pendulum.Parameters(), np.linspace(-90, 90, 91)
         push = np.cos(np.radians(angle)) / (k.cart + k.ball * np.sin(np.radians(angle))**2)
@@ -232,8 +232,8 @@ def _algorithm(outcome: Outcome) -> TimeFigure:
     return TimeFigure("algorithm", Text(f"σ of: {signal.name.en}", f"σ：{signal.name.zh}"), t, (
         Curve(Text("Kalman filter", "卡尔曼滤波器"), scale * right, "plant"),
         Curve(Text("Algorithm 3, believed", "算法 3，自报"), scale * believed, "estimate", "dash"),
-        Curve(Text("Algorithm 3, real", "算法 3，实际"), scale * real, "error", "dot")), f"[{signal.unit}]", caption=said,
-        tab=REPORT_TAB)
+        Curve(Text("Algorithm 3, real", "算法 3，实际"), scale * real, "error", "dot")), f"[{signal.unit}]", log=True,
+        caption=said, tab=REPORT_TAB)
 
 
 def _lines(outcome: Outcome) -> TableFigure:
