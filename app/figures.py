@@ -176,7 +176,8 @@ def axis_range(figure: TimeFigure | FrequencyFigure) -> tuple[float, float]:
             top, bottom = max(top, figure.window[1]), min(bottom, figure.window[0])
         top = max(top, 10 * FLOOR)
         high = 10.0 ** math.ceil(math.log10(top) - 1e-9)
-        low = 10.0 ** math.floor(math.log10(max(bottom, high * 1e-9, FLOOR)) + 1e-9)
+        deepest = high * 1e-9 if figure.window is None else min(high * 1e-9, figure.window[0])
+        low = 10.0 ** math.floor(math.log10(max(bottom, deepest, FLOOR)) + 1e-9)
         return min(low, high / 10), high
     low = min((float(np.min(y)) for y in data), default=-1.0)
     high = max((float(np.max(y)) for y in data), default=1.0)

@@ -266,7 +266,8 @@ def number(value: float, digits: int = 3) -> str:
     if abs(value) >= 1e5 or abs(value) < 10 ** (-digits):
         mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
         return rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
-    return f"{value:.{digits}g}"
+    short = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e" in short else short
 
 
 def tiny(value: float) -> str:

@@ -63,12 +63,12 @@ MODEL = Model(
     dt=0.012,
     controller_poles=(-2.0, -1.5),
     observer_poles=(-4.0, -3.0),
-    controller_window=Window(-12.0, 4.0, 8.0),
-    observer_window=Window(-12.0, 4.0, 8.0),
+    controller_window=Window(-16.0, 4.0, 12.0),  # as the platform's: one lesson shows both on the same boards
+    observer_window=Window(-20.0, 4.0, 12.0),
     kick=(0.0, 0.3),
-    watched=(Signal(Text("measured state x₁", "可测状态 x₁"), (1.0, 0.0), "1"),
-             Signal(Text("hidden state x₂", "不可测状态 x₂"), (0.0, 1.0), "1")),
+    watched=(Signal(Text("measured state x₁", "可测状态 x₁"), (1.0, 0.0), ""),
+             Signal(Text("hidden state x₂", "不可测状态 x₂"), (0.0, 1.0), "")),
     u_max=10.0,
-    input_unit="1",
+    input_unit="",
     source=SOURCE,
 )

@@ -133,7 +133,7 @@ def doyle_case() -> Case:
     names = (Text("measured state x₁", "可测状态 x₁"), Text("hidden state x₂", "不可测状态 x₂"),
              Text("weighted sum x₁ + x₂", "加权和 x₁ + x₂"))
     return Case(DOYLE, Text("Doyle's plant of 1978", "Doyle 1978 年的反例"), model, model.plant, together, together @ together.T, one,
-                one, one, np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), names, _by_paper, _as_believed, "1", 1.0, "1", 1.0,
+                one, one, np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), names, _by_paper, _as_believed, "", 1.0, "", 1.0,
                 np.geomspace(1e-2, 30.0, 150), (0.01, 30.0), 0.1, np.geomspace(1e-3, 1e3, 160), 0.015, 6.0, 2e-3, 4.0, 33.0)
 
 
@@ -155,6 +155,6 @@ def case_of(model: Model) -> Case:
     dt = model.horizon / 200
     return Case(model.id, model.label, model, plant, G, weighed.T @ weighed, np.eye(plant.m) / model.u_max**2,
                 np.eye(G.shape[1]) * model.u_max**2 / rate, np.diag((SHARE * size) ** 2) / rate,
-                weighed[:shown], names, _by_knobs, _one, "y", 1.0, model.input_unit, 1.0,
+                weighed[:shown], names, _by_knobs, _one, "", 1.0, model.input_unit, 1.0,
                 _grid(plant, low, high, 150), (low, high), low * 2, np.geomspace(low / 10, high * 10, 140), dt, model.horizon,
                 dt / 4, model.horizon, 4096 * dt)

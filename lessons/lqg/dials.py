@@ -19,7 +19,7 @@ def knobs_for(cases: tuple[Case, ...]) -> tuple[Choice | Number, ...]:
     report: When = ("case", tuple(c.id for c in cases if c.id != DOYLE)) if several else None
     paper: When = ("case", (DOYLE,)) if several else None
     pick = () if not several else (Choice(
-        "case", "", Text("plant", "对象"), default=first.id, options=tuple((c.id, c.label) for c in cases),
+        "case", "", Text("case", "情形"), default=first.id, options=tuple((c.id, c.label) for c in cases),
         hint=Text("The platform with the report's weights, or the counterexample of 1978.",
                   "采用报告权重的平台，或 1978 年的反例。")),)
     doyle = _of_paper(paper) if DOYLE in [c.id for c in cases] else ()

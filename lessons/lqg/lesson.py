@@ -11,11 +11,11 @@ import numpy as np
 from app.engine import EngineError, Optimal, closed_loop
 from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants.doyle import gains as gains_of_paper
-from app.plants.model import Model
+from app.plants.model import Model, Window
 from app.prose import read_prose
 from app.words import Text
 
-from ..toolkit import number, on_board
+from ..toolkit import number
 from .cases import DOYLE, Case, case_of, doyle_case, report_case
 from .dials import knobs_for
 from .loops import (
@@ -145,12 +145,17 @@ def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
     )
 
 
+def _inside(poles: np.ndarray, window: Window) -> tuple[complex, ...]:
+    """The poles that a board has room for; those of sensors and fast gains lie far outside."""
+    return tuple(complex(p) for p in poles if window.re_low <= p.real <= window.re_high and abs(p.imag) <= window.im_high)
+
+
 def _boards(case: Case, reg: Optimal, est: Optimal) -> tuple[Board, Board]:
     c, o = case.model.controller_window, case.model.observer_window
     return (
-        Board("regulator", Text("regulator poles  eig(A − BK)", "调节器极点  eig(A − BK)"), on_board(reg.poles, c), side="left",
+        Board("regulator", Text("regulator poles  eig(A − BK)", "调节器极点  eig(A − BK)"), _inside(reg.poles, c), side="left",
               re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
-        Board("filter", Text("filter poles  eig(A − LC)", "滤波器极点  eig(A − LC)"), on_board(est.poles, o), role="estimate", side="right",
+        Board("filter", Text("filter poles  eig(A − LC)", "滤波器极点  eig(A − LC)"), _inside(est.poles, o), role="estimate", side="right",
               re_low=o.re_low, re_high=o.re_high, im_high=o.im_high),
     )
 
@@ -158,7 +163,7 @@ def _boards(case: Case, reg: Optimal, est: Optimal) -> tuple[Board, Board]:
 def _formulas(s: Study, setting: Setting) -> tuple[Formula, ...]:
     f, c = setting.factors, s.cost
     split = (Formula("split", rf"J = \underbrace{{{number(c.known)}}}_{{\mathrm{{tr}}\,S G W G^{{\mathsf T}}}}"
-                     rf" + \underbrace{{{number(c.total - c.known)}}}_{{\mathrm{{x\ unknown}}}}")
+                     rf" + \underbrace{{{number(c.total - c.known)}}}_{{\hat x \neq x}}")
              if np.isfinite(c.total) else Formula("split", r"J = \infty"))
     law = Formula("law", r"u = -K\hat x,\quad K = R^{-1}B^{\mathsf T}S,\quad L = P C^{\mathsf T}V^{-1}")
     if s.case.id != DOYLE:

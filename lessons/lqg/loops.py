@@ -33,6 +33,7 @@ from .cases import Case, Factors
 
 STEADY, RECURSIVE = "steady", "recursive"
 FAR = 1e9  # a state beyond this ends the run
+STEP, DRAWN = 0.1, 240  # of Nyquist's curve: a longer jump counts as this; points drawn
 LOOK = 60  # matrices looked at together
 SLACK = 0.1  # of the largest first error, the least standard deviation that the recursive filter begins with
 
@@ -141,10 +142,12 @@ def sensor_input(case: Case, setting: Setting) -> float:
 @dataclass(frozen=True, eq=False)
 class Robustness:
     """A loop cut at one plant input, the model being right. margins there; loop gain ℓ (n_f,) at the case's wide
-    frequencies; all inputs at once: min σ(I + L) and its unstructured disk α, and min σ over frequency (n_f,)."""
+    frequencies, `curve` the same along Nyquist's curve in even steps; all inputs at once: `together` σ_min(I + L) over
+    frequency (n_f,), its least value `nearest`, and `alpha` of the unstructured disk."""
 
     margins: ChannelMargins
     gain: np.ndarray
+    curve: np.ndarray
     together: np.ndarray
     nearest: float
     alpha: float
@@ -167,15 +170,26 @@ def _robustness(case: Case, margins: LoopMargins, cut: int) -> Robustness:
     m = case.plant.m
     S = margins.loop.at(2 * np.pi * case.wide)[:, :m, :m]
     dense = margins.loop.values[:, :m, :m]
-    return Robustness(margins.input(cut), 1 / S[:, cut, cut] - 1, _least(S), 1 / _largest(dense),
+    return Robustness(margins.input(cut), _gain(S[:, cut, cut]), _even(_gain(dense[:, cut, cut])), _least(S), 1 / _largest(dense),
                       1 / _largest(dense - 0.5 * np.eye(m)))
+
+
+def _gain(S: np.ndarray) -> np.ndarray:
+    """ℓ = 1/S − 1, at most 10⁹ where an integrator makes S zero."""
+    return 1 / np.where(np.abs(S) < 1e-9, 1e-9, S) - 1
+
+
+def _even(ell: np.ndarray) -> np.ndarray:
+    """Points of a curve about evenly spaced where it is near, so that resonances are round and far arcs cost little."""
+    way = np.concatenate([[0.0], np.cumsum(np.minimum(np.abs(np.diff(ell)), STEP))])
+    return ell[np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], DRAWN)).clip(0, len(ell) - 1))]
 
 
 def _least(S: np.ndarray) -> np.ndarray:
     """1/σ_max(S) of each matrix of a stack: σ_min of I + L."""
     if S.shape[-1] == 1:
-        return 1 / np.abs(S[:, 0, 0])
-    return 1 / np.sqrt(np.linalg.eigvalsh(S.conj().swapaxes(1, 2) @ S)[:, -1])
+        return 1 / np.maximum(np.abs(S[:, 0, 0]), 1e-9)
+    return 1 / np.sqrt(np.maximum(np.linalg.eigvalsh(S.conj().swapaxes(1, 2) @ S)[:, -1], 1e-18))
 
 
 def _largest(matrices: np.ndarray) -> float:

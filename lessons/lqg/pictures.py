@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.engine import ChannelMargins
 from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, finite
 from app.lesson import Outcome
 from app.words import Text, same
@@ -17,6 +18,7 @@ ROBUST_TAB, RECOVERY_TAB = Text("Robustness", "鲁棒性"), Text("Recovery", "�
 TURN = np.linspace(0, 2 * np.pi, 73)
 TOO_MUCH = 1e30  # a density beyond this is drawn at it
 OPEN, CLOSED = Text("no control", "无控制"), Text("closed, predicted", "闭环（理论）")
+ANY = Text("any", "任意")
 ROLES = ("force", "disturbance", "second")
 
 
@@ -38,6 +40,16 @@ def level(power: float) -> str:
     return f"{power:.1f}".replace("-", "−")
 
 
+def density(unit: str) -> str:
+    """The axis of a density of a signal in this unit."""
+    return f"[({unit})²/Hz]" if unit else "[1/Hz]"
+
+
+def _phase(m: ChannelMargins) -> Text | str:
+    """The phase margin in degrees; any phase will do where |ℓ| = 1 nowhere."""
+    return ANY if np.isnan(m.phase_frequency) and m.phase > 3 else f"{np.degrees(m.phase):.3g}°"
+
+
 # --- spectra ---------------------------------------------------------------------------------------------------------
 def _spectra(outcome: Outcome) -> tuple[FrequencyFigure, ...]:
     s = outcome.extra
@@ -49,15 +61,23 @@ def _spectra(outcome: Outcome) -> tuple[FrequencyFigure, ...]:
             curves.append(Curve(OPEN, square * s.disturbance * case.open_psd[:, i], "muted", "dash", 1.8))
         if s.trials is not None:
             curves.append(Curve(Text(f"{s.trials.count} runs", f"{s.trials.count} 次运行"),
-                                finite(square * s.trials.density[:, i], TOO_MUCH), "second", "solid", 1.2))
+                                finite(square * s.trials.density[:, i], TOO_MUCH), "disturbance", "solid", 4.0))
             curves.append(Curve(Text("predicted for this computer", "理论值（该计算机）"),
                                 finite(square * s.trials.predicted[:, i], TOO_MUCH), "reference", "dot", 1.6))
         if s.density is not None:
             curves.append(Curve(CLOSED, finite(square * s.density[:, i], TOO_MUCH), "plant"))
         figures.append(FrequencyFigure(
             f"spectrum{i}", name, case.frequency, tuple(curves) or (Curve(Text("none", "无"), np.ones(len(case.frequency)), "muted"),),
-            f"[({case.unit})²/Hz]", _spectrum_words(outcome, i), SPECTRUM_TAB))
+            density(case.unit), _spectrum_words(outcome, i), SPECTRUM_TAB, _deep(curves)))
     return tuple(figures)
+
+
+def _deep(curves: list[Curve]) -> tuple[float, float] | None:
+    """The range of all curves, at most twelve decades: a quiet channel is worth seeing too."""
+    if not curves:
+        return None
+    top = max(float(c.y.max()) for c in curves)
+    return max(min(float(c.y.min()) for c in curves), 1e-12 * top), top
 
 
 def _spectrum_words(outcome: Outcome, i: int) -> Text:
@@ -97,7 +117,8 @@ def _input(outcome: Outcome) -> FrequencyFigure:
     else:
         curves.append(Curve(Text("none", "无"), np.ones(len(case.frequency)), "muted"))
         said = Text("The loop is unstable: the input has no spectrum.", "回路不稳定，输入没有频谱。")
-    return FrequencyFigure("input", Text("inputs", "输入"), case.frequency, tuple(curves), f"[({case.input_unit})²/Hz]", said, COST_TAB)
+    return FrequencyFigure("input", Text("inputs", "输入"), case.frequency, tuple(curves), density(case.input_unit), said, COST_TAB,
+                           _deep(curves))
 
 
 def _cost(outcome: Outcome) -> TableFigure:
@@ -130,7 +151,7 @@ def _nyquist(outcome: Outcome) -> PlaneFigure:
         half = finite(np.real(ell), 1e6), finite(np.imag(ell), 1e6)
         return np.concatenate([half[0], half[0][::-1]]), np.concatenate([half[1], -half[1][::-1]])
 
-    ideal, real = both(s.ideal.gain), both(s.real.gain)
+    ideal, real = both(s.ideal.curve), both(s.real.curve)
     low, high = s.real.margins.gain
     return PlaneFigure(
         "nyquist", Text("Nyquist, cut at one input", "Nyquist 曲线，在一个输入处断开"),
@@ -143,29 +164,29 @@ def _nyquist(outcome: Outcome) -> PlaneFigure:
 
 def _return(outcome: Outcome) -> FrequencyFigure:
     s = outcome.extra
-    f = s.case.wide
-    ideal, real = np.abs(1 + s.ideal.gain), np.abs(1 + s.real.gain)
-    least = s.real.margins.nearest
-    return FrequencyFigure(
-        "return", Text("return difference", "回差"), f,
-        (Curve(same("LQR |1 + ℓ|"), np.clip(ideal, 1e-6, 1e3), "plant", "dash"),
-         Curve(same("LQG |1 + ℓ|"), np.clip(real, 1e-6, 1e3), "estimate"),
-         Curve(Text("LQG, all inputs: σ_min(I + L)", "LQG，全部输入：σ_min(I + L)"), np.clip(s.real.together, 1e-6, 1e3),
-               "error", "dot", 1.6),
-         Curve(same("1"), np.ones(len(f)), "reference", "dot", 1.2)),
-        "|1 + ℓ|", Text(f"LQR never falls below 1; LQG comes down to {words(least)}, with all inputs at once {words(s.real.nearest)}.",
-                        f"LQR 从不低于 1；LQG 最低为 {words(least)}，全部输入同时考虑时为 {words(s.real.nearest)}。"),
-        ROBUST_TAB, window=(0.1, 100.0))
+    f, least = s.case.wide, words(s.real.margins.nearest)
+    curves = [Curve(same("LQR |1 + ℓ|"), np.clip(np.abs(1 + s.ideal.gain), 1e-6, 1e6), "plant", "dash"),
+              Curve(same("LQG |1 + ℓ|"), np.clip(np.abs(1 + s.real.gain), 1e-6, 1e6), "estimate")]
+    said = Text(f"LQR never falls below 1; LQG comes down to {least}.", f"LQR 从不低于 1；LQG 最低为 {least}。")
+    if s.case.plant.m > 1:
+        curves.append(Curve(Text("LQG, all inputs: σ_min(I + L)", "LQG，全部输入：σ_min(I + L)"),
+                            np.clip(s.real.together, 1e-6, 1e6), "error", "dot", 1.6))
+        together = words(s.real.nearest)
+        said = Text(f"LQR never falls below 1; LQG comes down to {least}, with all inputs at once to {together}.",
+                    f"LQR 从不低于 1；LQG 最低为 {least}，全部输入同时考虑时为 {together}。")
+    curves.append(Curve(same("1"), np.ones(len(f)), "reference", "dot", 1.2))
+    return FrequencyFigure("return", Text("return difference", "回差"), f, tuple(curves), "|1 + ℓ|", said, ROBUST_TAB,
+                           window=(0.1, 100.0))
 
 
 def _margins(outcome: Outcome) -> TableFigure:
     s = outcome.extra
 
-    def column(r: Robustness) -> tuple[str, ...]:
+    def column(r: Robustness) -> tuple[Text | str, ...]:
         m = r.margins
         low, high = m.gain
-        return (f"{words(low, 4)} … {words(high, 6)}", f"{np.degrees(m.phase):.3g}°", f"{words(m.delay)} s", words(m.disk.alpha),
-                words(m.nearest), f"{words(r.alpha)}, {words(r.nearest)}")
+        return (f"{words(low, 4)} … {words(high, 6)}", _phase(m), ANY if np.isinf(m.delay) else f"{words(m.delay)} s",
+                words(m.disk.alpha), words(m.nearest), f"{words(r.alpha)}, {words(r.nearest)}")
 
     names = (Text("gain", "增益"), Text("phase", "相位"), Text("delay", "时滞"), Text("disk α", "圆盘 α"), same("min |1 + ℓ|"),
              Text("all inputs: α, σ_min", "全部输入：α、σ_min"))
@@ -194,13 +215,14 @@ def _loop_gain(outcome: Outcome) -> FrequencyFigure:
 
 def _price(outcome: Outcome) -> TableFigure:
     s = outcome.extra
+    unit = f" [{s.case.input_unit}]" if s.case.input_unit else ""
     noise = [s.case.input_scale * float(np.linalg.norm(c.sensors)) for c in (s.plain_cost, s.cost)]
     rows = (
         (Text("gain may grow to", "增益可增大到"), words(s.plain.margins.gain[1], 6), words(s.real.margins.gain[1], 6)),
         (Text("gain may fall to", "增益可减小到"), words(s.plain.margins.gain[0], 4), words(s.real.margins.gain[0], 4)),
-        (Text("phase margin", "相位裕度"), f"{np.degrees(s.plain.margins.phase):.3g}°", f"{np.degrees(s.real.margins.phase):.3g}°"),
+        (Text("phase margin", "相位裕度"), _phase(s.plain.margins), _phase(s.real.margins)),
         (same("min |1 + ℓ|"), words(s.plain.margins.nearest), words(s.real.margins.nearest)),
-        (Text(f"input from sensor noise [{s.case.input_unit}]", f"测量噪声引起的输入 [{s.case.input_unit}]"),
+        (Text(f"input from sensor noise{unit}", f"测量噪声引起的输入{unit}"),
          words(noise[0]), words(noise[1])),
         (same("J"), words(s.plain_cost.total, 4), words(s.cost.total, 4)),
     )
@@ -224,9 +246,9 @@ def _run(outcome: Outcome) -> tuple[TimeFigure, ...]:
         figures.append(TimeFigure(
             f"state{i}", signal.name, run.t,
             (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
-            f"[{signal.unit}]", tab=TIME_TAB,
-            caption=Text(f"In the last tenth of the run at most {late:.2g} {signal.unit}.",
-                         f"最后十分之一时间内不超过 {late:.2g} {signal.unit}。")))
+            f"[{signal.unit}]" if signal.unit else "", tab=TIME_TAB,
+            caption=Text(f"In the last tenth of the run at most {f'{late:.2g} {signal.unit}'.strip()}.",
+                         f"最后十分之一时间内不超过 {f'{late:.2g} {signal.unit}'.strip()}。")))
     size = run.error(s.case)
     start = max(float(size[0]), 1e-12)
     half = np.flatnonzero(size > 0.1 * start)
