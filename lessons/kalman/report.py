@@ -31,10 +31,10 @@ def report_figure(outcome: Outcome) -> TableFigure:
         JOSEPH: Text("holds: right for every gain", "成立：对任何增益都正确"),
         SHORT: Text(f"slip: not (59); off by up to {m['short_gap']:.1e} here, Joseph {m['joseph_gap']:.1e}",
                     f"笔误：与 (59) 不符；此处最多偏差 {m['short_gap']:.1e}，Joseph 为 {m['joseph_gap']:.1e}"),
-        NEAR_R: Text(f"slip: it is S; S/R = {m['S_over_R']:.2f}, seen {m['seen_over_R']:.2f}",
-                     f"笔误：应为 S；S/R = {m['S_over_R']:.2f}，实测 {m['seen_over_R']:.2f}"),
-        MEANS: Text(f"slip: {sigmas:.0f} σ of the mean (σ_v = 1e-9, 20 000 samples)",
-                    f"笔误：为均值标准差的 {sigmas:.0f} 倍（σ_v = 1e-9，20 000 个采样）"),
+        NEAR_R: Text(f"slip: it is S; S/R = {m['S_over_R']:.2f}, seen {m['seen_over_R']:.2f}; with σ_v = 1e-9 at 1 kHz, 8 million",
+                     f"笔误：应为 S；S/R = {m['S_over_R']:.2f}，实测 {m['seen_over_R']:.2f}；按其 σ_v = 1e-9、1 kHz 则为八百万"),
+        MEANS: Text(f"slip: {sigmas:.0f} σ of the mean (σ_v = 1e-9, 20 000 samples); HL and HR of one sign, though HR = −HL",
+                    f"笔误：为均值标准差的 {sigmas:.0f} 倍（σ_v = 1e-9，20 000 个采样）；HR = −HL，二者均值却同号"),
     }
     printed = {
         GAIN: same("K = P Hᵀ S⁻¹"), JOSEPH: same("(I−KH) P (I−KH)ᵀ + K R Kᵀ"), SHORT: same("P = (I − K C) P"),
