@@ -185,3 +185,11 @@ def test_a_kick_is_felt_by_both_filters() -> None:
         before = calm.t < 1.49
         assert np.allclose(kicked.x[before], calm.x[before], atol=1e-12)
         assert np.abs(kicked.x[~before] - calm.x[~before]).max() > 1e-4
+
+
+def test_the_price_of_recovery_is_as_the_solution_says() -> None:
+    o = at(case="doyle", q=1000.0, sigma=1000.0, recovery=6.0)
+    m, s = o.extra.real.margins, o.extra
+    assert m.gain == pytest.approx((0.0719, 5.385), rel=1e-3) and np.degrees(m.phase) == pytest.approx(75.3, abs=0.1)
+    assert np.linalg.norm(s.cost.sensors) / np.linalg.norm(s.plain_cost.sensors) == pytest.approx(273, abs=1)
+    assert s.cost.total > s.plain_cost.total
