@@ -69,7 +69,7 @@ KNOBS = (
            scale="log", hint=Text("ẏ is replaced by s/(τs + 1) y.", "用 s/(τs + 1) y 代替 ẏ。")),
     Number("chi0", r"\chi(0)", Text("first χ", "χ 的初值"), low=-30.0, high=30.0, default=0.0, step=0.5,
            hint=Text("The paper starts at 0; ĝ then starts 15.5 below g.", "论文取 0，此时 ĝ 比 g 低 15.5。")),
-    Choice("line", "", Text("printed line in doubt", "存疑的一行"), default=OPTIONS[0][0], options=OPTIONS,
+    Choice("line", "", Text("printed line in doubt", "可疑的一行"), default=OPTIONS[0][0], options=OPTIONS,
            hint=Text("The tab Eight steps says which pole this line leads to by itself.", "“八个步骤”标签页给出照这一行得到的极点。")),
     run_knobs(HORIZON)[1],
 )

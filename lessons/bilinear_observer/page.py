@@ -146,7 +146,7 @@ def _page(line: str) -> TableFigure:
     chosen = next((each for each in DOUBTED if each.id == line), None)
     if chosen is None:
         caption = Text("Choose a line in doubt: the last column then says which pole it leads to by itself.",
-                       "选一行存疑的数字，最后一列便给出照它计算得到的极点。")
+                       "选一行可疑的数字，最后一列便给出照它计算得到的极点。")
     else:
         assert chosen.alone is not None
         pole = words(np.array([chosen.alone(o)]), 2)

@@ -22,7 +22,7 @@ def _slip(outcome: Outcome) -> Verdict:
     line, pole = outcome.design["line"], outcome.metrics["pole"]
     if line == NONE:
         return Verdict(False, Text("No line is in doubt yet; walk through the steps and compare.",
-                                   "还没有选定存疑的行；请逐步对照。"))
+                                   "还没有选定可疑的行；请逐步对照。"))
     if line != FATAL:
         return Verdict(False, Text("That line is no worse than rounding: by itself it leaves the pole at −30 or next to it.",
                                    "这一行不过是舍入：只用它，极点仍在 −30 或其近旁。"))

@@ -42,10 +42,10 @@ def _of_report(case: Case, when: When) -> tuple[Number, ...]:
                      "Q = α_Q Q₀：运动的代价。K 只取决于 α_Q/α_R。"), when),
         _factor("alpha_r", r"\alpha_R", Text("input weight α_R", "输入权重 α_R"), 1e-4, 1e4, ar,
                 Text("R = α_R I: what force costs.", "R = α_R I：用力的代价。"), when),
-        _factor("beta_q", r"\beta_Q", Text("disturbance believed β_Q", "所信的扰动 β_Q"), 1e-3, 1e3, 1.0,
+        _factor("beta_q", r"\beta_Q", Text("disturbance believed β_Q", "设定的扰动强度 β_Q"), 1e-3, 1e3, 1.0,
                 Text("W = β_Q W₀ is what the filter is told; the disturbance itself stays.",
                      "告诉滤波器 W = β_Q W₀；扰动本身并不改变。"), when),
-        _factor("beta_r", r"\beta_R", Text("sensor noise believed β_R", "所信的测量噪声 β_R"), 1e-3, 1e12, br,
+        _factor("beta_r", r"\beta_R", Text("sensor noise believed β_R", "设定的测量噪声 β_R"), 1e-3, 1e12, br,
                 Text(f"V = β_R I{unit.en}: what the filter is told of its sensors.",
                      f"V = β_R I{unit.zh}：告诉滤波器的测量噪声。"), when),
         _factor("sensor", "V", Text("true sensor noise", "真实测量噪声"), 1e-2, 1e12, 1.0,
@@ -59,7 +59,7 @@ def _of_paper(when: When) -> tuple[Number, ...]:
                 Text("Q = q [1 1]ᵀ[1 1], R = 1.", "Q = q [1 1]ᵀ[1 1]，R = 1。"), when),
         _factor("sigma", r"\sigma", Text("disturbance σ", "扰动强度 σ"), 0.1, 1e4, 5.0,
                 Text("W = σ [1 1]ᵀ[1 1], V = 1, as they are and as the filter believes.",
-                     "W = σ [1 1]ᵀ[1 1]，V = 1：真实如此，滤波器也如此相信。"), when),
+                     "W = σ [1 1]ᵀ[1 1]，V = 1：真值与设定值相同。"), when),
     )
 
 

@@ -188,7 +188,7 @@ def _live(s: Study) -> Text:
                     f"增益不超过 {gain[1]:.6g} 倍时稳定；离 −1 最近 {s.real.margins.nearest:.3g}。")
     named = ", ".join(f"{v:.1f}" for v in s.suppression).replace("-", "−")
     delay = s.real.margins.delay
-    late = (Text(f"{delay:.3g} s of delay", f" {delay:.3g} s 的时滞") if np.isfinite(delay) else Text("any delay", "任意时滞"))
+    late = (Text(f"{delay:.3g} s of delay", f" {delay:.3g} s 的时延") if np.isfinite(delay) else Text("any delay", "任意时延"))
     return Text(f"Peaks lowered by {named} dB; this input tolerates {late.en}.", f"峰值降低 {named} dB；该输入可容忍{late.zh}。")
 
 

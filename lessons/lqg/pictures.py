@@ -138,7 +138,7 @@ def _cost(outcome: Outcome) -> TableFigure:
         said = Text("No other controller is cheaper on average under this noise.", "在这一噪声下，没有任何控制器的平均代价更低。")
     else:
         said = Text(f"{words(c.total / c.least)} times the least: the filter believes in another noise.",
-                    f"是最小值的 {words(c.total / c.least)} 倍：滤波器所信的噪声与实际不符。")
+                    f"是最小值的 {words(c.total / c.least)} 倍：滤波器设定的噪声与实际不符。")
     return TableFigure("cost", Text("average of xᵀQx + uᵀRu", "xᵀQx + uᵀRu 的平均值"), (Text("part", "组成"), same("J")), rows,
                        said, COST_TAB)
 
@@ -188,14 +188,14 @@ def _margins(outcome: Outcome) -> TableFigure:
         return (f"{words(low, 4)} … {words(high, 6)}", _phase(m), ANY if np.isinf(m.delay) else f"{words(m.delay)} s",
                 words(m.disk.alpha), words(m.nearest), f"{words(r.alpha)}, {words(r.nearest)}")
 
-    names = (Text("gain", "增益"), Text("phase", "相位"), Text("delay", "时滞"), Text("disk α", "圆盘 α"), same("min |1 + ℓ|"),
+    names = (Text("gain", "增益"), Text("phase", "相位"), Text("delay", "时延"), Text("disk α", "圆盘 α"), same("min |1 + ℓ|"),
              Text("all inputs: α, σ_min", "全部输入：α、σ_min"))
     rows = tuple((name, a, b) for name, a, b in zip(names, column(s.ideal), column(s.real), strict=True))
     thin = s.real.margins.gain[1] < 1.1 or s.real.margins.gain[0] > 0.9 or s.real.margins.delay < 1e-3
     said = (Text("Optimal, yet a little error of gain, phase or timing breaks it.",
                  "最优，却经不起增益、相位或时间上的一点误差。") if thin else
-            Text("This optimal loop happens to have margins; nothing promised them.",
-                 "这个最优回路恰好有裕度，但没有任何定理保证。"))
+            Text("This loop has margins; being optimal promised none of them.",
+                 "这个回路有裕度，但并非由最优性所保证。"))
     return TableFigure("margins", Text("margins", "稳定裕度"), (Text("margin", "裕度"), same("LQR"), same("LQG")), rows, said,
                        ROBUST_TAB)
 

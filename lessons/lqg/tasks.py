@@ -58,7 +58,7 @@ def _twenty(outcome: Outcome) -> Verdict:
     setting = setting_of(s.case, outcome.design)
     least = min(real(s.case, setting.factors, setting.recovery, i).margins.delay for i in range(s.case.plant.m))
     found = Text(f"The least of the three channels gains {worst:.1f} dB, the least delay margin is {least:.3g} s",
-                 f"三个通道中最少降低 {worst:.1f} dB，最小时滞裕度为 {least:.3g} s")
+                 f"三个通道中最少降低 {worst:.1f} dB，最小时延裕度为 {least:.3g} s")
     if worst < DECIBEL or least < SECONDS:
         return Verdict(False, Text(f"{found.en}; wanted are 20 dB and 0.1 s.", f"{found.zh}；要求 20 dB 和 0.1 s。"))
     return Verdict(True, Text(f"{found.en}.", f"{found.zh}。"))

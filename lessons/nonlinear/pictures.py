@@ -157,14 +157,14 @@ def _law(outcome: Outcome) -> PlaneFigure:
         return _plane("law", Text("pull of a vertical spring", "竖直弹簧的拉力"), "e [mm]", "N", e, 1e-3 * k.kz * e * bend,
                       1e-3 * k.kz * e, sigma,
                       Text(f"Stretched by the start's σ of {sigma:.2g} mm the spring is {at:.2f} times as stiff as the line says.",
-                           f"伸长量为起点的 σ（{sigma:.2g} mm）时，弹簧的刚度是直线的 {at:.2f} 倍。"), (-25.0, 25.0))
+                           f"伸长量为初始 σ（{sigma:.2g} mm）时，弹簧的刚度是直线的 {at:.2f} 倍。"), (-25.0, 25.0))
     if s.case.id == PENDULUM:
         angle = np.linspace(-90, 90, 91)
         sigma = float(np.degrees(d["size"] * s.case.spread[1]))
         return _plane("law", Text("pull of gravity on the pole", "重力对摆杆的作用"), "θ [°]", "m/s²", angle,
                       9.81 * np.sin(np.radians(angle)), 9.81 * np.radians(angle), sigma,
                       Text(f"At the start's σ of {sigma:.3g}° the line is off by {100 * _sine_gap(sigma):.2g} %.",
-                           f"在起点的 σ（{sigma:.3g}°）处，直线偏差 {100 * _sine_gap(sigma):.2g} %。"), (-16.0, 16.0))
+                           f"在初始 σ（{sigma:.3g}°）处，直线偏差 {100 * _sine_gap(sigma):.2g} %。"), (-16.0, 16.0))
     k = falling_body.PARAMETERS
     h = np.linspace(0, 95, 96)
     seen = 1e-3 * np.hypot(k.side, 1e3 * h - k.height)
@@ -240,7 +240,7 @@ def _lines(outcome: Outcome) -> TableFigure:
     chosen, s = outcome.design["line"], outcome.extra
     gap = s.apart[UKF] if not outcome.design["redraw"] else linear_spreads(PLATFORM, 1.0, 1.0)[3]
     rows = tuple((label, finding(name, gap) if name == chosen else same("?")) for name, label in LINES if name != NONE)
-    return TableFigure("lines", Text("lines of the report in doubt", "报告中存疑的几行"),
+    return TableFigure("lines", Text("lines of the report in doubt", "报告中可疑的几行"),
                        (Text("line", "行"), Text("what the engine finds", "计算结果")), rows, tab=REPORT_TAB,
                        caption=Text("Choose a line with the knob; one of them makes a wrong filter of a linear plant.",
                                     "用旋钮选择一行；其中一行使线性对象的滤波器出错。"))

@@ -47,12 +47,12 @@ def _deceived(o: Outcome) -> Verdict:
             f"每个状态的 NEES：EKF {m['nees_ekf']:.3g}，UKF {m['nees_ukf']:.3g}")
     if o.design["case"] != FALL or o.design["size"] > 0.5:
         return _no("The falling body is wanted, with at most half the uncertainty of the start.",
-                   "要求下落体，且起点的不确定度不超过一半。")
+                   "要求下落体，且初始不确定度不超过一半。")
     if m["nees_ekf"] < 100:
         return _no(f"{said[0]}; the EKF is not yet wrong by a factor of 100.", f"{said[1]}；EKF 还没有错到 100 倍。")
     if m["nees_ukf"] > 4:
         return _no(f"{said[0]}; the UKF is lost as well.", f"{said[1]}；UKF 也失效了。")
-    return Verdict(True, Text(f"{said[0]}: a better start has not helped the EKF.", f"{said[1]}：更清楚的起点并没有帮到 EKF。"))
+    return Verdict(True, Text(f"{said[0]}: a better start has not helped the EKF.", f"{said[1]}：初值更准并没有帮到 EKF。"))
 
 
 def _report(o: Outcome) -> Verdict:

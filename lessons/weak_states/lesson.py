@@ -28,7 +28,7 @@ def _size(name: str, symbol: str, label: Text, unit: str, low: float, high: floa
 
 
 KNOBS = (
-    Choice("pair", "", Text("pair on the stage", "台上的一对"), default="1", group=MODEL,
+    Choice("pair", "", Text("pair on the stage", "场景中的一对"), default="1", group=MODEL,
            options=tuple((str(k + 1), Text(sigmas(k), sigmas(k))) for k in range(PAIRS)),
            hint=Text("Which motion is drawn, the strongest pair first.", "画出哪一种运动；从最强的一对开始。")),
     Number("order", "r", Text("states kept", "保留的状态数"), low=1, high=STATES, default=STATES, scale="integer", group=MODEL,
@@ -127,7 +127,7 @@ def _live(study: Study, motion: Motion, m: dict[str, float]) -> Text:
              Text("the ghost moves in part", "虚影部分随动"))
     factor = slower(motion)
     shown = Text(f"On the stage: {motion.name.en}, {motion.frequency:.3g} Hz, drawn {factor:.2g} times slower; ",
-                 f"台上：{motion.name.zh}，{motion.frequency:.3g} Hz，放慢 {factor:.2g} 倍；")
+                 f"场景中：{motion.name.zh}，{motion.frequency:.3g} Hz，放慢 {factor:.2g} 倍；")
     if order == STATES:
         return Text(f"{shown.en}all ten states are kept.", f"{shown.zh}十个状态全部保留。")
     return Text(f"{shown.en}{ghost.en}: {order} of 10 states are kept, error {m['error']:.3g}.",

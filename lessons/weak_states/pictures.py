@@ -105,7 +105,7 @@ def _staircase(outcome: Outcome) -> PlaneFigure:
         caption=Text(f"The widest gap, a factor of {ratio[widest]:.0f}, lies after {widest + 1}; after 8 it is {ratio[7]:.0f}. "
                      "Dots: the pair on the stage.",
                      f"最大的落差在第 {widest + 1} 个之后，为 {ratio[widest]:.0f} 倍；第 8 个之后为 {ratio[7]:.0f} 倍。"
-                     "圆点：台上的那一对。"))
+                     "圆点：场景中的那一对。"))
 
 
 def _error(outcome: Outcome) -> FrequencyFigure:
@@ -176,7 +176,7 @@ def _spectrum(outcome: Outcome) -> FrequencyFigure:
         curves.append(Curve(Text(f"LQG on {order}", f"基于 {order} 个状态的 LQG"), 1e12 * c.small.densities[:, 0], "estimate", "dash"))
     said = (Text(f"The two loops differ by {show(100 * c.gap, 2)} % at most, in any output and at any frequency.",
                  f"两个闭环在任何输出、任何频率上最多相差 {show(100 * c.gap, 2)} %。") if c.gap is not None else
-            Text(f"The loop with {order} states is unstable on the platform: slowest pole {show(c.small.rightmost, 2)}.",
+            Text(f"The loop with {order} states is unstable on the platform: rightmost pole {show(c.small.rightmost, 2)}.",
                  f"基于 {order} 个状态的控制器使平台失稳：最右极点的实部为 {show(c.small.rightmost, 2)}。"))
     return FrequencyFigure("spectrum", Text("velocity VL under ground noise", "地面噪声下的速度 VL"), f,
                            tuple(Curve(k.name, np.maximum(k.y, LEAST), k.role, k.dash, k.width) for k in curves),

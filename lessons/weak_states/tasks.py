@@ -23,7 +23,7 @@ def _face(outcome: Outcome) -> Verdict:
     held = [share(s, m, order) > 0.5 for m in s.motions]
     if motion.kind != AGAINST:
         return Verdict(False, Text(f"On the stage: {motion.name.en}. The report cuts away another motion.",
-                                   f"台上是“{motion.name.zh}”。报告截去的不是这种运动。"))
+                                   f"场景中是“{motion.name.zh}”。报告截去的不是这种运动。"))
     if held != [k != pair for k in range(len(held))]:
         return Verdict(False, Text(f"A model of {order} states holds {sum(held)} of the five motions; it should lack this one alone.",
                                    f"{order} 阶模型保留了五种运动中的 {sum(held)} 种；应当只缺这一种。"))
