@@ -61,6 +61,7 @@ class Board:
     re_high: float = 2.0
     im_high: float = 8.0
     also: tuple[tuple[str, Any], ...] = ()  # knobs that dragging sets too
+    disc: bool = False  # discrete time: stable is inside the unit circle
     landscape: np.ndarray | None = None  # matrix whose |det(sI − M)|⁻¹ is drawn in front, if any
 
 
@@ -176,7 +177,7 @@ class Lesson:
     pick: Callable[[Outcome, float, float], Mapping[str, Any]] | None = None
     carry: Callable[[Outcome, Outcome], Outcome] | None = None
     adapt: Callable[[Model], Lesson] | None = None
-    sampled: bool = False
+    universal: bool = False
     plant: str = ""
 
     def fit(self, plant: str) -> Lesson:
@@ -186,7 +187,7 @@ class Lesson:
         if self.adapt is None:
             raise KnobError(Text(f"Lesson {self.id} is about its own plant; open the sandbox with yours.",
                                  f"课程 {self.id} 只针对自带的对象；请在“沙盒”课中使用你的对象。"))
-        return _fitted(self.adapt, self.sampled, plant)
+        return _fitted(self.adapt, self.universal, plant)
 
     def knob(self, name: str) -> Knob:
         """The knob of that name. Raises KnobError with the names that exist."""
@@ -217,26 +218,29 @@ class Lesson:
 
 
 @lru_cache(maxsize=32)
-def _fitted(adapt: Callable[[Model], Lesson], sampled: bool, text: str) -> Lesson:
+def _fitted(adapt: Callable[[Model], Lesson], universal: bool, text: str) -> Lesson:
     """The lesson built for a plant, with a line at its head that says whose plant is shown and whose the text means."""
     plant = plant_of(text)
-    model = own_model(plant if sampled else without_hold(plant))
+    model = own_model(plant if universal else without_hold(plant))
     lesson = adapt(model)
     kept = {task.id for task in lesson.tasks}
     words = {language: replace(
-        prose, introduction=f"{_whose(model, bool(plant.dt) and not sampled)(language)}\n\n{prose.introduction}",
+        prose, introduction=f"{_whose(model, universal, bool(plant.dt))(language)}\n\n{prose.introduction}",
         tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
-    return replace(lesson, words=words, plant=text, adapt=adapt, sampled=sampled)
+    return replace(lesson, words=words, plant=text, adapt=adapt, universal=universal)
 
 
-def _whose(model: Model, converted: bool) -> Text:
+def _whose(model: Model, universal: bool, sampled: bool) -> Text:
     p = model.plant
-    hold = (Text(" It came sampled; here it is the continuous plant that a held input turns into those samples.",
-                 "它原是采样对象，这里用的是与之对应的连续对象（零阶保持的逆变换）。") if converted else Text("", ""))
     name = Text(f"“{model.label.en}”" if p.name else model.label.en, f"“{model.label.zh}”" if p.name else model.label.zh)
-    return Text(f"**This page shows {name.en}** (states {p.n}, inputs {p.m}, outputs {p.p}). Text, prediction and exam item "
-                f"speak of the lesson's own plant.{hold.en}",
-                f"**本页显示的是{name.zh}**（状态 {p.n}，输入 {p.m}，输出 {p.p}）。文字、预测和考题讲的是本课自带的对象。{hold.zh}")
+    shown = Text(f"**This page shows {name.en}** (states {p.n}, inputs {p.m}, outputs {p.p}).",
+                 f"**本页显示的是{name.zh}**（状态 {p.n}，输入 {p.m}，输出 {p.p}）。")
+    if universal:
+        return shown
+    hold = (Text(" It came sampled; here it is the continuous plant that a held input turns into those samples.",
+                 "它原是采样对象，这里用的是与之对应的连续对象（零阶保持的逆变换）。") if sampled else Text("", ""))
+    return Text(f"{shown.en} Text, prediction and exam item speak of the lesson's own plant.{hold.en}",
+                f"{shown.zh}文字、预测和考题讲的是本课自带的对象。{hold.zh}")
 
 
 def student_seed(student: str, task: str) -> int:

@@ -19,6 +19,7 @@ from .noise.lesson import LESSON as noise
 from .nonlinear.lesson import LESSON as nonlinear
 from .observability.lesson import LESSON as observability
 from .robust_observer.lesson import LESSON as robust_observer
+from .sandbox.lesson import LESSON as sandbox
 from .saturation.lesson import LESSON as saturation
 from .separation.lesson import LESSON as separation
 from .virtual_sensor.lesson import LESSON as virtual_sensor
@@ -42,5 +43,6 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     bilinear_observer,
     network,
     fault_diagnosis,
+    sandbox,
 ), key=lambda lesson: lesson.number)})
 OPENING = "separation"  # the lesson that the page opens on

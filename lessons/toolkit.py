@@ -14,12 +14,15 @@ from app.engine import (
     Plant,
     Run,
     StartingGain,
+    dlqe,
+    dlqr,
     lqe,
     lqr,
     observer_gain,
     place,
     shift_observer,
     shift_poles,
+    typical_rate,
 )
 from app.figures import Curve, TimeFigure
 from app.knobs import Choice, KnobError, Number, Poles
@@ -95,6 +98,8 @@ def gains(design: Design, plant: Plant, model: Model | None = None) -> tuple[np.
         return feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
     Q, R = design["q"] * plant.C.T @ plant.C, design["r"] * np.eye(plant.m)
     W, V = design["w"] * np.eye(plant.m), design["v"] * np.eye(plant.p)
+    if plant.dt:
+        return dlqr(plant.A, plant.B, Q, R).gain, dlqe(plant.A, plant.B, plant.C, W, V).gain
     return lqr(plant.A, plant.B, Q, R).gain, lqe(plant.A, plant.B, plant.C, W, V).gain
 
 
@@ -134,6 +139,20 @@ def sizes(model: Model) -> np.ndarray:
     return np.where(size > 0, size, 1.0)
 
 
+def noise_units(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """G, W and V of unit noises for a person's own plant: intensities, or covariances of a sample where it is sampled.
+
+    w enters where the inputs do and has the size of the natural input over a typical time, v that of the outputs near the
+    start; a plant that no input reaches is shaken in every state.
+    """
+    plant = model.plant
+    time = 1.0 if plant.dt else 1.0 / typical_rate(plant)
+    V = np.diag(sizes(model) ** 2) * time
+    if np.any(plant.B):
+        return plant.B, model.u_max**2 * time * np.eye(plant.m), V
+    return np.diag(np.abs(np.array(model.x0)) + 1e-9), (1.0 if plant.dt else 1.0 / time) * np.eye(plant.n), V
+
+
 def fair(lesson: Lesson) -> Lesson:
     """The lesson with those tasks alone that fail at its start and pass at their own solution."""
     start = lesson.start()
@@ -164,11 +183,11 @@ def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: 
         Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"),
               design["controller_poles"] if chosen else on_board(controller, c), grip("controller_poles", controller),
               bolts(model.controller, c) if chosen else (), role="plant", side="left", re_low=c.re_low, re_high=c.re_high,
-              im_high=c.im_high, also=take),
+              im_high=c.im_high, also=take, disc=bool(model.plant.dt)),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
               design["observer_poles"] if chosen else on_board(observer, o), grip("observer_poles", observer),
               bolts(model.observer, o) if chosen else (), role="estimate", side="right", re_low=o.re_low,
-              re_high=o.re_high, im_high=o.im_high, also=take, landscape=error_matrix),
+              re_high=o.re_high, im_high=o.im_high, also=take, disc=bool(model.plant.dt), landscape=error_matrix),
     )
 
 
@@ -179,8 +198,10 @@ def on_board(poles: np.ndarray, window: Any) -> tuple[complex, ...]:
 
 
 def kicks(design: Design, model: Model) -> tuple[tuple[float, tuple[float, ...]], ...]:
-    """The impulse that the kick button has put into the design, if any."""
-    return ((design["kick"], model.kick),) if design["kick"] >= 0 else ()
+    """The impulse that the kick button has put into the design, if any; a sampled plant feels it at the next sample."""
+    step = model.plant.dt
+    at = step * np.ceil(design["kick"] / step - 1e-9) if step else design["kick"]
+    return ((float(at), model.kick),) if design["kick"] >= 0 else ()
 
 
 def stage(model: Model, run: Run) -> Stage:
@@ -237,7 +258,7 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigu
     for j, name in enumerate(run.scenario.plant.input_names):
         role = ("force", "disturbance", "second")[j % 3]
         applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
-        shown = INPUTS.get(name, same(name))
+        shown = Text(f"input {name}", f"输入 {name}") if model.controller is not None else INPUTS.get(name, same(name))
         curves.append(Curve(shown, applied, role))
         if not np.array_equal(applied, asked):
             curves.append(Curve(Text(f"{shown.en} asked", f"{shown.zh} 指令"), asked, role, "dash", 1.6))

@@ -112,6 +112,7 @@ from .spectrum import Spectrum, amplitude_response, frequency_response, modal_co
 from .square_root import SquareRootFilter
 from .starting import StartingGain, shift_observer, shift_poles, starting_feedback, starting_observer, typical_rate
 from .track import Schedule, Track, as_record, means_along
+from .trade_off import ErrorParts, Ladder, error_parts, noise_ladder
 from .trial import ResponseMeasures, Trial, response_measures, run_trial
 from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
 
@@ -141,6 +142,7 @@ __all__ = [
     "EngineError",
     "Experiment",
     "ExtendedFilters",
+    "ErrorParts",
     "ExtendedKalmanFilter",
     "FaultBank",
     "Flow",
@@ -151,6 +153,7 @@ __all__ = [
     "InnovationTest",
     "KalmanDecomposition",
     "KalmanFilter",
+    "Ladder",
     "LinearFilter",
     "LinearFilters",
     "Link",
@@ -242,6 +245,7 @@ __all__ = [
     "dominance_of",
     "each_column",
     "error_index",
+    "error_parts",
     "error_transfer",
     "errors_squared",
     "every_entry",
@@ -288,6 +292,7 @@ __all__ = [
     "negated",
     "network_meter",
     "nis",
+    "noise_ladder",
     "noisy_loop",
     "observability",
     "observability_gramian",

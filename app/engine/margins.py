@@ -120,6 +120,11 @@ class LoopMargins:
         return tuple(_channel(self.loop, i, self.names[i]) for i in range(self.loop.inputs, len(self.names)))
 
     @cached_property
+    def input_disk(self) -> DiskMargin:
+        """`all_inputs.disk` alone, for who needs nothing else of it."""
+        return _structured_disk(self.loop, slice(0, self.loop.inputs))
+
+    @cached_property
     def all_inputs(self) -> MultiMargins:
         """Of all plant inputs at once."""
         return _together(self.loop, slice(0, self.loop.inputs))
@@ -200,6 +205,13 @@ def _phase(loop: Sensitivity, s: np.ndarray, at: Response) -> tuple[tuple[float,
     if not loop.dt and abs(1 - s[-1]) > abs(s[-1]):
         delay = 0.0  # |ℓ(j∞)| > 1: the slightest delay destabilises
     return phase, delay
+
+
+def _structured_disk(loop: Sensitivity, part: slice) -> DiskMargin:
+    if not loop.stable:
+        return DiskMargin(0.0, float("nan"))
+    S, half = loop.values[:, part, part], 0.5 * np.eye(part.stop - part.start)
+    return _disk(*_peak(loop.omega, _structured(S - half), lambda w: _structured(loop.at(w)[..., part, part] - half)))
 
 
 # --- many channels -----------------------------------------------------------------------------------------------------

@@ -74,7 +74,7 @@ def compute(model: Model, design: Design) -> Outcome:
     seen = Seen(copy, _locus(belief, full), _secret(model))
     error, alone = (seen.secret.of(r.e) for r in (run, copy))
     metrics = {
-        "slowest_observer": float(poles.real.max()), "slowest_copy": float(belief.poles.real.max()),
+        "slowest_observer": float(poles.real.max()), "slowest_copy": float(np.real(belief.poles).max()),
         "largest_gain": float(np.abs(L).max()), "secret_error": _late(error), "copy_secret_error": _late(alone),
         "first_error": float(abs(error[0]))}
     checks = (

@@ -1,0 +1,80 @@
+"""From a deaf observer to a nervous one: what each lets through of the process noise and of the sensor noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov
+
+from .errors import EngineError
+from .optimal import dlqe, lqe
+from .plant import Plant, as_matrix
+
+__all__ = ["ErrorParts", "Ladder", "error_parts", "noise_ladder"]
+
+SLOWEST = 1e-10  # beside the fastest pole: slower ones count as not settling
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorParts:
+    """Covariances (n×n) of the settled error of an observer: what process noise leaves and what sensor noise adds."""
+
+    process: np.ndarray
+    sensor: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """P = P_w + P_v: the noises are independent."""
+        return self.process + self.sensor
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """Kalman filters that believe `ratio` (k,) times the true process noise; parts[i] is what the i-th does with the truth.
+
+    The one at ratio 1 has the least covariance of all observers: P_i − P ⪰ 0 for every i.
+    """
+
+    ratio: np.ndarray
+    gains: tuple[np.ndarray, ...]
+    parts: tuple[ErrorParts, ...]
+
+
+def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> ErrorParts:
+    """F P + P Fᵀ + G W Gᵀ = 0 and F P + P Fᵀ + L V Lᵀ = 0, F = A − LC; F P Fᵀ − P + … = 0 for a plant with dt > 0.
+
+    L n×p, G n×q, W q×q and V p×p intensities (covariances of a sample where dt > 0). Raises EngineError where the error
+    does not settle.
+    """
+    L, G = as_matrix(L, "L"), as_matrix(G, "G")
+    F = plant.A - L @ plant.C
+    poles = np.linalg.eigvals(F)
+    worst = float((np.abs(poles) - 1 if plant.dt else np.real(poles)).max())
+    if worst >= -SLOWEST * max(float(np.abs(poles).max()), 1e-300):
+        raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move its poles.")
+    pushes = (G @ as_matrix(W, "W") @ G.T, L @ as_matrix(V, "V") @ L.T)
+    found = [_summed(F, Q) if plant.dt else solve_continuous_lyapunov(F, -Q) for Q in pushes]
+    return ErrorParts(*((P + P.T) / 2 for P in found))
+
+
+def _summed(F: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Σ Fᵏ Q Fᵀᵏ by doubling: P ← P + F P Fᵀ, F ← F²."""
+    P, power = Q, F
+    for _ in range(64):
+        more = power @ P @ power.T
+        P = P + more
+        if np.abs(more).max() <= 1e-17 * np.abs(P).max():
+            break
+        power = power @ power
+    return P
+
+
+def noise_ladder(plant: Plant, G: object, W: object, V: object, ratio: np.ndarray) -> Ladder:
+    """The filters of `ratio` times W, and what each does with W and V themselves.
+
+    Raises EngineError, RiccatiError where there is no filter.
+    """
+    W, design = as_matrix(W, "W"), dlqe if plant.dt else lqe
+    gains = tuple(design(plant.A, G, plant.C, float(r) * W, V).gain for r in ratio)
+    return Ladder(np.asarray(ratio, dtype=float), gains, tuple(error_parts(plant, L, G, W, V) for L in gains))

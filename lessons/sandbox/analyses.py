@@ -1,0 +1,239 @@
+"""What can be asked about a plant: each analysis by itself, so that one that fails takes no other with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TypeVar
+
+import numpy as np
+
+from app.engine import (
+    Belief,
+    ChannelMargins,
+    ClosedLoop,
+    Controllability,
+    EngineError,
+    ErrorParts,
+    KalmanDecomposition,
+    KalmanFilter,
+    Ladder,
+    Observability,
+    Plant,
+    Scenario,
+    Sensitivity,
+    SquaredError,
+    compensator,
+    controllability,
+    error_parts,
+    hankel_singular_values,
+    kalman_decomposition,
+    loop_margins,
+    nis,
+    noise_ladder,
+    observability,
+    sensitivity,
+    simulate,
+    split_stable,
+    starting_feedback,
+)
+from app.knobs import KnobError
+from app.plants import Model
+from app.words import Text
+
+from ..toolkit import noise_units
+
+T = TypeVar("T")
+QUICK = 8  # states up to which margins are found while a knob moves, whatever the eigenvectors
+LATER = Text("The margins of this loop take a while: the button under the knobs works them out.",
+             "这个闭环的裕度计算较慢：请按旋钮下方的按钮。")
+RUNGS = np.logspace(-3, 3, 9)  # beliefs on the ladder, times the true process noise
+SAMPLES = 160  # of the Kalman filter's record
+SKIP = 20  # samples that its test does not look at
+SPREAD = 4.0  # covariance of the start, times that of the settled filter
+PROCESS = 0.1  # size of the process noise, as a share of the natural input
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """Why an analysis says nothing about this plant."""
+
+    text: Text
+
+
+def attempt(analysis: Callable[[], T]) -> T | Refusal:
+    """What an analysis finds, or its sentence why not."""
+    try:
+        return analysis()
+    except (EngineError, KnobError) as problem:
+        return Refusal(getattr(problem, "text", Text(str(problem), f"此项不适用：{problem}")))
+    except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError):
+        return Refusal(Text("Rounding defeats this analysis; choose other units for states or time.",
+                            "舍入误差使这项分析失效；请更换状态或时间的单位。"))
+
+
+# --- of the plant alone ------------------------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class Structure:
+    """Everything that no gain changes. `kept`: states set aside before the Hankel values because they are not stable."""
+
+    seen: Observability | Refusal
+    reached: Controllability | Refusal
+    decomposition: KalmanDecomposition | Refusal
+    hankel: np.ndarray | Refusal
+    kept: int
+
+
+@lru_cache(maxsize=32)
+def structure(plant: Plant) -> Structure:
+    """Observability, controllability, Kalman decomposition and Hankel values of the stable part."""
+    split = attempt(lambda: split_stable(plant))
+    kept = 0 if isinstance(split, Refusal) else split.unstable.n
+    return Structure(attempt(lambda: observability(plant)), attempt(lambda: controllability(plant)),
+                     attempt(lambda: kalman_decomposition(plant)), attempt(lambda: _hankel(split)), kept)
+
+
+def _hankel(split: object) -> np.ndarray:
+    if isinstance(split, Refusal):
+        raise KnobError(split.text)
+    stable = split.stable  # type: ignore[attr-defined]
+    if stable.n == 0:
+        raise KnobError(Text("No state is stable by itself, so there are no Hankel values.", "没有自身稳定的状态，因此没有汉克尔奇异值。"))
+    return hankel_singular_values(stable)
+
+
+# --- of the loop -------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class Margins:
+    """Of the loop cut at the inputs: by channel, the disk margin of all at once, and S of the loop."""
+
+    channels: tuple[ChannelMargins, ...]
+    together: float  # disk margin α of all inputs at once
+    loop: Sensitivity
+    target: Sensitivity  # had the state been known
+
+
+@lru_cache(maxsize=64)
+def _margins(plant: Plant, K: bytes, L: bytes) -> Margins:
+    K_, L_ = np.frombuffer(K).reshape(plant.m, plant.n), np.frombuffer(L).reshape(plant.n, plant.p)
+    found = loop_margins(plant, compensator(plant, K_, L_))
+    whole = Plant(plant.A, plant.B, np.eye(plant.n), np.zeros((plant.n, plant.m)), plant.dt)
+    channels, together = found.inputs, found.input_disk.alpha
+    if not found.stable:
+        raise KnobError(Text("The loop is not stable, so it has no margins; move a pole.", "闭环不稳定，没有裕度可言；请移动极点。"))
+    return Margins(channels, float(together), found.loop, sensitivity(whole, -K_))
+
+
+def margins(plant: Plant, K: np.ndarray, L: np.ndarray, patient: bool) -> Margins:
+    """Margins at the inputs; the same numbers are worked out once. Raises KnobError where the loop is not stable.
+
+    A large loop whose eigenvectors are poor takes seconds: whoever is not `patient` is told to press the button.
+    """
+    if not patient and plant.n > QUICK and sensitivity(plant, compensator(plant, K, L)).modal is None:
+        raise KnobError(LATER)
+    return _margins(plant, np.ascontiguousarray(K).tobytes(), np.ascontiguousarray(L).tobytes())
+
+
+def certificates(plant: Plant, loop: ClosedLoop, K: np.ndarray, L: np.ndarray) -> tuple[tuple[Text, float], ...]:
+    """Duality and separation as residuals, relative: each is a number that theory says is zero."""
+    left = np.linalg.eigvals(plant.A - L @ plant.C)
+    twin = np.linalg.eigvals(plant.A.T - plant.C.T @ L.T)
+    size = max(float(np.abs(left).max()), 1e-300)
+    apart = float(np.abs(np.sort(np.abs(left)) - np.sort(np.abs(twin))).max() / size)
+    n = plant.n
+    corner = float(np.abs(loop.A_xe[n:, :n]).max() / max(np.abs(loop.A_xe).max(), 1e-300))
+    return (
+        (Text("eig(A − LC) against its dual's", "eig(A − LC) 与其对偶"), apart),
+        (Text("spectrum of the loop against the union", "闭环谱与两组极点之并"), min(loop.union_error, loop.polynomial_error)),
+        (Text("corner of the loop in (x, e)", "(x, e) 坐标下的左下块"), corner),
+    )
+
+
+# --- of the noise ------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """The observer of the design among the Kalman filters of other beliefs; `ours`: its error's parts."""
+
+    ladder: Ladder
+    ours: ErrorParts | Refusal
+    unit: np.ndarray  # (n,) what counts as one in each state
+
+
+def noises(model: Model, sensor: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """G, W and V: process noise of a tenth of the natural input, sensor noise of `sensor` times the outputs at the start."""
+    G, W, V = noise_units(model)
+    return G, PROCESS**2 * W, sensor**2 * V
+
+
+@lru_cache(maxsize=64)
+def _ladder(plant: Plant, G: bytes, W: bytes, V: bytes) -> Ladder:
+    G_ = np.frombuffer(G).reshape(plant.n, -1)
+    q = G_.shape[1]
+    return noise_ladder(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), RUNGS)
+
+
+def noise(model: Model, L: np.ndarray, sensor: float) -> Noise:
+    """The ladder of beliefs, and where the design's own observer stands."""
+    G, W, V = noises(model, sensor)
+    ladder = _ladder(model.plant, *(np.ascontiguousarray(M).tobytes() for M in (G, W, V)))
+    size = np.abs(np.array(model.x0))
+    return Noise(ladder, attempt(lambda: error_parts(model.plant, L, G, W, V)), np.where(size > 0, size, 1.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A Kalman filter with a belief, on one drawn record: how its gain settles, NIS at each sample, and the verdict.
+
+    `expected`: what NIS is on average once all has settled, worked out and not drawn.
+    """
+
+    t: np.ndarray
+    distance: np.ndarray
+    values: np.ndarray
+    test: SquaredError
+    expected: float
+
+
+@lru_cache(maxsize=32)
+def _sampled(plant: Plant, G: bytes, W: bytes, V: bytes, step: float) -> tuple[KalmanFilter, np.ndarray, Plant]:
+    """The filter that knows the truth, a gain that holds the sampled plant, and that plant."""
+    G_ = np.frombuffer(G).reshape(plant.n, -1)
+    q = G_.shape[1]
+    kf = KalmanFilter.from_plant(plant, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p),
+                                 None if plant.dt else step, G_)
+    held = Plant(kf.A, kf.B, kf.C, kf.D, step)
+    return kf, starting_feedback(held).gain, held
+
+
+def trial(model: Model, sensor: float, belief: float, seed: int) -> Trial:
+    """The sampled plant held by its own filter's estimate, watched by a filter that believes `belief` times the noise."""
+    G, W, V = (np.ascontiguousarray(M).tobytes() for M in noises(model, sensor))
+    return _trial(model.plant, G, W, V, model.plant.dt or model.horizon / SAMPLES, belief, seed)
+
+
+@lru_cache(maxsize=64)
+def _trial(plant: Plant, G: bytes, W: bytes, V: bytes, step: float, belief: float, seed: int) -> Trial:
+    kf, K, held = _sampled(plant, G, W, V, step)
+    P0 = SPREAD * kf.steady.solution + 1e-12 * np.trace(kf.steady.solution) * np.eye(plant.n)
+    values, axes = np.linalg.eigh(P0)
+    x0 = axes @ (np.sqrt(np.maximum(values, 0.0)) * np.random.default_rng([seed, 11]).standard_normal(plant.n))
+    run = simulate(Scenario(held, K, kf.steady.gain, x0=x0, xhat0=np.zeros(plant.n), horizon=SAMPLES * step, dt=step,
+                            W=kf.Q, G=np.eye(plant.n), V=kf.R, seed=seed))
+    doubting = KalmanFilter(kf.A, kf.B, kf.C, belief * kf.Q, kf.R, kf.D, kf.dt)
+    final = doubting.steady
+    track = doubting.run(Belief(np.zeros(plant.n), P0), run.y, run.u_applied)
+    goal = float(np.abs(final.filter_gain).max())
+    if len(run.t) <= 2 * SKIP:
+        raise KnobError(Text("The plant runs away before the filter can be judged.", "在能评判滤波器之前，对象已经发散。"))
+    away = np.abs(track.gains - final.filter_gain).max(axis=(1, 2)) / max(goal, 1e-300)
+    early, test = nis(track.innovations[:SKIP], track.S[:SKIP]), nis(track.innovations[SKIP:], track.S[SKIP:])
+    return Trial(run.t, away, np.concatenate([early.values, test.values]), test, _expected(kf, doubting))
+
+
+def _expected(truth: KalmanFilter, doubting: KalmanFilter) -> float:
+    """tr(S_b⁻¹ (C P Cᵀ + R)): P the true covariance of the error under the doubting filter's gain, S_b what it promises."""
+    final = doubting.steady
+    P = error_parts(Plant(truth.A, truth.B, truth.C, truth.D, truth.dt or 1.0), final.gain, np.eye(truth.n), truth.Q, truth.R).total
+    promised = truth.C @ final.solution @ truth.C.T + doubting.R
+    return float(np.trace(np.linalg.solve(promised, truth.C @ P @ truth.C.T + truth.R)))

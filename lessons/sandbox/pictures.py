@@ -1,0 +1,319 @@
+"""Figures of the sandbox; where an analysis does not apply, its figure stays, empty, with the sentence why."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import TypeVar
+
+import numpy as np
+
+from app.engine import ClosedLoop, Controllability, Mode, Observability, Run, autonomous_error, chi2_band
+from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.plants import Model
+from app.words import Text, same
+
+from ..toolkit import error_figure, input_figure, pole_words, state_figures, tiny
+from .analyses import Margins, Noise, Refusal, Structure, Trial
+
+VERDICT_TAB, STRUCTURE_TAB, LOOP_TAB = Text("Verdicts", "结论"), Text("Structure", "结构"), Text("Loop", "闭环")
+NOISE_TAB, ROBUST_TAB = Text("Noise", "噪声"), Text("Robustness", "鲁棒性")
+LOWEST = -17.0  # decades: what is smaller is drawn here
+MOST_MODES = 10  # rows of the table of modes
+CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
+YES, NO, MUTE = Text("● yes", "● 是"), Text("○ no", "○ 否"), Text("— not here", "— 不适用")
+T = TypeVar("T")
+
+
+def decades(values: np.ndarray) -> np.ndarray:
+    """log₁₀|values|, not below the lowest that is drawn."""
+    return np.log10(np.maximum(np.abs(values), 10.0**LOWEST))
+
+
+def why(refusal: Refusal) -> Text:
+    """The sentence of an analysis that does not apply, as a caption."""
+    return Text(f"Not for this plant: {refusal.text.en}", f"此处不适用：{refusal.text.zh}")
+
+
+def empty_plane(name: str, title: Text, tab: Text, said: Text) -> PlaneFigure:
+    """A plane with nothing in it but its sentence."""
+    return PlaneFigure(name, title, tab=tab, caption=said)
+
+
+def empty_time(name: str, title: Text, tab: Text, said: Text) -> TimeFigure:
+    """Axes with nothing on them but their sentence."""
+    return TimeFigure(name, title, np.array([0.0, 1.0]), (Curve(same("—"), np.zeros(2), "muted"),), tab=tab, caption=said)
+
+
+# --- verdicts ----------------------------------------------------------------------------------------------------------
+def lights(rows: tuple[tuple[Text, bool | None, Text], ...]) -> TableFigure:
+    """Every analysis with its light and what it rests on."""
+    lit, dark = (sum(row[1] is value for row in rows) for value in (True, False))
+    return TableFigure(
+        "lights", Text("what can be said of this plant and loop", "关于该对象与闭环的结论"),
+        (Text("question", "问题"), Text("verdict", "结论"), Text("rests on", "依据")),
+        tuple((name, MUTE if holds is None else YES if holds else NO, said) for name, holds, said in rows), tab=VERDICT_TAB,
+        caption=Text(f"{lit} yes, {dark} no, {len(rows) - lit - dark} without an answer here.",
+                     f"{lit} 项为是，{dark} 项为否，{len(rows) - lit - dark} 项不适用。"))
+
+
+def modes_table(found: Structure) -> TableFigure:
+    """Each mode with its distances to being hidden from y and out of reach of u, the weakest first."""
+    title = Text("modes, and how far from hidden (PBH)", "各模态及其离“隐藏”的距离（PBH）")
+    heads = (Text("mode", "模态"), Text("by itself", "自由运动"), Text("seen by y", "输出可见"), Text("reached by u", "输入可达"))
+    for report in (found.seen, found.reached):
+        if isinstance(report, Refusal):
+            return TableFigure("modes", title, heads, ((same("—"), same("—"), same("—"), same("—")),), why(report), VERDICT_TAB)
+    assert isinstance(found.seen, Observability) and isinstance(found.reached, Controllability)
+    pairs = [(a, b) for a, b in _paired(found.seen.modes, found.reached.modes) if a.pole.imag >= -1e-12 * abs(a.pole)]
+    pairs.sort(key=lambda pair: min(p.margin if p.visible else -1.0 for p in pair))
+    rows = tuple((pole_words([complex(a.pole.real, abs(a.pole.imag))]), Text("settles", "衰减") if a.stable else
+                  Text("does not settle", "不衰减"), _bar(a), _bar(b)) for a, b in pairs[:MOST_MODES])
+    left = len(pairs) - len(rows)
+    more = Text(f" The {left} others are farther from hidden.", f" 其余 {left} 个离隐藏更远。") if left > 0 else Text("", "")
+    hidden, fixed = len(found.seen.unobservable), len(found.reached.uncontrollable)
+    return TableFigure("modes", title, heads, rows, tab=VERDICT_TAB, caption=Text(
+        f"Hidden from y: {hidden}. Out of reach of u: {fixed}.{more.en}", f"对 y 隐藏：{hidden} 个；u 够不着：{fixed} 个。{more.zh}"))
+
+
+def _paired(seen: tuple[Mode, ...], reached: tuple[Mode, ...]) -> list[tuple[Mode, Mode]]:
+    left, out = list(reached), []
+    for mode in seen:
+        twin = min(left, key=lambda other: abs(other.pole - mode.pole))
+        left.remove(twin)
+        out.append((mode, twin))
+    return out
+
+
+def _bar(mode: Mode) -> str:
+    if not mode.visible:
+        return "0"
+    return f"{mode.margin:.2g} " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
+
+
+# --- structure ---------------------------------------------------------------------------------------------------------
+def sizes_plane(found: Structure, rtol: float) -> PlaneFigure:
+    """Singular values of O and of the controllability matrix against the tolerance."""
+    title = Text("singular values of O and of [B, AB, …], log₁₀(σ/σ₁)", "O 与 [B, AB, …] 的奇异值 log₁₀(σ/σ₁)")
+    points, said = [], []
+    for report, role, mark in ((found.seen, "estimate", "dot"), (found.reached, "plant", "cross")):
+        if isinstance(report, Refusal):
+            return empty_plane("sizes", title, STRUCTURE_TAB, why(report))
+        values = report.singular_values
+        levels = decades(values / values[0]) if values[0] > 0 else np.full(len(values), LOWEST)
+        points += [Point(k + 1.0, float(v), role, mark) for k, v in enumerate(levels)]  # type: ignore[arg-type]
+        rank = report.matrix_rank(rtol) if values[0] > 0 else 0
+        said.append((rank, report.rank))
+    n = len(said) and found.seen.matrix.shape[1]  # type: ignore[union-attr]
+    line = Curve(Text("tolerance τ", "容差 τ"), np.full(2, np.log10(rtol)), "reference", "dash", 1.6, np.array([0.5, n + 0.5]))
+    (o, o_true), (c, c_true) = said
+    return PlaneFigure("sizes", title, (line,), tuple(points), "k", "log₁₀(σ/σ₁)", (0.5, n + 0.5), (LOWEST - 0.5, 0.5), tab=STRUCTURE_TAB,
+                       caption=Text(f"At this tolerance rank(O) = {o} (dots) and rank[B, AB, …] = {c} (crosses) of {n}; the staircase "
+                                    f"finds {o_true} and {c_true}.",
+                                    f"在此容差下 O 的秩为 {o}（圆点），[B, AB, …] 的秩为 {c}（叉号），n = {n}；"
+                                    f"阶梯算法得 {o_true} 与 {c_true}。"))
+
+
+def decomposition_map(found: Structure, plant_states: int) -> MatrixFigure:
+    """Kalman decomposition as a heat map with its blocks."""
+    d, title = found.decomposition, Text("Kalman decomposition", "Kalman 分解")
+    if isinstance(d, Refusal):
+        return MatrixFigure("decomposed", title, np.zeros((1, 1)), caption=why(d), tab=STRUCTURE_TAB)
+    whole = np.block([[d.A, d.B], [d.C, np.zeros((len(d.C), d.B.shape[1]))]])
+    edges = tuple(k for k in accumulate(d.sizes) if 0 < k < plant_states)
+    both, reached, seen, neither = d.sizes
+    rows = (*(f"z{i + 1}" for i in range(plant_states)), *(f"y{i + 1}" for i in range(len(d.C))))
+    columns = (*(f"z{i + 1}" for i in range(plant_states)), *(f"u{i + 1}" for i in range(d.B.shape[1])))
+    return MatrixFigure("decomposed", title, whole, rows, columns, (*edges, plant_states), tab=STRUCTURE_TAB, caption=Text(
+        f"Reached and seen: {both}; reached only: {reached}; seen only: {seen}; neither: {neither}. From u to y only the first "
+        "block acts.",
+        f"既可达又可见：{both}；只可达：{reached}；只可见：{seen}；两者皆否：{neither}。从 u 到 y 只有第一块起作用。"))
+
+
+def hankel_plane(found: Structure) -> PlaneFigure:
+    """Hankel singular values of the stable part."""
+    values, title = found.hankel, Text("Hankel singular values, log₁₀(σ/σ₁)", "汉克尔奇异值 log₁₀(σ/σ₁)")
+    if isinstance(values, Refusal):
+        return empty_plane("hankel", title, STRUCTURE_TAB, why(values))
+    levels = decades(values / values[0]) if values[0] > 0 else np.full(len(values), LOWEST)
+    strong = int(np.count_nonzero(levels > -2))
+    aside = (Text(f" {found.kept} unstable states were set aside first.", f" 先分出了 {found.kept} 个不稳定状态。")
+             if found.kept else Text("", ""))
+    return PlaneFigure("hankel", title, (), tuple(Point(k + 1.0, float(v), "plant", "dot") for k, v in enumerate(levels)), "k",
+                       "log₁₀(σ/σ₁)", (0.5, len(values) + 0.5), (min(float(levels.min()), -3.0) - 0.5, 0.5), tab=STRUCTURE_TAB,
+                       caption=Text(f"{strong} of {len(values)} are above a hundredth of the largest: about so many states matter "
+                                    f"between u and y.{aside.en}",
+                                    f"{len(values)} 个中有 {strong} 个大于最大值的百分之一：从 u 到 y 大约只有这么多"
+                                    f"状态起作用。{aside.zh}"))
+
+
+# --- loop --------------------------------------------------------------------------------------------------------------
+def time_figures(model: Model, run: Run, limit: float | None) -> tuple[TimeFigure, ...]:
+    """Watched signals; error beside its promise; inputs."""
+    return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit))
+
+
+def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
+    """The 2n poles among the chosen ones and the compensator's own."""
+    groups = ((loop.controller_poles, "plant", "cross"), (loop.observer_poles, "estimate", "cross"), (loop.poles, "reference", "circle"),
+              (loop.compensator_poles, "force", "dot"))
+    points = tuple(Point(float(p.real), float(p.imag), role, mark) for poles, role, mark in groups for p in poles)  # type: ignore[arg-type]
+    near = np.abs(np.concatenate([loop.controller_poles, loop.observer_poles]))
+    size = nice(1.1 * float(max(np.quantile(near, 0.8), 1e-12))) if not dt else nice(max(1.2, min(float(near.max()), 2.5)))
+    circle = (Curve(Text("unit circle", "单位圆"), np.sin(CIRCLE), "reference", "solid", 1.2, np.cos(CIRCLE)),) if dt else ()
+    low, high = (-size, size) if dt else (-1.2 * size, 0.4 * size)
+    own = loop.compensator_stable
+    said = (Text("The compensator is stable by itself.", "补偿器自身稳定。") if own else
+            Text("The compensator by itself is unstable.", "补偿器自身不稳定。"))
+    return PlaneFigure(
+        "spectrum", Text("spectrum of the whole loop", "整个闭环的谱"), circle, points, "Re z" if dt else "Re s", "Im z" if dt else "Im s",
+        (low, high), (-size, size), equal=bool(dt), unstable=not dt, tab=LOOP_TAB, caption=Text(
+            f"Crosses: eig(A − BK), eig(A − LC). Circles: the {len(loop.poles)} poles of the loop. Green dots: the compensator's own. "
+            f"What lies farther out is drawn at the edge. {said.en}",
+            f"叉号：eig(A − BK) 与 eig(A − LC)。圆圈：闭环的 {len(loop.poles)} 个极点。绿点：补偿器自身的极点。更远的画在边缘。{said.zh}"))
+
+
+def blocks(loop: ClosedLoop, states: tuple[str, ...]) -> MatrixFigure:
+    """The loop in (x, e)."""
+    n = len(states)
+    names = (*states, *(f"e{i + 1}" for i in range(n)))
+    return MatrixFigure("blocks", Text("the loop in (x, e) coordinates", "(x, e) 坐标下的闭环矩阵"), loop.A_xe, names, names, (n,),
+                        tab=LOOP_TAB, caption=Text("White is zero: the error drives the state, never the other way round.",
+                                                   "白色为零：误差驱动状态，状态从不驱动误差。"))
+
+
+def certificate_table(rows: tuple[tuple[Text, float], ...] | Refusal) -> TableFigure:
+    """What theory says is zero, beside what rounding leaves."""
+    title, heads = Text("zeros of theory, in double precision", "理论上为零的量（双精度）"), (Text("quantity", "量"), Text("size", "大小"))
+    if isinstance(rows, Refusal):
+        return TableFigure("certificates", title, heads, ((same("—"), same("—")),), why(rows), LOOP_TAB)
+    worst = max(value for _, value in rows)
+    return TableFigure("certificates", title, heads, tuple((name, tiny(value)) for name, value in rows), tab=LOOP_TAB, caption=Text(
+        f"The largest is about {tiny(worst)} of its scale. Far above 10⁻⁹ the numbers of this loop are not to be trusted.",
+        f"最大者约为其量级的 {tiny(worst)}。若远大于 10⁻⁹，这个闭环的数值就不可信。"))
+
+
+# --- noise -------------------------------------------------------------------------------------------------------------
+def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
+    """Error of the Kalman filters of all beliefs, and of the design's own observer."""
+    title = Text("estimation error over belief", "估计误差与信念的关系")
+    if isinstance(found, Refusal):
+        return empty_plane("valley", title, NOISE_TAB, why(found))
+    x = np.log10(found.ladder.ratio)
+
+    def size(P: np.ndarray) -> float:
+        return 0.5 * float(np.log10(max(float(np.mean(np.diag(P) / found.unit**2)), 1e-300)))
+    total, process, sensor = (np.array([size(getattr(p, k)) for p in found.ladder.parts]) for k in ("total", "process", "sensor"))
+    at = float(np.interp(np.log10(belief), x, total))
+    points = [Point(0.0, float(np.interp(0.0, x, total)), "reference", "circle", Text("Kalman", "卡尔曼")),
+              Point(float(np.log10(belief)), at, "error", "dot", Text("this belief", "当前信念"))]
+    if isinstance(found.ours, Refusal):
+        said = Text(f"The observer of the board: {found.ours.text.en}", f"极点板上的观测器：{found.ours.text.zh}")
+    else:
+        ours = size(found.ours.total)
+        points.append(Point(float(x[-1]), ours, "estimate", "cross", Text("board", "极点板")))
+        said = Text(f"The observer of the board errs {10 ** (ours - float(total.min())):.3g} times as much as the best.",
+                    f"极点板上的观测器的误差是最小值的 {10 ** (ours - float(total.min())):.3g} 倍。")
+    low = float(np.floor(2 * total.min()) / 2 - 0.5)
+    return PlaneFigure("valley", title, (Curve(Text("both noises", "两种噪声合计"), total, "error", x=x),
+                                         Curve(Text("process noise", "过程噪声"), process, "disturbance", "dash", 1.8, x),
+                                         Curve(Text("sensor noise", "测量噪声"), sensor, "second", "dot", 1.8, x)), tuple(points),
+                       Text("log₁₀ (believed / true process noise)", "").en, "log₁₀ σ", (float(x[0]), float(x[-1])),
+                       (low, max(low + 2.0, float(total.max()) + 0.2)), tab=NOISE_TAB, caption=said)
+
+
+def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
+    """NIS of a filter with this belief."""
+    title = Text("NIS of a filter with this belief", "具有当前信念的滤波器的 NIS")
+    if isinstance(found, Refusal):
+        return empty_time("nis", title, NOISE_TAB, why(found))
+    low, high = chi2_band(outputs, 1)
+    n, test = len(found.t), found.test
+    said = {"consistent": ("as it should be", "符合预期"),
+            "overconfident": ("too large: the filter trusts its model too much", "偏大：滤波器过于相信模型"),
+            "cautious": ("too small: the filter doubts too much", "偏小：滤波器过于怀疑")}[test.verdict]
+    return TimeFigure("nis", title, found.t, (Curve(Text("NIS", "NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
+                                              Curve(same(f"{outputs}"), np.full(n, float(outputs)), "reference", "dash", 1.4),
+                                              Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),
+                                              Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), "", log=True,
+                      window=(0.01, 100.0), tab=NOISE_TAB,
+                      caption=Text(f"This record: mean {test.mean:.3g}, band {test.mean_band[0]:.3g} … {test.mean_band[1]:.3g}: {said[0]}. "
+                                   f"On average: {found.expected:.3g}.",
+                                   f"本次记录：均值 {test.mean:.3g}，范围 {test.mean_band[0]:.3g} … {test.mean_band[1]:.3g}：{said[1]}。"
+                                   f"平均应为 {found.expected:.3g}。"))
+
+
+def gain_figure(found: Trial | Refusal) -> TimeFigure:
+    """How the recursive gain settles on the Riccati solution."""
+    title = Text("distance of the gain from the Riccati gain", "增益与 Riccati 增益的距离")
+    if isinstance(found, Refusal):
+        return empty_time("gain", title, NOISE_TAB, why(found))
+    late = np.flatnonzero(found.distance > 0.01)
+    after = f"{found.t[min(late[-1] + 1, len(found.t) - 1)]:.3g}" if len(late) else "0"
+    return TimeFigure("gain", title, found.t, (Curve(Text("relative distance", "相对距离"), np.maximum(found.distance, 1e-12), "error"),),
+                      "‖M − M∞‖ / ‖M∞‖", log=True, window=(1e-8, 1.0), tab=NOISE_TAB,
+                      caption=Text(f"Within 1 % after {after} s; no reading has any part in this.",
+                                   f"{after} s 后相差不到 1 %；这与任何读数都无关。"))
+
+
+# --- robustness --------------------------------------------------------------------------------------------------------
+def sensitivity_figure(found: Margins | Refusal, recovered: np.ndarray | None, grid: np.ndarray) -> FrequencyFigure:
+    """Largest singular value of S at the inputs: as it is, had the state been known, and recovered."""
+    title = Text("sensitivity at the inputs, σ_max(S)", "输入端灵敏度 σ_max(S)")
+    if isinstance(found, Refusal):
+        return FrequencyFigure("sensitivity", title, grid, (Curve(same("—"), np.ones(len(grid)), "muted"),), caption=why(found),
+                               tab=ROBUST_TAB)
+    curves = [Curve(Text("x known", "x 已知"), largest(found.target, grid), "reference", "dash"),
+              Curve(Text("by the estimate", "估计反馈"), largest(found.loop, grid), "estimate")]
+    if recovered is not None:
+        curves.append(Curve(Text("recovered", "恢复后"), recovered, "force", "dot"))
+    peak = float(curves[1].y.max())
+    return FrequencyFigure("sensitivity", title, grid, tuple(curves), "σ_max(S)", tab=ROBUST_TAB, window=(0.1, 3.0),
+                           caption=Text(f"Peak {peak:.3g}: at worst the loop comes within {1 / peak:.2g} of instability.",
+                                        f"峰值 {peak:.3g}：最坏处离失稳只有 {1 / peak:.2g}。"))
+
+
+def largest(loop: object, grid: np.ndarray) -> np.ndarray:
+    """σ_max of the block of S at the inputs, over frequencies in Hz."""
+    m = loop.inputs  # type: ignore[attr-defined]
+    S = loop.at(2 * np.pi * grid)[:, :m, :m]  # type: ignore[attr-defined]
+    values = np.abs(S[:, 0, 0]) if m == 1 else np.linalg.svd(S, compute_uv=False)[:, 0]
+    return np.clip(np.nan_to_num(values, nan=1.0, posinf=1e6), 1e-6, 1e6)
+
+
+def margin_table(found: Margins | Refusal) -> TableFigure:
+    """Gain, phase and disk margins, one input at a time."""
+    title = Text("margins, one input at a time", "各输入通道的裕度")
+    heads = (Text("input", "输入"), Text("gain between", "增益范围"), Text("phase", "相位"), Text("disk α", "圆盘裕度 α"))
+    if isinstance(found, Refusal):
+        return TableFigure("margins", title, heads, ((same("—"),) * 4,), why(found), ROBUST_TAB)
+    rows = tuple((c.name, f"{c.gain[0]:.2g} … " + ("∞" if np.isinf(c.gain[1]) else f"{c.gain[1]:.3g}"), f"{np.degrees(c.phase):.0f}°",
+                  f"{c.disk.alpha:.3g}") for c in found.channels)
+    return TableFigure("margins", title, heads, rows, tab=ROBUST_TAB, caption=Text(
+        f"All inputs at once: disk margin α = {found.together:.3g}, so gains may change by a factor of "
+        f"{(2 + min(found.together, 1.99)) / (2 - min(found.together, 1.99)):.2g} up or down together.",
+        f"全部输入同时：圆盘裕度 α = {found.together:.3g}，即各增益可同时放大或缩小 "
+        f"{(2 + min(found.together, 1.99)) / (2 - min(found.together, 1.99)):.2g} 倍。"))
+
+
+def recovery_plane(steps: tuple[tuple[float, float, float], ...], total: int, refused: Text | None) -> PlaneFigure:
+    """Disk margin and gap of the recovered loop over the knob q."""
+    title = Text("loop transfer recovery", "回路传递恢复")
+    if not steps:
+        said = refused or Text("Not computed yet: press the button under the knobs.", "尚未计算：请按旋钮下方的按钮。")
+        return empty_plane("recovery", title, ROBUST_TAB, said)
+    q, alpha, target = (np.array(v) for v in zip(*steps, strict=True))
+    x = np.log10(q)
+    top = nice(1.1 * float(max(alpha.max(), target.max(), 0.1)))
+    done = Text("", "") if len(steps) == total else Text(f" {len(steps)} of {total} steps so far.", f" 已完成 {len(steps)}/{total} 步。")
+    return PlaneFigure("recovery", title, (Curve(Text("disk margin by the estimate", "估计反馈的圆盘裕度"), alpha, "force", x=x),
+                                           Curve(Text("x known", "x 已知"), target, "reference", "dash", 1.4, x)), (), "log₁₀ q", "α",
+                       (-3.0, 3.0), (0.0, top), tab=ROBUST_TAB,
+                       caption=Text(f"With q = {q[-1]:.3g} the disk margin is {alpha[-1]:.3g}; with the state known it is "
+                                    f"{target[-1]:.3g}.{done.en}",
+                                    f"q = {q[-1]:.3g} 时圆盘裕度为 {alpha[-1]:.3g}；状态已知时为 {target[-1]:.3g}。{done.zh}"))
+
+
+def all_tabs(*figures: Figure) -> tuple[Figure, ...]:
+    """Figures in the order of their tabs."""
+    order = (VERDICT_TAB, STRUCTURE_TAB)
+    return tuple(sorted(figures, key=lambda f: order.index(f.tab) if f.tab in order else len(order)))

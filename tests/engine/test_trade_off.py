@@ -1,0 +1,60 @@
+"""What observers of different belief do with noise: Lyapunov's equation, and a floor that none goes below."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import solve_discrete_lyapunov
+
+from app.engine import EngineError, Plant, dlqe, error_parts, lqe, noise_ladder
+
+BELIEFS = np.logspace(-2, 2, 5)
+
+
+def plant_of(seed: int, n: int, dt: float) -> Plant:
+    rng = np.random.default_rng(seed)
+    A = rng.standard_normal((n, n))
+    if dt:
+        A *= 1.05 / np.abs(np.linalg.eigvals(A)).max()
+    return Plant(A, rng.standard_normal((n, 2)), rng.standard_normal((2, n)), None, dt)
+
+
+@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@given(st.integers(0, 10_000), st.integers(1, 8), st.sampled_from([0.0, 0.1]))
+def test_no_belief_beats_the_truth(seed: int, n: int, dt: float) -> None:
+    """P_i − P ⪰ 0 with P the solution of the Riccati equation, which is what the ladder's middle must be."""
+    plant, W, V = plant_of(seed, n, dt), np.diag([1.0, 0.5]), np.diag([0.1, 0.3])
+    ladder = noise_ladder(plant, plant.B, W, V, BELIEFS)
+    least = (dlqe if dt else lqe)(plant.A, plant.B, plant.C, W, V).solution
+    size = np.abs(least).max()
+    assert np.abs(ladder.parts[2].total - least).max() < 1e-6 * size
+    for part in ladder.parts:
+        assert np.linalg.eigvalsh(part.total - least)[0] > -1e-7 * size
+
+
+@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@given(st.integers(0, 10_000), st.integers(1, 8), st.sampled_from([0.0, 0.1]))
+def test_each_part_solves_its_own_lyapunov_equation(seed: int, n: int, dt: float) -> None:
+    plant, W, V = plant_of(seed, n, dt), np.eye(2), 0.2 * np.eye(2)
+    L = (dlqe if dt else lqe)(plant.A, plant.B, plant.C, W, V).gain
+    F, parts = plant.A - L @ plant.C, error_parts(plant, L, plant.B, W, V)
+    for P, Q in ((parts.process, plant.B @ plant.B.T), (parts.sensor, 0.2 * L @ L.T)):
+        rest = F @ P @ F.T - P + Q if dt else F @ P + P @ F.T + Q
+        assert np.abs(rest).max() < 1e-8 * max(np.abs(P).max() * max(1.0, np.abs(F).max()), np.abs(Q).max())
+        if dt:
+            assert np.abs(P - solve_discrete_lyapunov(F, Q)).max() < 1e-7 * np.abs(P).max()
+
+
+def test_a_scalar_by_hand() -> None:
+    """ẋ = −x + w, L = 3: P_w = W/(2·4), P_v = 9 V/(2·4)."""
+    parts = error_parts(Plant(np.array([[-1.0]]), np.eye(1), np.eye(1)), [[3.0]], [[1.0]], [[2.0]], [[0.5]])
+    assert parts.process == pytest.approx(0.25) and parts.sensor == pytest.approx(9 * 0.5 / 8)
+    assert parts.total == pytest.approx(0.25 + 9 / 16)
+
+
+def test_an_error_that_does_not_settle_has_no_variance() -> None:
+    for A, dt in ((np.eye(1), 0.0), (np.zeros((1, 1)), 0.0), (np.eye(1), 0.1)):
+        with pytest.raises(EngineError, match="does not settle"):
+            error_parts(Plant(A, np.eye(1), np.eye(1), None, dt), [[0.0]], [[1.0]], [[1.0]], [[1.0]])
