@@ -45,9 +45,9 @@ def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[i
     `measured`: states that an output reads alone. `strongest`: per input the value whose arrow is longest.
     """
     count, rows = len(names), rows_of(len(names))
-    tall = 0.62 if len(rows) == 1 else 0.42  # half the height of a tube
-    gap = min(0.75, WIDTH / rows[0])
-    radius, lit = min(0.12, 0.24 * gap), frozenset(measured)
+    tall = 0.76 if len(rows) == 1 else 0.42  # half the height of a tube
+    gap = min(0.9, WIDTH / rows[0])
+    radius, lit = min(0.16, 0.24 * gap), frozenset(measured)
     feet = tuple(((j - (size - 1) / 2) * gap, FRONT + APART * i, 0.16 + STEP * i)
                  for i, size in enumerate(rows) for j in range(size))
     parts, fixed = _stand(rows, gap)

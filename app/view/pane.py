@@ -22,13 +22,14 @@ FINE_WIDTH, ARC_WIDTH, AXIS_WIDTH = 2, 3, 5  # pixels
 def pane(board: Board, margin: float) -> np.ndarray:
     """The s-plane of a board (rows, columns, 3), with a margin that is this part of its height on every side.
 
-    Grid, circles of equal |s|, rays of equal damping, the axes, and the unstable half shaded.
+    Grid, circles of equal |s|, rays of equal damping, the axes, and the unstable half shaded; for a plant in discrete time
+    the unit circle, with all that lies outside of it shaded.
     """
-    return _pane(board.re_low, board.re_high, board.im_high, margin)
+    return _pane(board.re_low, board.re_high, board.im_high, margin, board.disc)
 
 
 @lru_cache(maxsize=32)
-def _pane(re_low: float, re_high: float, im_high: float, margin: float) -> np.ndarray:
+def _pane(re_low: float, re_high: float, im_high: float, margin: float, disc: bool) -> np.ndarray:
     across, up = (FINER * side for side in SIZE)
     face = Image.new("RGB", (across, up), GLASS)
     pen = ImageDraw.Draw(face)
@@ -39,13 +40,19 @@ def _pane(re_low: float, re_high: float, im_high: float, margin: float) -> np.nd
     def line(a: tuple[float, float], b: tuple[float, float], colour: tuple[int, int, int], width: int) -> None:
         pen.line((at(*a), at(*b)), colour, FINER * width)
 
-    if re_high > 0:
+    if disc:
+        pen.rectangle(((0, 0), (across, up)), UNSTABLE)
+        pen.ellipse((at(-1.0, 1.0), at(1.0, -1.0)), GLASS)
+    elif re_high > 0:
         pen.rectangle((at(max(0.0, re_low), im_high), (across, up)), UNSTABLE)
     for re in ticks(re_low, re_high):
         line((re, -im_high), (re, im_high), FINE, FINE_WIDTH)
     for im in ticks(-im_high, im_high, 4):
         line((re_low, im), (re_high, im), FINE, FINE_WIDTH)
-    if re_low < 0:
+    if disc:
+        pen.ellipse((at(-0.5, 0.5), at(0.5, -0.5)), None, ARC, FINER * ARC_WIDTH)
+        pen.ellipse((at(-1.0, 1.0), at(1.0, -1.0)), None, INK, FINER * AXIS_WIDTH)
+    elif re_low < 0:
         for radius in ticks(0, abs(re_low), 4)[1:]:
             pen.arc((at(-radius, radius), at(radius, -radius)), 90, 270, ARC, FINER * ARC_WIDTH)
         for zeta in DAMPINGS:

@@ -16,7 +16,7 @@ from ..words import Text
 from . import phrases
 
 MOST_BYTES = 1_000_000
-OWN = ""
+OWN, FIRST = "", next(iter(EXAMPLES))  # what a lesson shows by itself; one about any plant shows the first example
 
 
 @lru_cache(maxsize=64)
@@ -49,7 +49,7 @@ class PlantRow:
 
     def _choices(self, picture: Picture) -> dict[str, str]:
         """The key of each plant and what the dropdown calls it."""
-        found = {OWN: phrases.OWN_PLANT(self._language)}
+        found = {} if picture.lesson.universal else {OWN: phrases.OWN_PLANT(self._language)}
         found |= {key: phrases.EXAMPLE.format(it.label(self._language))(self._language) for key, it in EXAMPLES.items()}
         brought = picture.design.plant if self._present(picture) == YOURS else picture.state.plant
         if brought:
@@ -59,7 +59,7 @@ class PlantRow:
     def _present(self, picture: Picture) -> str:
         plant = picture.design.plant
         if not plant:
-            return OWN
+            return FIRST if picture.lesson.universal else OWN
         return next((key for key in EXAMPLES if example(key) == plant), YOURS)
 
     def show(self, picture: Picture) -> None:

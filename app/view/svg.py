@@ -132,7 +132,8 @@ def _matrix(figure: MatrixFigure) -> str:
             depth = 0.0 if share < 1e-9 else 0.15 + 0.85 * max(0.0, 1 + math.log10(share) / 6)
             out.append(f'<rect x="{left + j * cell:.1f}" y="{top + i * cell:.1f}" width="{cell:.1f}" '
                        f'height="{cell:.1f}" fill="{_blend(depth)}" stroke="#e8ebf0"><title>{m[i, j]:.4g}</title></rect>')
-    size_text = min(11.0, cell * 0.7)
+    longest = max((len(name) for name in figure.rows), default=1)
+    size_text = min(11.0, cell * 0.7, (left - 5) / (0.55 * max(longest, 1)))
     for i, name in enumerate(figure.rows):
         out.append(f'<text x="{left - 4}" y="{top + (i + 0.68) * cell:.1f}" text-anchor="end" '
                    f'font-size="{size_text:.1f}">{html.escape(name)}</text>')

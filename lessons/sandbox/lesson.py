@@ -52,6 +52,8 @@ from .verdicts import verdicts
 STEPS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
 POINTS = 140  # of the sensitivity over frequency
 COMMANDED, APPLIED = "commanded", "applied"
+SAMPLED = Text("Recovery is for continuous plants: a sampled loop keeps the delay of a step.",
+               "回路传递恢复只适用于连续对象：采样回路总有一步的时延。")
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +114,7 @@ def compute(model: Model, design: Design) -> Outcome:
     study = Study(
         structure(plant), loop, attempt(lambda: certificates(plant, loop, K, L)), attempt(lambda: noise(model, L, design["sensor"])),
         attempt(lambda: trial(model, design["sensor"], design["belief"], seed)), attempt(lambda: margins(plant, K, L, False)),
-        separation_meter(run))
+        separation_meter(run), refused=SAMPLED if plant.dt else None)
     clipped = float(np.mean(np.any(np.abs(run.u_asked) > (limit or np.inf) * (1 + 1e-9), axis=1)))
     metrics = {"separation_meter": study.meter, "clipped_share": clipped, "union_error": loop.union_error,
                "slowest_loop": _slowest(loop.poles, plant.dt), "largest_input": float(np.abs(run.u_asked).max())}
@@ -174,8 +176,7 @@ def try_recovery(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcom
     """The job: the loop recovered step by step towards what state feedback has, from the design's own K."""
     plant, K, design = model.plant, outcome.gains["K"], outcome.design
     if plant.dt:
-        raise KnobError(Text("Recovery is for continuous plants: a sampled loop keeps the delay of a step.",
-                             "回路传递恢复只适用于连续对象：采样回路总有一步的时延。"))
+        raise KnobError(SAMPLED)
     aim = state_feedback_margins(plant, K)
     if not aim.stable:
         raise KnobError(Text("A − BK is not stable, so there is nothing to recover; move a controller pole.",

@@ -158,7 +158,7 @@ def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
               (loop.compensator_poles, "force", "dot"))
     points = tuple(Point(float(p.real), float(p.imag), role, mark) for poles, role, mark in groups for p in poles)  # type: ignore[arg-type]
     near = np.abs(np.concatenate([loop.controller_poles, loop.observer_poles]))
-    size = nice(1.1 * float(max(np.quantile(near, 0.8), 1e-12))) if not dt else nice(max(1.2, min(float(near.max()), 2.5)))
+    size = nice(1.1 * float(max(np.quantile(near, 0.8), 1e-12))) if not dt else max(1.2, min(float(near.max()), 2.5))
     circle = (Curve(Text("unit circle", "单位圆"), np.sin(CIRCLE), "reference", "solid", 1.2, np.cos(CIRCLE)),) if dt else ()
     low, high = (-size, size) if dt else (-1.2 * size, 0.4 * size)
     own = loop.compensator_stable
@@ -204,13 +204,14 @@ def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
         return 0.5 * float(np.log10(max(float(np.mean(np.diag(P) / found.unit**2)), 1e-300)))
     total, process, sensor = (np.array([size(getattr(p, k)) for p in found.ladder.parts]) for k in ("total", "process", "sensor"))
     at = float(np.interp(np.log10(belief), x, total))
+    far = abs(np.log10(belief)) > 0.5
     points = [Point(0.0, float(np.interp(0.0, x, total)), "reference", "circle", Text("Kalman", "卡尔曼")),
-              Point(float(np.log10(belief)), at, "error", "dot", Text("this belief", "当前信念"))]
+              Point(float(np.log10(belief)), at, "error", "dot", Text("this belief", "当前信念") if far else same(""))]
     if isinstance(found.ours, Refusal):
         said = Text(f"The observer of the board: {found.ours.text.en}", f"极点板上的观测器：{found.ours.text.zh}")
     else:
         ours = size(found.ours.total)
-        points.append(Point(float(x[-1]), ours, "estimate", "cross", Text("board", "极点板")))
+        points.append(Point(2.2, ours, "estimate", "cross", Text("board", "极点板")))
         said = Text(f"The observer of the board errs {10 ** (ours - float(total.min())):.3g} times as much as the best.",
                     f"极点板上的观测器的误差是最小值的 {10 ** (ours - float(total.min())):.3g} 倍。")
     low = float(np.floor(2 * total.min()) / 2 - 0.5)

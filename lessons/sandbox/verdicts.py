@@ -39,7 +39,8 @@ def _structure(found: Structure) -> tuple[Row, ...]:
         hidden = getattr(report, fixed)
         loose = [p for p, m in zip(hidden, [m for m in report.modes if not m.visible], strict=False) if not m.stable]
         rows += [(strong, not hidden, _weakest(report.modes, hidden)),
-                 (weak, getattr(report, good), Text("what is hidden settles", "隐藏的部分自行衰减") if not loose else
+                 (weak, getattr(report, good), Text("nothing is hidden", "没有隐藏的部分") if not hidden else
+                  Text("what is hidden settles", "隐藏的部分自行衰减") if not loose else
                   Text(f"{len(loose)} hidden and not settling", f"{len(loose)} 个隐藏且不衰减"))]
     d = found.decomposition
     if isinstance(d, Refusal):

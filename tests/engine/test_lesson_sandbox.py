@@ -97,27 +97,24 @@ def test_the_expected_nis_is_what_many_records_average() -> None:
 def test_the_bottom_of_the_valley_is_the_true_belief() -> None:
     for name in ("aircraft", "pendulum", "tanks"):
         _, outcome = opened(example(name))
-        sizes = [np.trace(part.total / np.outer(outcome.extra.noise.unit, outcome.extra.noise.unit)) for part in outcome.extra.noise.ladder.parts]
+        found = outcome.extra.noise
+        sizes = [np.trace(part.total / np.outer(found.unit, found.unit)) for part in found.ladder.parts]
         assert RUNGS[int(np.argmin(sizes))] == pytest.approx(1.0)
 
 
 def test_recovery_brings_the_margin_of_a_minimum_phase_plant_back() -> None:
     lesson, outcome = opened(example("tanks"))
     assert lesson.job is not None
-    fractions = []
-    for fraction, outcome in lesson.job.run(outcome):
-        fractions.append(fraction)
-    q, alpha, target = zip(*outcome.extra.steps, strict=True)
-    assert fractions[-1] == 1.0 and list(q) == sorted(q)
+    *_, (fraction, last) = lesson.job.run(outcome)
+    q, alpha, target = zip(*last.extra.steps, strict=True)
+    assert fraction == 1.0 and list(q) == sorted(q)
     assert alpha[-1] > 0.9 * target[-1] and alpha[-1] > alpha[0] - 1e-9
 
 
 def test_what_was_recovered_stays_while_only_the_observer_moves() -> None:
     lesson, start = opened(example("tanks"))
     assert lesson.job is not None and lesson.carry is not None
-    done = start
-    for _, done in lesson.job.run(start):
-        pass
+    *_, (_, done) = lesson.job.run(start)
     observer = lesson.compute(lesson.apply(done.design, {"tolerance": 1e-3}))
     assert lesson.carry(done, observer).extra.steps == done.extra.steps
     moved = lesson.apply(done.design, {"controller_poles": [1.2 * p for p in done.design["controller_poles"]]})
