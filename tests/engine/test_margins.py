@@ -308,13 +308,13 @@ def test_a_large_static_gain_alone_does_not_make_a_loop_ill_posed() -> None:
     assert margins.stable and margins.inputs[0].nearest == pytest.approx(1.0)
 
 
-<<<<<<< HEAD
 def test_one_input_says_what_all_inputs_say_of_it() -> None:
     rng = np.random.default_rng(3)
     plant = Plant(-np.eye(3) + 0.5 * rng.standard_normal((3, 3)), rng.standard_normal((3, 2)), rng.standard_normal((2, 3)))
     margins = loop_margins(plant, -0.3 * np.eye(2))
     assert repr(margins.input(1)) == repr(margins.inputs[1])  # NaN where there is no crossing
-=======
+
+
 def test_the_disk_margin_of_all_inputs_by_itself_is_that_of_the_whole_report() -> None:
     rng = np.random.default_rng(5)
     for m in (1, 2, 3):
@@ -323,4 +323,3 @@ def test_the_disk_margin_of_all_inputs_by_itself_is_that_of_the_whole_report() -
         assert found.input_disk == found.all_inputs.disk
     runaway = Plant(np.eye(1), np.eye(1), np.eye(1))
     assert loop_margins(runaway, np.array([[1.0]])).input_disk.alpha == 0
->>>>>>> 6ba6310 (Lesson 19, sandbox: every analysis of lessons 1 to 10 on a plant of one's own, or one sentence why not)
