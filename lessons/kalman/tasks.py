@@ -46,7 +46,7 @@ def _decoy(o: Outcome) -> Verdict:
         return Verdict(False, Text(f"{said.en}: NIS gives it away already.", f"{said.zh}：NIS 已经报警。"))
     if e.flagged < ENOUGH:
         return Verdict(False, Text(f"{said.en}: the innovations mostly look white.", f"{said.zh}：新息多半看起来是白的。"))
-    return Verdict(True, Text(f"{said.en}: NIS is content, colour gives the filter away.", f"{said.zh}：NIS 满意，颜色却露了馅。"))
+    return Verdict(True, Text(f"{said.en}: NIS is content, colour gives the filter away.", f"{said.zh}：NIS 合格，颜色却露了馅。"))
 
 
 def _converter(o: Outcome) -> Verdict:
