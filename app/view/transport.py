@@ -65,13 +65,12 @@ class Transport:
         options = self._options(picture)
         if self._row.options != options:
             self._row.options = options
-        words = self._words(picture)
-        if (self._rate, self._caption) != (picture.rate, words):
+        words, longest = self._words(picture), picture.horizon or self._horizon
+        if (self._rate, self._caption, self._horizon) != (picture.rate, words, longest):
             self._rate, self._caption = picture.rate, words
             self._clock.content = clock(picture.state.t, picture.horizon, self._rate, self._caption)
-        if picture.horizon > 0 and picture.horizon != self._horizon:
-            self._horizon = picture.horizon
-            self._time.max = picture.horizon
+        if longest != self._horizon:
+            self._horizon = self._time.max = longest
         if picture.resting and not picture.state.playing:
             self._write(picture.state.t)
 

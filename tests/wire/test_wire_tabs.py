@@ -134,6 +134,25 @@ def test_the_line_beside_the_clock_follows_the_plant_on_the_stage(enter: Enter, 
     assert "A ball on a ridge rolls away" not in lines()
 
 
+def test_the_clock_names_the_length_of_a_run_that_a_job_made_longer(enter: Enter, newest: Newest) -> None:
+    tab = enter()
+    lesson = LESSONS["nonlinear"]
+    tab.update("lesson", value=lesson.words["en"].title)
+    tab.until(lambda: newest().picture.lesson is lesson, "the lesson")  # type: ignore[union-attr]
+    tab.until(lambda: tab.has("case"), "the knobs")
+    tab.update("case", value="pole in the fog")
+
+    def length() -> float:
+        shown = [str(w["props"].get("content")) for w in tab.widgets.values()]
+        clocks = [words for words in shown if words.startswith("<style>:root{--ol-t")]
+        return float(clocks[0].split("/ ")[1].split(" s")[0]) if clocks else 0.0
+    tab.until(lambda: length() == round(newest().picture.horizon, 5), "the draft's length")  # type: ignore[union-attr]
+    draft = length()
+    assert lesson.job is not None
+    tab.press(lesson.job.label.en)
+    tab.until(lambda: length() > 1.5 * draft, "the length of the job's runs")
+
+
 def test_the_title_of_a_chart_follows_what_it_shows(enter: Enter, newest: Newest) -> None:
     tab = enter()
     tab.update("lesson", value=LESSONS["network"].words["en"].title)
