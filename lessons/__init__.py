@@ -22,6 +22,7 @@ from .robust_observer.lesson import LESSON as robust_observer
 from .sandbox.lesson import LESSON as sandbox
 from .saturation.lesson import LESSON as saturation
 from .separation.lesson import LESSON as separation
+from .showdown.lesson import LESSON as showdown
 from .virtual_sensor.lesson import LESSON as virtual_sensor
 from .weak_states.lesson import LESSON as weak_states
 
@@ -39,6 +40,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     decoupling,
     weak_states,
     nonlinear,
+    showdown,
     robust_observer,
     bilinear_observer,
     network,

@@ -14,8 +14,9 @@ __all__ = ["ResponseMeasures", "Trial", "response_measures", "run_trial"]
 
 MOST_NUMBERS = 40_000_000  # state numbers in one run
 DIVERGED = 1e12
-CALM = 32  # samples without clipping after which the run goes on in blocks
 AHEAD = 256  # samples of the first block
+SHORT = 64  # a block that ends sooner is followed by BURST samples one by one, which takes less time
+BURST = 64  # twice as many each time, until a block of four times SHORT is met
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,23 +117,31 @@ def _seen(loop: SampledLoop, w: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, 
 
 
 def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray) -> int:
-    """Fill w; linear blocks as long as no command passes the limit, sample by sample around the clipped ones."""
+    """Fill w in blocks: as long as the same commands are clipped to the same side, the loop is affine.
+
+    A block goes on to the first sample at which that changes; where it changes all the time, sample by sample.
+    """
     last, limit = len(w) - 1, loop.hardware.limit
     k = min(loop.varying, last)
     done = _rounding(loop, w, push, v, 0, k)
-    if done < k or k == last:
+    if done < k:
         return done
-    closed, free = loop.closed(), push[:-1] + v[:-1] @ loop.noise_in.T
-    direct = v @ loop.T[-1].T
-    ahead = last if np.isinf(limit) else AHEAD
+    direct, modes, ahead, burst = v @ loop.T[-1].T, {}, last if np.isinf(limit) else AHEAD, BURST
+    enter_all = v @ loop.F_m[-1].T
     while k < last:
+        asked = loop.feedback @ w[k] + direct[k]
+        side = (asked > limit).astype(int) - (asked < -limit)
+        key = tuple(side)
+        if key not in modes:
+            modes[key] = _affine(loop, side)
+        step, enter, shift = modes[key]
         stop = min(k + ahead, last)
-        path = affine_scan(closed, free[k:stop], w[k], stop - k)
+        path = affine_scan(step, push[k:stop] + v[k:stop] @ enter.T + shift, w[k], stop - k)
         good = len(path)
         if np.isfinite(limit):
             asked = path @ loop.feedback.T + direct[k:stop + 1]
-            over = np.flatnonzero(~(np.abs(asked).max(axis=1) <= limit))
-            good = int(over[0]) + 1 if len(over) else good
+            other = ((asked > limit).astype(int) - (asked < -limit) != side).any(axis=1)
+            good = int(np.argmax(other)) + 1 if other.any() else good
         with np.errstate(invalid="ignore"):
             large = np.flatnonzero(~(np.abs(path[:good]).max(axis=1) < DIVERGED))
         if len(large):
@@ -140,31 +149,52 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
             return k + int(large[0]) - 1
         w[k:k + good] = path[:good]
         k += good - 1
-        if k == last:
-            break
-        if good < len(path):
-            done = _until_calm(loop, w, push, v, k)
-            if done < 0:
-                return -done
-            k, ahead = done, AHEAD
-        else:
-            ahead *= 2
+        ahead = 2 * ahead if good == len(path) else max(SHORT, 2 * good)
+        if good > 4 * SHORT:
+            burst = BURST
+        elif good <= SHORT and k < last:
+            stop, burst = min(k + burst, last), 2 * burst
+            done = _stepping(loop, w, push, direct, enter_all, k, stop)
+            if done < stop:
+                return done
+            k = stop
     return last
 
 
-def _until_calm(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray, k: int) -> int:
-    """Go on sample by sample from k until nothing has been clipped for a while; −(last good sample) if it diverges."""
-    last, limit, stretch = len(w) - 1, loop.hardware.limit, CALM
-    while k < last:
-        stop = min(k + stretch, last)
-        done = _rounding(loop, w, push, v, k, stop)
-        if done < stop:
-            return -done
-        asked = w[k:stop] @ loop.feedback.T + v[k:stop] @ loop.T[-1].T
-        k, stretch = stop, 2 * stretch
-        if np.abs(asked[-CALM:]).max() <= limit:
-            break
-    return k
+def _stepping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, direct: np.ndarray, read: np.ndarray, k: int,
+              last: int) -> int:
+    """Fill w[k + 1 … last] of the settled loop sample by sample, clipping only: one product (w, s) → (w⁺, u⁺) a sample.
+
+    direct (n_t, m): T v; read (n_t, N): F_m v. Answers with the last sample that is finite.
+    """
+    N, m = loop.n, loop.U.shape[1]
+    top = np.hstack([loop.F[-1] + loop.F_m[-1] @ loop.Y, loop.F_s[-1]])
+    step = np.vstack([top, loop.feedback @ top])
+    extra = np.empty((last - k, N + m))
+    np.add(push[k:last], read[k:last], out=extra[:, :N])
+    extra[:, N:] = extra[:, :N] @ loop.feedback.T + direct[k + 1:last + 1]
+    high = np.full(m, loop.hardware.limit)
+    low, now, product = -high, np.empty(N + m), np.empty(N + m)
+    state, asked = now[:N], now[N:]
+    state[:], asked[:] = w[k], loop.feedback @ w[k] + direct[k]
+    for j in range(last - k):
+        np.minimum(asked, high, out=asked)
+        np.maximum(asked, low, out=asked)
+        np.dot(step, now, out=product)
+        np.add(product, extra[j], out=now)
+        w[k + j + 1] = state
+    with np.errstate(invalid="ignore"):
+        large = np.flatnonzero(~(np.abs(w[k + 1:last + 1]).max(axis=1) < DIVERGED))
+    return k + int(large[0]) if len(large) else last
+
+
+def _affine(loop: SampledLoop, side: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Step, entry of v and shift of the settled loop while the commands with side ±1 stand at that limit."""
+    free = side == 0
+    carried = loop.F_s[-1][:, free]
+    step = loop.F[-1] + loop.F_m[-1] @ loop.Y + carried @ loop.feedback[free]
+    shift = loop.F_s[-1][:, ~free] @ (loop.hardware.limit * side[~free]) if not free.all() else np.zeros(loop.n)
+    return step, loop.F_m[-1] + carried @ loop.T[-1][free], shift
 
 
 def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray, k: int, last: int) -> int:
@@ -221,7 +251,7 @@ def fused(loop: SampledLoop, k: int, unit: float) -> np.ndarray:
 
 
 def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, final: float = 0.0) -> ResponseMeasures:
-    """Recovery, overshoot, peak and energy of one response y (n_t,) with inputs u (n_t, m), held from sample to sample.
+    """Recovery, overshoot, peak and energy of one response y (n_t,) with inputs u (n_t, m), each held up to the next t.
 
     The first side is the side of the first excursion beyond `band`, or of the largest deviation if there is none.
     """
@@ -231,6 +261,6 @@ def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, 
     first, other = float(np.max(side * gap, initial=0.0)), float(np.max(-side * gap, initial=0.0))
     late = outside[-1] if len(outside) else -1
     recovery = None if late >= len(gap) - 1 else float(t[late + 1] - t[0])
-    dt = float(t[1] - t[0]) if len(t) > 1 else 0.0
+    power = np.sum(np.asarray(u, dtype=float) ** 2, axis=1)
     return ResponseMeasures(recovery, other / first if first > 0 else 0.0, float(np.max(np.abs(gap), initial=0.0)),
-                            float(np.max(np.abs(u), initial=0.0)), float(np.sum(np.asarray(u) ** 2) * dt))
+                            float(np.max(np.abs(u), initial=0.0)), float(np.sum(power[:-1] * np.diff(t))))

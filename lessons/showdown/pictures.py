@@ -1,0 +1,290 @@
+"""Figures of the lesson: channels, sensors, inputs, the test in time, the run on the stage, scores, trials."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from app.figures import FLOOR, Curve, Dash, Figure, FrequencyFigure, TableFigure, TimeFigure
+from app.lesson import Outcome
+from app.words import Text, same
+
+from .players import DECOUPLED, LQE, NAMES, ORDER, gain_gap
+
+CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = Text("Channels", "通道"), Text("Sensors", "传感器"), Text("Inputs", "输入")
+TIME_TAB, RUN_TAB = Text("Test", "时域试验"), Text("Stage", "台上运行")
+SCORE_TAB, TRIAL_TAB = Text("Scores", "成绩"), Text("Trials", "试验")
+CHANNELS = (("vertical", Text("vertical", "竖直平动"), "µm/s"), ("rotation", Text("rotation, (VL − VR)/2", "转动，(VL − VR)/2"), "µm/s"),
+            ("horizontal", Text("horizontal", "水平平动"), "µm/s"))
+LOOKS: tuple[tuple[str, Dash], ...] = (("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"))
+SHORT = (Text("none", "无控制"), Text("SISO", "SISO 回路"), Text("LQE", "LQE"), Text("recursive", "递推"), Text("decoupled", "解耦"))
+SPLIT = Text(
+    "Cells: vertical, rotation, horizontal.", "单元格依次为：竖直、转动、水平。")
+
+
+def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+    """Everything on the right of the stage."""
+    return (*(_channel(outcome, j) for j in range(3)), *(_sensor(outcome, j) for j in range(3)), _input(outcome, 0),
+            _input(outcome, 2), _gain(outcome), *(_test(outcome, j) for j in range(3)), _stage_velocity(outcome),
+            _stage_force(outcome), _suppression(outcome), _sizes(outcome), _times(outcome), _trials(outcome), _decks(outcome),
+            _costs(outcome))
+
+
+def _curves(outcome: Outcome, column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:
+    """A density of every player; an unstable one lies below the axis."""
+    m = outcome.extra
+    return [Curve(NAMES[i], np.maximum(scale * m.spectra[i].density[:, column], FLOOR), role, dash, _width(outcome, i))
+            for i, (role, dash) in enumerate(LOOKS) if not (skip_open and i == 0)]
+
+
+def _width(outcome: Outcome, i: int) -> float:
+    return 2.6 if ORDER[i] == outcome.design["play"] else 1.6
+
+
+def _measured(outcome: Outcome, column: int, scale: float = 1.0) -> list[Curve]:
+    """The Monte-Carlo of the controller on the stage with its band of two standard errors, on the figure's frequencies."""
+    m, i = outcome.extra, ORDER.index(outcome.design["play"])
+    if m.trials is None or m.trials.noise[i] is None:
+        return []
+    tried = m.trials.noise[i]
+    low, high = tried.band()
+    keep = tried.frequency > 1.5 * tried.frequency[1]
+
+    def on_grid(values: np.ndarray) -> np.ndarray:
+        return np.exp(np.interp(np.log(m.f), np.log(tried.frequency[keep]), np.log(np.maximum(scale * values[keep, column], FLOOR))))
+
+    return [Curve(Text("Monte-Carlo", "蒙特卡罗"), on_grid(tried.density), "estimate", "dot", 1.6),
+            Curve(Text("band", "置信带"), on_grid(low), "estimate", "dot", 0.8),
+            Curve(Text("upper edge", "上沿"), on_grid(high), "estimate", "dot", 0.8)]
+
+
+def _noise(m: Any, share: float) -> Curve:
+    level = 2 * m.world.sensor * share * 1e12
+    return Curve(Text("sensor noise", "测量噪声"), np.full(len(m.f), max(level, FLOOR)), "second", "dot", 1.6)
+
+
+def _window(curves: list[Curve]) -> tuple[float, float]:
+    top = max(float(c.y.max()) for c in curves)
+    return (top * 1e-7, top)
+
+
+def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
+    m = outcome.extra
+    key, name, _ = CHANNELS[j]
+    curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
+    said = ", ".join(f"{n.en} {db:.1f}" for n, db in zip(SHORT[1:], m.band_db[1:, j], strict=True))
+    sagt = "，".join(f"{n.zh} {db:.1f}" for n, db in zip(SHORT[1:], m.band_db[1:, j], strict=True))
+    return FrequencyFigure(f"channel_{key}", Text(f"velocity: {name.en}", f"速度：{name.zh}"), m.f, tuple(curves), "(µm/s)²/Hz",
+                           Text(f"Gain over 0.5–3 Hz in dB: {said}.", f"0.5–3 Hz 内的抑制（dB）：{sagt}。"), CHANNEL_TAB, _window(curves))
+
+
+def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
+    m = outcome.extra
+    column, key, name = ((2, "left_h", Text("left horizontal, HL", "左水平 HL")), (3, "left_v", Text("left vertical, VL", "左竖直 VL")),
+                         (4, "right_v", Text("right vertical, VR", "右竖直 VR")))[j]
+    curves = [*_curves(outcome, column), _noise(m, 1.0)]
+    i = ORDER.index(outcome.design["play"])
+    peaks = [float(m.spectra[k].density[:, column].max()) for k in (0, i)]
+    if not m.spectra[i].stable:
+        said = Text("The controller on the stage does not hold this loop.", "台上的控制器不能使回路稳定。")
+    else:
+        said = Text(f"Highest point {peaks[0]:.2g} without control, {peaks[1]:.2g} with the one on the stage.",
+                    f"最高点：无控制 {peaks[0]:.2g}，台上的控制器 {peaks[1]:.2g}。")
+    return FrequencyFigure(f"sensor_{key}", Text(f"true velocity at {name.en}", f"真实速度：{name.zh}"), m.f, tuple(curves),
+                           "(µm/s)²/Hz", said, SENSOR_TAB, _window(curves))
+
+
+def _input(outcome: Outcome, j: int) -> FrequencyFigure:
+    m = outcome.extra
+    name = (Text("left vertical coil u1", "左竖直线圈 u1"), same(""), Text("horizontal coil u3", "水平线圈 u3"))[j]
+    curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
+    said = ", ".join(f"{n.en} {1e3 * v:.2g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
+    sagt = "，".join(f"{n.zh} {1e3 * v:.2g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
+    return FrequencyFigure(f"input_{j}", Text(f"command: {name.en}", f"指令：{name.zh}"), m.f, tuple(curves), "mN²/Hz",
+                           Text(f"RMS in mN: {said}.", f"均方根（mN）：{sagt}。"), INPUT_TAB, _window(curves))
+
+
+def _gain(outcome: Outcome) -> TimeFigure:
+    t, away = gain_gap(outcome.design["v"])
+    m = outcome.extra
+    apart = outcome.metrics.get("filters_apart_db")
+    en = f"It has {100 * away[-1]:.2g} % to go after 20 s."
+    zh = f"20 s 后还差 {100 * away[-1]:.2g} %。"
+    if apart is not None:
+        en += f" Settled, its loop differs from the steady LQE's by at most {apart:.2f} dB."
+        zh += f" 稳定之后，其回路与稳态 LQE 的谱最多相差 {apart:.2f} dB。"
+    if m.trials is not None and m.trials.learning is not None:
+        first, last = (100 * m.trials.learning[k].max() for k in (0, -1))
+        en += f" On one seed the runs are {first:.2g} % apart in the first second, {last:.2g} % in the tenth."
+        zh += f" 同一随机种子下，两次运行在第 1 秒相差 {first:.2g} %，第 10 秒相差 {last:.2g} %。"
+    return TimeFigure("gain", Text("recursive gain on its way to the Riccati gain", "递推增益趋向 Riccati 增益"), t,
+                      (Curve(Text("distance", "距离"), np.maximum(away, FLOOR), "estimate"),), "‖M − M∞‖ / ‖M∞‖", True, Text(en, zh),
+                      INPUT_TAB, (1e-4, 10.0))
+
+
+def _test(outcome: Outcome, j: int) -> TimeFigure:
+    m = outcome.extra
+    key, name, unit = CHANNELS[j]
+    t = m.responses[0].t
+    seen = t <= 6.0
+    curves = [Curve(NAMES[i], np.zeros(int(seen.sum())) if r is None else np.interp(t[seen], r.t, r.velocity[:, j]), role, dash,
+                    _width(outcome, i))
+              for i, ((role, dash), r) in enumerate(zip(LOOKS, m.responses, strict=True))]
+    high = float(np.abs(m.responses[0].velocity[:, j]).max())
+    parts = [_recovery(measured, j) for measured in m.measures[1:]]
+    en = ", ".join(f"{n.en} {p.en}" for n, p in zip(SHORT[1:], parts, strict=True))
+    zh = "，".join(f"{n.zh} {p.zh}" for n, p in zip(SHORT[1:], parts, strict=True))
+    return TimeFigure(f"test_{key}", Text(f"velocity after the test: {name.en}", f"试验后的速度：{name.zh}"), t[seen],
+                      tuple(curves), f"[{unit}]", caption=Text(f"Recovered, to 5 % of the peak without control: {en}.", f"恢复到无控制峰值 5 % 以内：{zh}。"),
+                      tab=TIME_TAB, window=(-high, high))
+
+
+def _recovery(measured: Any, j: int) -> Text:
+    if measured is None:
+        return Text("unstable", "不稳定")
+    after = measured[j].recovery
+    return Text("not in 12 s", "12 s 内未恢复") if after is None else same(f"{after:.2g} s")
+
+
+def _stage_velocity(outcome: Outcome) -> TimeFigure:
+    m = outcome.extra
+    t, x, _ = m.run
+    v, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.ghost))
+    late = t > 1.0
+    sizes = float(np.std(v[late])), float(np.std(ghost[late]))
+    return TimeFigure("stage_velocity", Text("vertical velocity of the run on the stage", "台上运行的竖直速度"), t,
+                      (Curve(Text("with the controller", "有控制"), v),
+                       Curve(Text("nobody steers", "无控制"), ghost, "estimate", "dash", 1.6)), "[µm/s]",
+                      caption=Text(f"Test at 0.5 s. After 1 s: {sizes[0]:.3g} µm/s RMS, {sizes[1]:.3g} µm/s without control.",
+                                   f"0.5 s 时施加试验。1 s 之后均方根 {sizes[0]:.3g} µm/s，无控制时 {sizes[1]:.3g} µm/s。"),
+                      tab=RUN_TAB, window=(-500.0, 500.0))
+
+
+def _stage_force(outcome: Outcome) -> TimeFigure:
+    t, _, u = outcome.extra.run
+    peak = 1e3 * float(np.abs(u).max())
+    return TimeFigure("stage_force", Text("coil commands of this run", "这次运行的线圈指令"), t,
+                      (Curve(Text("left vertical u1", "左竖直 u1"), 1e3 * u[:, 0], "force", "solid", 1.6),
+                       Curve(Text("right vertical u2", "右竖直 u2"), 1e3 * u[:, 1], "disturbance", "dash", 1.6),
+                       Curve(Text("horizontal u3", "水平 u3"), 1e3 * u[:, 2], "second", "solid", 1.6)), "[mN]",
+                      caption=Text(f"Largest command {peak:.3g} mN.", f"最大指令 {peak:.3g} mN。"), tab=RUN_TAB,
+                      window=(-20.0, 20.0))
+
+
+# --- tables ------------------------------------------------------------------------------------------------------------
+def _cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
+    return " · ".join(f"{v:{form}}".replace("-", "−") for v in values) if stable else Text("unstable", "不稳定")
+
+
+def _suppression(outcome: Outcome) -> TableFigure:
+    m = outcome.extra
+    rows = tuple((NAMES[i], *(Text("unstable", "不稳定") if not m.spectra[i].stable else
+                              f"{m.peak_db[i, j]:.1f} / {m.band_db[i, j]:.1f}".replace("-", "−") for j in range(3))) for i in range(1, 5))
+    best = [1 + int(np.argmax(m.band_db[1:, j])) for j in range(3)]
+    return TableFigure("suppression", Text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area",
+                                           "0.5–3 Hz 抑制（dB）：峰值 / 面积"),
+                       (Text("controller", "控制器"), *(name for _, name, _ in CHANNELS)), rows, tab=SCORE_TAB,
+                       caption=Text(f"By area: vertical {NAMES[best[0]].en}, rotation {NAMES[best[1]].en}, horizontal {NAMES[best[2]].en}.",
+                                    f"按面积最好者：竖直 {NAMES[best[0]].zh}，转动 {NAMES[best[1]].zh}，水平 {NAMES[best[2]].zh}。"))
+
+
+def _sizes(outcome: Outcome) -> TableFigure:
+    m = outcome.extra
+    rows = tuple((NAMES[i], *(Text("unstable", "不稳定") if not m.spectra[i].stable else f"{m.rms[i, j]:.3g}" for j in range(3)),
+                  "–" if not m.spectra[i].stable else f"{1e3 * m.forces[i].max():.3g}") for i in range(5))
+    return TableFigure("sizes", Text("RMS velocity in µm/s from 0.1 Hz up, RMS command in mN",
+                                     "速度均方根（µm/s，0.1 Hz 以上）与指令均方根（mN）"),
+                       (Text("controller", "控制器"), *(name for _, name, _ in CHANNELS), Text("coil", "线圈")), rows, tab=SCORE_TAB,
+                       caption=Text("Here what a controller adds above the resonances counts too.",
+                                    "这里也计入控制器在共振以上添加的噪声。"))
+
+
+def _times(outcome: Outcome) -> TableFigure:
+    m = outcome.extra
+    rows = []
+    for i in range(5):
+        measured = m.measures[i]
+        if measured is None:
+            rows.append((NAMES[i], Text("unstable", "不稳定"), "–", "–", "–"))
+            continue
+        times = " · ".join("> 12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
+        over = " · ".join(f"{100 * part.overshoot:.0f}" for part in measured)
+        rows.append((NAMES[i], times, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.3g}"))
+    return TableFigure("times", Text("the test in time", "时域指标"),
+                       (Text("controller", "控制器"), Text("recovery [s]", "恢复时间 [s]"), Text("overshoot [%]", "超调 [%]"),
+                        Text("peak u [mN]", "u 峰值 [mN]"), Text("energy [mN² s]", "能量 [mN² s]")), tuple(rows), tab=SCORE_TAB,
+                       caption=Text(SPLIT.en + " Overshoot: largest swing to the other side, over the first.",
+                                    SPLIT.zh + "超调：反向最大摆幅与正向之比。"))
+
+
+NOT_YET = Text("Not computed yet: press the button under the knobs.", "尚未计算：请按旋钮下方的按钮。")
+
+
+def _trials(outcome: Outcome) -> TableFigure:
+    m = outcome.extra
+    rows = []
+    for i in range(5):
+        tried = None if m.trials is None else m.trials.noise[i]
+        if tried is None:
+            rows.append((NAMES[i], _cells(m.rms[i], m.spectra[i].stable, ".3g"), "–", "–"))
+            continue
+        keep = ~tried.diverged
+        rms = 1e6 * np.sqrt(np.mean(tried.rms[keep, :3] ** 2, axis=0)) if keep.any() else np.zeros(3)
+        rows.append((NAMES[i], _cells(m.rms[i], True, ".3g"), _cells(rms, bool(keep.any()), ".3g"),
+                     f"{100 * float(tried.clipped.mean()):.2g}"))
+    done = m.trials is not None and any(one is not None for one in m.trials.noise)
+    said = (Text(f"24 runs of 32 s each, with clipping and rounding as they are. {SPLIT.en}",
+                 f"每个控制器 24 次、每次 32 s，限幅与量化按实际处理。{SPLIT.zh}") if done else NOT_YET)
+    return TableFigure("trials", Text("RMS velocity in µm/s: predicted, and from Monte-Carlo", "速度均方根（µm/s）：预测与蒙特卡罗"),
+                       (Text("controller", "控制器"), Text("predicted", "预测"), Text("Monte-Carlo", "蒙特卡罗"),
+                        Text("clipped [%]", "限幅 [%]")), tuple(rows), tab=TRIAL_TAB, caption=said)
+
+
+def _decks(outcome: Outcome) -> TableFigure:
+    m = outcome.extra
+    decks = None if m.trials is None else m.trials.decks
+    rows = []
+    for i in range(1, 5):
+        if decks is None:
+            rows.append((NAMES[i], "–", "–", "–"))
+            continue
+        good = ~np.isnan(decks[:, i, 0])
+        if not good.any():
+            rows.append((NAMES[i], *(Text("unstable", "不稳定"),) * 3))
+            continue
+        low, high = np.quantile(decks[good, i], (0.05, 0.95), axis=0)
+        lost = "" if good.all() else f" ({np.sum(~good)} ✕)"
+        rows.append((NAMES[i], *(f"{a:.1f} … {b:.1f}{lost}".replace("-", "−") for a, b in zip(low, high, strict=True))))
+    if decks is None or m.trials is None:
+        said = NOT_YET
+    else:
+        k, c, s = m.trials.tolerance
+        said = Text(f"60 decks, stiffness ±{k:.3g} %, damping ±{c:.3g} %, sensors ±{s:.3g} mm: nine in ten lie between. ✕: unstable.",
+                    f"60 个平台，刚度 ±{k:.3g} %、阻尼 ±{c:.3g} %、传感器 ±{s:.3g} mm：九成落在其间。✕：不稳定。")
+    return TableFigure("decks", Text("suppression in dB, 0.5–3 Hz, on decks that are not quite the model",
+                                     "平台与模型不符时 0.5–3 Hz 的抑制（dB）"),
+                       (Text("controller", "控制器"), *(name for _, name, _ in CHANNELS)), tuple(rows), tab=TRIAL_TAB, caption=said)
+
+
+SWITCHES = (
+    (Text("driver", "驱动"), "Hz"), (Text("delay", "延迟"), "ms"), (Text("converter", "量化"), "µm/s"),
+    (Text("drift", "漂移"), "µm/s/√s"), (Text("stiffness", "刚度"), "%"), (Text("damping", "阻尼"), "%"),
+    (Text("placement", "安装"), "mm"),
+)
+
+
+def _costs(outcome: Outcome) -> TableFigure:
+    shown, trials = (1, ORDER.index(LQE), ORDER.index(DECOUPLED)), outcome.extra.trials
+    if trials is None or trials.costs is None:
+        rows: tuple[tuple[Text | str, ...], ...] = tuple((name, "–", "–", "–") for name, _ in SWITCHES)
+        said = NOT_YET
+    else:
+        rows = tuple(
+            (Text(f"{name.en} {size:.3g} {unit}", f"{name.zh} {size:.3g} {unit}"),
+             *(_cells(cost[k] + 0.0, not np.isnan(cost[k, 0]), "+.1f") for k in shown))
+            for (name, unit), size, cost in zip(SWITCHES, trials.sizes, trials.costs, strict=True))
+        said = Text("Change of the suppression in dB by one switch alone: vertical, rotation, horizontal.",
+                    "单独打开一个因素时抑制量的变化（dB）：竖直、转动、水平。")
+    return TableFigure("costs", Text("what each switch costs", "各因素的代价"),
+                       (Text("switch", "因素"), *(SHORT[k] for k in shown)), rows, tab=TRIAL_TAB, caption=said)

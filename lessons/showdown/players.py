@@ -1,0 +1,151 @@
+"""Who plays: nobody, two SISO loops, the full LQG with the steady and with the recursive filter, three small LQGs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov
+
+from app.engine import (
+    Belief,
+    KalmanFilter,
+    Plant,
+    SampledController,
+    SampledLqg,
+    balanced_truncation,
+    compensator,
+    lqe,
+    lqr,
+    recursive_controller,
+    sampled_controller,
+    sampled_lqg,
+)
+from app.plants import platform
+from app.plants import platform_siso as siso
+from app.plants.platform_lqg import GROUND_UNIT, H_MAG, V_MAG, Weights, coils, ground
+from app.words import Text
+
+__all__ = ["DECOUPLED", "DT", "LQE", "NAMES", "OPEN", "ORDER", "OWN", "PUBLISHED", "RECURSIVE", "SISO", "Player", "gain_gap",
+           "players", "recursion", "sampled_design"]
+
+DT = 1e-3  # s: the computer's period
+OPEN, SISO, LQE, RECURSIVE, DECOUPLED = ORDER = ("open", "siso", "lqe", "recursive", "decoupled")
+NAMES = (
+    Text("no control", "无控制"), Text("two SISO loops", "两个 SISO 回路"), Text("LQG, steady LQE", "LQG（稳态 LQE）"),
+    Text("LQG, recursive filter", "LQG（递推滤波）"), Text("decoupled LQG", "解耦 LQG"),
+)
+OWN, PUBLISHED = "own", "published"
+STRIDE, STRIDES = 256, 80  # samples between two looks at the recursive gain, and how many: 20 s
+
+
+@dataclass(frozen=True, eq=False)
+class Player:
+    """One controller: its id, its name, and what the computer runs."""
+
+    id: str
+    name: Text
+    controller: SampledController
+
+
+@lru_cache(maxsize=1)
+def reduced() -> Plant:
+    """The eight states on which the report designs, with coils and ground as inputs."""
+    return balanced_truncation(platform.plant(), 8).plant
+
+
+@lru_cache(maxsize=1)
+def _feedback() -> tuple[np.ndarray, SampledLqg]:
+    """What does not depend on the believed noise: K in continuous time, and the sampled design with its own K."""
+    weights, plant = Weights(), reduced()
+    return (lqr(plant.A, coils(plant).B, weights.Q(plant), weights.R).gain,
+            sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, DT, ground(plant)))
+
+
+@lru_cache(maxsize=3)
+def _channel(index: int) -> tuple[Plant, np.ndarray, np.ndarray]:
+    """The reduced model of a channel, its G, and its K by the report's weights seen in this channel."""
+    plant, G = siso.reduced_channel(siso.THREE[index])
+    magnitude, pair = ((V_MAG, 2), (V_MAG, 2), (H_MAG, 1))[index]
+    weights = Weights()
+    Q = weights.alpha_q * 2 / magnitude**2 * plant.C.T @ plant.C
+    return plant, G, lqr(plant.A, plant.B, Q, [[weights.alpha_r * pair]]).gain
+
+
+def full(v: float) -> Plant:
+    """The full LQG with its steady LQE, y → u: `platform_lqg.lqg` on eight states."""
+    weights, plant = Weights(v0=v), reduced()
+    return compensator(coils(plant), _feedback()[0], lqe(plant.A, ground(plant), plant.C, weights.W, weights.V).gain)
+
+
+def decoupled(v: float) -> Plant:
+    """Three LQGs of two states each, y → u: `platform_siso.decoupled_lqg`."""
+    parts = []
+    for index in range(3):
+        plant, G, K = _channel(index)
+        parts.append(compensator(plant, K, lqe(plant.A, G, plant.C, GROUND_UNIT * np.eye(2), [[v / 2]]).gain))
+    return siso.from_channels(*parts, name="decoupled LQG")
+
+
+@lru_cache(maxsize=64)
+def sampled_design(v: float) -> SampledLqg:
+    """The LQG of the computer's own time, for the believed intensity v of the sensors' noise."""
+    weights, plant, made = Weights(v0=v), reduced(), _feedback()[1]
+    return replace(made, filter=KalmanFilter.from_plant(coils(plant), weights.W, weights.V, DT, ground(plant)))
+
+
+def first_belief(v: float) -> Belief:
+    """What the recursive filter knows when it is switched on: the deck shakes as it does without control."""
+    plant = reduced()
+    G = ground(plant)
+    return Belief(np.zeros(plant.n), solve_continuous_lyapunov(plant.A, -G @ Weights(v0=v).W @ G.T))
+
+
+def _player(index: int, controller: Plant) -> Player:
+    return Player(ORDER[index], NAMES[index], sampled_controller(controller, DT))
+
+
+@lru_cache(maxsize=4)
+def _unbelieving(pair: str) -> tuple[Player, Player]:
+    """Those whom the believed noise does not concern."""
+    silent = Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)), DT)
+    return _player(0, silent), _player(1, siso.published() if pair == PUBLISHED else siso.designed())
+
+
+@lru_cache(maxsize=64)
+def _believing(v: float) -> tuple[Player, Player, Player]:
+    return _player(2, full(v)), _player(3, sampled_design(v).controller), _player(4, decoupled(v))
+
+
+def players(v: float, pair: str) -> tuple[Player, ...]:
+    """All five for the believed intensity v and a choice of the SISO pair; the recursive filter with its settled gain."""
+    return _unbelieving(pair) + _believing(v)
+
+
+def recursion(v: float, steps: int) -> SampledController:
+    """The recursive filter from the moment when it is switched on, with the feedback of the sampled LQG."""
+    design = sampled_design(v)
+    return recursive_controller(design.filter, design.K, first_belief(v), steps)
+
+
+@lru_cache(maxsize=64)
+def gain_gap(v: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times (s) and ‖M − M∞‖/‖M∞‖ of the recursive gain there, without the samples in between.
+
+    P⁺ = H + A P (I + G P)⁻¹Aᵀ is the step of the filter; two equal steps are again one of this form, with
+    A (I + H G)⁻¹A, G + AᵀG(I + H G)⁻¹A and H + A (I + H G)⁻¹H Aᵀ: doubled up to the stride, then repeated.
+    """
+    kf, eye = sampled_design(v).filter, np.eye(8)
+    A, G, H = kf.A, kf.C.T @ np.linalg.solve(kf.R, kf.C), kf.Q
+    for _ in range(round(np.log2(STRIDE))):
+        both = np.linalg.solve(eye + H @ G, np.hstack([A, H]))
+        A, G, H = A @ both[:, :8], G + A.T @ G @ both[:, :8], H + A @ both[:, 8:] @ A.T
+        H, G = (H + H.T) / 2, (G + G.T) / 2
+    goal, P = kf.steady.filter_gain, first_belief(v).covariance
+    away = np.empty(STRIDES)
+    for i in range(STRIDES):
+        CP = kf.C @ P
+        away[i] = np.linalg.norm(np.linalg.solve(CP @ kf.C.T + kf.R, CP).T - goal)
+        P = H + A @ P @ np.linalg.solve(eye + G @ P, A.T)
+    return DT * STRIDE * np.arange(STRIDES), away / np.linalg.norm(goal)

@@ -1,0 +1,173 @@
+"""The longer computation: noise again and again, the recursive filter from switch-on, other decks, one switch at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from app.engine import MonteCarlo, loop_density, mechanics_response, monte_carlo
+from app.lesson import Outcome
+from app.plants import platform
+
+from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
+from .world import BAND, World, band_rms, grid, loop_of
+
+__all__ = ["COSTS", "Trials", "carry", "try_out"]
+
+RUNS, SECONDS, SEGMENT = 24, 32.0, 16_384
+LEARNING = 10_000  # samples that the recursive filter is followed for
+DECKS = 60
+TOLERANCE = (5.0, 20.0, 5.0)  # %, %, mm where no error knob is turned
+COSTS = ("driver", "delay", "adc", "drift", "stiffness", "damping", "placement")
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """What was measured. noise: a Monte-Carlo of each player, None where its loop is unstable; learning: how far the
+    recursive filter's run leaves the steady one's, relative (s, n): RMS of each whole second; decks (count, 5, 3): gain in
+    dB over the band of each player on decks within the tolerance, NaN where unstable; costs (switches, 5, 3): change of
+    the gain in dB by one switch alone, NaN where it makes the loop unstable; sizes: how far each was turned.
+    """
+
+    noise: tuple[MonteCarlo | None, ...]
+    learning: np.ndarray | None = None
+    decks: np.ndarray | None = None
+    tolerance: tuple[float, float, float] = TOLERANCE
+    costs: np.ndarray | None = None
+    sizes: tuple[float, ...] = ()
+
+
+def try_out(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
+    """The job: Monte-Carlo of every player, then learning, tolerances and costs."""
+    done, known = 0.0, None
+    for fraction, trials in _all(outcome):
+        if trials is not known:
+            outcome, known = replace(outcome, extra=replace(outcome.extra, trials=trials)), trials
+        done = max(done, fraction)
+        yield done, outcome
+
+
+def _all(outcome: Outcome) -> Iterator[tuple[float, Trials]]:
+    found = Trials((None,) * 5)
+    match, design = outcome.extra, outcome.design
+    world, seed = match.world, int(design["seed"])
+    for i, player in enumerate(match.five):
+        loop = loop_of(world, player)
+        if not loop.stable:
+            continue
+        for share, result in monte_carlo(loop, RUNS, SECONDS, seed, SEGMENT, RUNS):
+            if result is not None:
+                found = replace(found, noise=(*found.noise[:i], result, *found.noise[i + 1:]))
+            yield 0.14 * (i + share), found
+    yield 0.7, found
+    if match.spectra[ORDER.index(LQE)].stable and match.spectra[ORDER.index(RECURSIVE)].stable:
+        for share, apart in _learning(world, match.five, design["v"], seed):
+            if apart is not None:
+                found = replace(found, learning=apart)
+            yield 0.7 + 0.1 * share, found
+    spread = tuple(abs(design[name]) for name in ("stiffness", "damping", "placement"))
+    spread = spread if any(spread) else TOLERANCE
+    decks = np.empty((DECKS, 5, 3))
+    for share in _decks(world, match.five, spread, seed, decks):
+        yield 0.8 + 0.1 * share, found
+    found = replace(found, decks=decks, tolerance=spread)
+    sizes, costs = _sizes(design), np.empty((len(COSTS), 5, 3))
+    for share in _costs(match.five, sizes, world, costs):
+        yield 0.9 + 0.1 * share, found
+    yield 1.0, replace(found, costs=costs, sizes=sizes)
+
+
+def _learning(world: World, five: tuple[Player, ...], v: float, seed: int) -> Iterator[tuple[float, np.ndarray | None]]:
+    """The recursive filter from the moment it is switched on beside the same filter settled, on one seed.
+
+    RMS over each second of the difference of the three channels' velocities, relative to the RMS of the run.
+    """
+    loop, design = loop_of(world, five[ORDER.index(RECURSIVE)]), sampled_design(v)
+    kf, K, seen = design.filter, design.K, np.ones(4, dtype=bool)
+    step, limit = loop.hardware.step, loop.hardware.limit
+    for_jumps, for_v = np.random.default_rng(seed).spawn(2)
+    jumps = for_jumps.standard_normal((LEARNING, loop.jump.shape[1])) @ loop.jump.T
+    noise = for_v.standard_normal((LEARNING, 4)) @ loop.sensor.T
+    P, w, settled = kf.spread(first_belief(v)), np.zeros(loop.n), np.zeros(loop.n)
+    apart, size = np.empty((LEARNING, 3)), np.empty((LEARNING, 3))
+    F, F_m, F_s, U, T, Y = loop.F[-1], loop.F_m[-1], loop.F_s[-1], loop.U[-1], loop.T[-1], loop.Y
+    for k in range(LEARNING):
+        size[k] = loop.outputs[:3] @ settled
+        apart[k] = loop.outputs[:3] @ w - size[k]
+        both = np.column_stack([w, settled])
+        m = (Y @ both).T + noise[k]
+        if step:
+            m = step * np.rint(m / step)
+        _, M, P = kf.corrected(P, seen)
+        P = kf.forward(P)
+        xhat = w[loop.control] + M @ (m[0] - kf.C @ w[loop.control])
+        asked = -K @ xhat
+        u = np.clip(asked, -limit, limit)
+        w = F @ w + F_m @ m[0] + F_s @ u + jumps[k]
+        w[loop.control] = kf.A @ xhat + kf.B @ asked
+        other = np.clip(U @ settled + T @ m[1], -limit, limit)
+        settled = F @ settled + F_m @ m[1] + F_s @ other + jumps[k]
+        if k % 100 == 99:
+            yield (k + 1) / LEARNING, None
+    second = round(1 / DT)
+    squares = ((apart**2).reshape(-1, second, 3).mean(axis=1), (size**2).mean(axis=0))
+    yield 1.0, np.sqrt(squares[0] / squares[1])
+
+
+def _gains(world: World, five: tuple[Player, ...]) -> np.ndarray:
+    """Gain in dB over the band of each player (5, 3); NaN where its loop is unstable. Nothing is kept in a cache."""
+    loops = [loop_of.__wrapped__(world, player) for player in five]
+    f = grid(world.parameters)
+    inside = f[(f >= BAND[0]) & (f <= BAND[1])]
+    mechanics = mechanics_response(loops[0], inside)
+    rms = [band_rms(inside, loop_density(loop, mechanics), *BAND)[:3] if loop.stable else np.full(3, np.nan) for loop in loops]
+    return 20 * np.log10(rms[0] / np.array(rms))
+
+
+def _decks(world: World, five: tuple[Player, ...], spread: Any, seed: int, found: np.ndarray) -> Iterator[float]:
+    """Gains on decks whose stiffness, damping and sensor places lie anywhere within ±spread of the nominal ones."""
+    rng, p = np.random.default_rng((seed, 1)), platform.Parameters()
+    for i in range(DECKS):
+        k, c, s = rng.uniform(-1, 1, 3) * spread
+        other = replace(p, kz=p.kz * (1 + k / 100), kx=p.kx * (1 + k / 100), cz=p.cz * (1 + c / 100),
+                        cx=p.cx * (1 + c / 100), s=p.s + s / 1000)
+        found[i] = _gains(replace(world, parameters=other), five)
+        yield (i + 1) / DECKS
+
+
+def _sizes(design: Any) -> tuple[float, ...]:
+    """How far each switch is turned for its cost: as far as its knob, or a standard size where that is at rest."""
+    standard = (30.0, 3.0, 50.0, 1.0, 10.0, 50.0, 20.0)
+    present = [design["bandwidth"] if design["driver"] != "ideal" else 0.0, *(design[name] for name in COSTS[1:])]
+    return tuple(float(now) if now else usual for now, usual in zip(present, standard, strict=True))
+
+
+def _costs(five: tuple[Player, ...], sizes: tuple[float, ...], world: World, found: np.ndarray) -> Iterator[float]:
+    """Each switch alone in an otherwise ideal world."""
+    p, h = platform.Parameters(), type(world.hardware)()
+    ideal = World(p, h, world.sensor, world.shaped)
+    base = _gains(ideal, five)
+    band, delay, step, walk, k, c, s = sizes
+    worlds = (
+        replace(ideal, hardware=replace(h, bandwidth=band, order=world.hardware.order)),
+        replace(ideal, hardware=replace(h, delay=delay / 1000)), replace(ideal, hardware=replace(h, step=step * 1e-6)),
+        replace(ideal, hardware=replace(h, walk=walk * 1e-6)),
+        replace(ideal, parameters=replace(p, kz=p.kz * (1 + k / 100), kx=p.kx * (1 + k / 100))),
+        replace(ideal, parameters=replace(p, cz=p.cz * (1 + c / 100), cx=p.cx * (1 + c / 100))),
+        replace(ideal, parameters=replace(p, s=p.s + s / 1000)),
+    )
+    for i, other in enumerate(worlds):
+        found[i] = _gains(other, five) - base
+        yield (i + 1) / len(worlds)
+
+
+def carry(before: Outcome, after: Outcome) -> Outcome:
+    """What was measured goes over where only the stage or the test has changed."""
+    old, new = before.extra.trials, after.extra.trials
+    alike = before.design.with_values(**{name: after.design[name] for name in ("play", "test", "kick")}) == after.design
+    if old is None or not alike or (new is not None and new.costs is not None) or (old.costs is None and new is not None):
+        return after
+    return replace(after, extra=replace(after.extra, trials=old))

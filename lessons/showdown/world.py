@@ -1,0 +1,222 @@
+"""What the players meet: the true deck, its ground, its sensors and coils; spectra, responses and one noisy run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import (
+    Hardware,
+    MechanicsResponse,
+    Plant,
+    ResponseMeasures,
+    SampledLoop,
+    loop_density,
+    mechanics_response,
+    response_measures,
+    run_trial,
+    sampled_loop,
+)
+from app.lesson import Design
+from app.plants import platform
+from app.plants.platform_channels import T_y
+
+from .players import DT, OPEN, OWN, Player, players
+
+__all__ = ["BAND", "DT", "RUN", "Analysis", "Response", "World", "analyse", "band_rms", "grid", "loop_of", "measures", "respond", "shake",
+           "world_of"]
+
+BAND = (0.5, 3.0)  # Hz: the main resonance band
+FINE, STRIDE, LAST = 200, 40, 12_000  # samples: one by one at first, then every 40th, up to 12 s
+PART = 500  # samples of a clipped response between two looks whether the rest is linear
+RUN, TOUCH = 3000, 500  # samples of the noisy run, and when the deck is touched in it
+# A touch of the deck: jumps of the velocities of x, z, θ and of the test masses that ride along.
+PUSH = np.array([0, 0, 0, 0, 0, 2e-4, -2e-4, 1e-3, -2e-4 - 1e-3 * platform.Parameters.s, -2e-4 + 1e-3 * platform.Parameters.s])
+STEP = np.array([2e-5, 2e-5])  # m: the ground rises and moves aside
+OUTPUTS = 5  # vertical, rotation, horizontal; VL, VR. HL is the horizontal channel
+ASD = (2.5e-7, 6e-9)  # m/√Hz at 1 Hz of vertical and horizontal ground, falling as 1/f²
+CORNERS = 2 * np.pi * np.array([0.03, 0.04])  # rad/s below which the ground filter is flat
+BROAD = np.geomspace(0.1, 499.0, 120)
+NEAR = np.concatenate([-np.geomspace(1e-3, 0.3, 16)[::-1], [0.0], np.geomspace(1e-3, 0.3, 16)])
+
+
+@dataclass(frozen=True)
+class World:
+    """Everything that is true whatever the controller believes."""
+
+    parameters: platform.Parameters
+    hardware: Hardware
+    sensor: float
+    shaped: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """The loop of one player: stable or not, and densities (n_f, 5 + 3) in (µm/s)²/Hz, the rotation's likewise, and N²/Hz."""
+
+    stable: bool
+    density: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Without noise, after the test: t (n_t,), the channels' velocities (n_t, 3) in µm/s, u (n_t, 3) in N, measures."""
+
+    t: np.ndarray
+    velocity: np.ndarray
+    u: np.ndarray
+
+
+def world_of(design: Design) -> World:
+    """The world of a design's knobs."""
+    p = platform.Parameters()
+    true = replace(p, kz=p.kz * (1 + design["stiffness"] / 100), kx=p.kx * (1 + design["stiffness"] / 100),
+                   cz=p.cz * (1 + design["damping"] / 100), cx=p.cx * (1 + design["damping"] / 100),
+                   s=p.s + design["placement"] / 1000)
+    hardware = Hardware(
+        limit=design["limit"] if design["limited"] else np.inf,
+        bandwidth=np.inf if design["driver"] == "ideal" else design["bandwidth"], order=2 if design["driver"] == "second" else 1,
+        walk=design["drift"] * 1e-6, step=design["adc"] * 1e-6, delay=design["delay"] / 1000)
+    return World(true, hardware, design["sensor"], design["ground"] == "shaped")
+
+
+@lru_cache(maxsize=64)
+def _plant(parameters: platform.Parameters) -> tuple[Plant, np.ndarray]:
+    """The true plant, and the rows of its recorded outputs."""
+    plant = platform.plant(parameters)
+    return plant, np.vstack([T_y[:3] @ plant.C, plant.C[[0, 2]]])
+
+
+@lru_cache(maxsize=1)
+def _ground() -> Plant:
+    """White noise to ground motion (z_g, x_g) of density ASD²/f⁴ above the corners."""
+    A, B, C = np.zeros((4, 4)), np.zeros((4, 2)), np.zeros((2, 4))
+    for i, asd in enumerate(ASD):
+        A[2 * i:2 * i + 2, 2 * i:2 * i + 2] = [[-CORNERS[0], 1.0], [0.0, -CORNERS[1]]]
+        B[2 * i + 1, i], C[i, 2 * i] = asd * (2 * np.pi) ** 2 / np.sqrt(2), 1.0
+    return Plant(A, B, C)
+
+
+@lru_cache(maxsize=128)
+def loop_of(world: World, player: Player) -> SampledLoop:
+    """The player's sampled loop in this world."""
+    plant, outputs = _plant(world.parameters)
+    W, shaping = (np.eye(2), _ground()) if world.shaped else (1e-12 * np.eye(2), None)
+    return sampled_loop(plant, player.controller, range(3), hardware=world.hardware, W=W, V=world.sensor * np.eye(4),
+                        shaping=shaping, outputs=outputs)
+
+
+@lru_cache(maxsize=64)
+def grid(parameters: platform.Parameters) -> np.ndarray:
+    """Frequencies in Hz: evenly on the logarithmic axis, and close together at the deck's three resonances."""
+    poles = _plant(parameters)[0].poles
+    peaks = [abs(p) / (2 * np.pi) for p in poles if p.imag > 0 and abs(p) < 100]
+    f = np.unique(np.concatenate([BROAD, *(peak + NEAR for peak in peaks)]))
+    return f[np.concatenate([[True], np.diff(f) > 1e-9])]
+
+
+@lru_cache(maxsize=64)
+def _mechanics(world: World) -> MechanicsResponse:
+    """What all players share: the responses of deck, drivers, delay and ground. `world` without sensor noise and limit."""
+    return mechanics_response(loop_of(world, players(1e-10, OWN)[0]), grid(world.parameters))
+
+
+@lru_cache(maxsize=256)
+def analyse(world: World, player: Player) -> Analysis:
+    """The player's densities on the world's grid, by transfer function; zero where the loop is not stable."""
+    loop = loop_of(world, player)
+    shared = replace(world, sensor=1e-10, hardware=replace(world.hardware, limit=np.inf, step=0.0, walk=0.0))
+    if not loop.stable:
+        return Analysis(False, np.zeros((len(grid(world.parameters)), OUTPUTS + 3)))
+    units = np.array([1e12] * OUTPUTS + [1.0] * 3)
+    return Analysis(True, units * loop_density(loop, _mechanics(shared)))
+
+
+def band_rms(f: np.ndarray, density: np.ndarray, low: float, high: float) -> np.ndarray:
+    """Root of the area under densities (n_f, k) between two frequencies."""
+    inside = (f >= low) & (f <= high)
+    return np.sqrt(np.trapezoid(density[inside], f[inside], axis=0))
+
+
+@lru_cache(maxsize=256)
+def respond(world: World, player: Player, step: bool) -> Response | None:
+    """The test without noise: a touch at t = 0, or a step of the ground; None for a loop that is not stable.
+
+    Exact; what is linear is worked out at few samples after 0.2 s, a clipped stretch sample by sample before that.
+    """
+    loop = loop_of(world, player)
+    if not loop.stable:
+        return None
+    quiet = replace(loop, hardware=replace(loop.hardware, step=0.0))
+    w0, head = np.zeros(loop.n), [np.zeros((0, loop.n))]
+    if not step:
+        w0[loop.x] += PUSH
+    gamma = loop.Gamma @ STEP if step else np.zeros(loop.n)
+    begun = 0
+    while True:
+        points, w = _linear(loop, w0, gamma, begun)
+        u = w @ loop.feedback.T
+        if begun >= LAST - PART or player.id == OPEN or np.abs(u).max() <= loop.hardware.limit:
+            break
+        run = run_trial(quiet, PART + 1, start=w0, disturbance=np.tile(STEP, (PART + 1, 1)) if step else None)
+        head.append(run.w[:-1])
+        w0, begun = run.w[-1], begun + PART
+    clipped = np.concatenate(head)
+    keep = np.concatenate([np.arange(min(FINE, begun)), np.arange(FINE, begun, STRIDE)]).astype(int)
+    states = np.vstack([clipped[keep], w])
+    limit = loop.hardware.limit
+    return Response(DT * np.concatenate([keep, points]), 1e6 * states @ loop.outputs[:3].T,
+                    np.clip(states @ loop.feedback.T, -limit, limit))
+
+
+def _linear(loop: SampledLoop, w0: np.ndarray, gamma: np.ndarray, begun: int) -> tuple[np.ndarray, np.ndarray]:
+    """Samples from `begun` to the end and the states there, one by one at first, of w⁺ = F_c w + gamma."""
+    N = loop.n
+    closed = np.zeros((N + 1, N + 1))  # the constant push rides along as a state
+    closed[:N, :N], closed[:N, N], closed[N, N] = loop.closed(), gamma, 1.0
+    first = _powers(closed, np.append(w0, 1.0), FINE + 1)
+    later = _powers(np.linalg.matrix_power(closed, STRIDE), first[-1], max((LAST - begun - FINE) // STRIDE + 1, 1))
+    points = begun + np.concatenate([np.arange(FINE), FINE + STRIDE * np.arange(len(later))])
+    return points, np.vstack([first[:-1], later])[:, :N]
+
+
+def _powers(step: np.ndarray, start: np.ndarray, count: int) -> np.ndarray:
+    """start, step start, step² start … (count, N), by doubling."""
+    found = np.empty((count, len(start)))
+    found[0], done, power = start, 1, step.T
+    while done < count:
+        more = min(done, count - done)
+        found[done:done + more] = found[:more] @ power
+        done += more
+        power = power @ power
+    return found
+
+
+def measures(response: Response, reference: Response) -> tuple[ResponseMeasures, ...]:
+    """Of each channel; recovered within 5 % of the largest velocity that the channel reaches without control."""
+    bands = 0.05 * np.abs(reference.velocity).max(axis=0)
+    return tuple(response_measures(response.t, response.velocity[:, i], response.u, float(bands[i])) for i in range(3))
+
+
+@lru_cache(maxsize=16)
+def shake(world: World, player: Player, seed: int, step: bool, kick: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One noisy run with the test after half a second: t, states x (n_t, 10) and forces u (n_t, 3), held if it diverges.
+
+    Rounding is left to the Monte-Carlo here; `kick` is the time of one more touch, or −1.
+    """
+    loop = loop_of(world, player)
+    quiet = replace(loop, hardware=replace(loop.hardware, step=0.0))
+    ground = np.zeros((RUN, 2))
+    kicks = [] if step else [(TOUCH, PUSH)]
+    if step:
+        ground[TOUCH:] = STEP
+    if kick >= 0:
+        kicks.append((min(round(kick / DT), RUN - 1), PUSH))
+    run = run_trial(quiet, RUN, seed, disturbance=ground, kicks=tuple(kicks))
+    x, u = np.zeros((RUN, 10)), np.zeros((RUN, 3))
+    x[:len(run.x)], u[:len(run.x)] = run.x, run.applied
+    x[len(run.x):], u[len(run.x):] = run.x[-1], run.applied[-1]
+    t = DT * np.arange(RUN)
+    return t[::4], np.clip(x, -1.0, 1.0)[::4], np.clip(u, -100.0, 100.0)[::4]
