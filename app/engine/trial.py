@@ -15,8 +15,8 @@ __all__ = ["ResponseMeasures", "Trial", "response_measures", "run_trial"]
 MOST_NUMBERS = 40_000_000  # state numbers in one run
 DIVERGED = 1e12
 AHEAD = 256  # samples of the first block
-SHORT = 64  # a block that ends sooner is followed by BURST samples one by one, which takes less time
-BURST = 64  # twice as many each time, until a block of four times SHORT is met
+SHORT = 160  # a block that ends sooner is followed by BURST samples one by one, which takes less time
+BURST = 128  # twice as many each time, until a block of four times SHORT is met
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +87,15 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
     """What jumps onto w at the end of each sample (n_t, N), and the noise of each reading (n_t, p)."""
     push, v = np.zeros((steps, loop.n)), np.zeros((steps, len(loop.Y)))
     if seed is not None:
-        for_jumps, for_v = np.random.default_rng(seed).spawn(2)
-        push = for_jumps.standard_normal((steps, loop.jump.shape[1])) @ loop.jump.T
+        for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
+        walks = len(loop.Y) if loop.hardware.walk > 0 else 0
+        ground = loop.jump[:, :loop.jump.shape[1] - walks]
+        push = for_ground.standard_normal((steps, ground.shape[1])) @ ground.T
+        if walks:
+            push += for_bias.standard_normal((steps, walks)) @ loop.jump[:, ground.shape[1]:].T
         v = for_v.standard_normal(v.shape) @ loop.sensor.T
-    push[:, loop.bias] += loop.hardware.ramp * loop.dt
+    if loop.hardware.ramp:
+        push[:, loop.bias] += loop.hardware.ramp * loop.dt
     if disturbance is not None:
         given = np.asarray(disturbance, dtype=float)
         if given.shape != (steps, loop.Gamma.shape[1]):
@@ -126,8 +131,16 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
     done = _rounding(loop, w, push, v, 0, k)
     if done < k:
         return done
-    direct, modes, ahead, burst = v @ loop.T[-1].T, {}, last if np.isinf(limit) else AHEAD, BURST
-    enter_all = v @ loop.F_m[-1].T
+    if np.isinf(limit):
+        path = affine_scan(loop.closed(), push[k:last] + v[k:last] @ loop.noise_in.T, w[k], last - k)
+        with np.errstate(invalid="ignore"):
+            if max(path.max(), -path.min()) < DIVERGED:
+                w[k:] = path
+                return last
+            good = int(np.argmin(np.abs(path).max(axis=1) < DIVERGED))
+        w[k:k + good] = path[:good]
+        return k + good - 1
+    direct, read, modes, ahead, burst = v @ loop.T[-1].T, v @ loop.F_m[-1].T, {}, AHEAD, BURST
     while k < last:
         asked = loop.feedback @ w[k] + direct[k]
         side = (asked > limit).astype(int) - (asked < -limit)
@@ -137,11 +150,9 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
         step, enter, shift = modes[key]
         stop = min(k + ahead, last)
         path = affine_scan(step, push[k:stop] + v[k:stop] @ enter.T + shift, w[k], stop - k)
-        good = len(path)
-        if np.isfinite(limit):
-            asked = path @ loop.feedback.T + direct[k:stop + 1]
-            other = ((asked > limit).astype(int) - (asked < -limit) != side).any(axis=1)
-            good = int(np.argmax(other)) + 1 if other.any() else good
+        asked = path @ loop.feedback.T + direct[k:stop + 1]
+        other = ((asked > limit).astype(int) - (asked < -limit) != side).any(axis=1)
+        good = int(np.argmax(other)) + 1 if other.any() else len(path)
         with np.errstate(invalid="ignore"):
             large = np.flatnonzero(~(np.abs(path[:good]).max(axis=1) < DIVERGED))
         if len(large):
@@ -154,7 +165,7 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
             burst = BURST
         elif good <= SHORT and k < last:
             stop, burst = min(k + burst, last), 2 * burst
-            done = _stepping(loop, w, push, direct, enter_all, k, stop)
+            done = _stepping(loop, w, push, direct, read, k, stop)
             if done < stop:
                 return done
             k = stop

@@ -17,7 +17,9 @@ TIME_TAB, RUN_TAB = Text("Test", "时域试验"), Text("Stage", "台上运行")
 SCORE_TAB, TRIAL_TAB = Text("Scores", "成绩"), Text("Trials", "试验")
 CHANNELS = (("vertical", Text("vertical", "竖直平动"), "µm/s"), ("rotation", Text("rotation, (VL − VR)/2", "转动，(VL − VR)/2"), "µm/s"),
             ("horizontal", Text("horizontal", "水平平动"), "µm/s"))
-LOOKS: tuple[tuple[str, Dash], ...] = (("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"))
+LOOKS: tuple[tuple[str, Dash], ...] = (
+    ("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"),
+)
 SHORT = (Text("none", "无控制"), Text("SISO", "SISO 回路"), Text("LQE", "LQE"), Text("recursive", "递推"), Text("decoupled", "解耦"))
 SPLIT = Text(
     "Cells: vertical, rotation, horizontal.", "单元格依次为：竖直、转动、水平。")
@@ -115,9 +117,10 @@ def _gain(outcome: Outcome) -> TimeFigure:
         en += f" Settled, its loop differs from the steady LQE's by at most {apart:.2f} dB."
         zh += f" 稳定之后，其回路与稳态 LQE 的谱最多相差 {apart:.2f} dB。"
     if m.trials is not None and m.trials.learning is not None:
-        first, last = (100 * m.trials.learning[k].max() for k in (0, -1))
-        en += f" On one seed the runs are {first:.2g} % apart in the first second, {last:.2g} % in the tenth."
-        zh += f" 同一随机种子下，两次运行在第 1 秒相差 {first:.2g} %，第 10 秒相差 {last:.2g} %。"
+        first, last = ("/".join(f"{100 * v:.2g}" for v in m.trials.learning[k]) for k in (0, -1))
+        count = len(m.trials.learning)
+        en += f" On one seed (vertical/rotation/horizontal) the runs are {first} % apart in second 1, {last} % in second {count}."
+        zh += f" 同一随机种子下（竖直/转动/水平），两次运行在第 1 秒相差 {first} %，第 {count} 秒相差 {last} %。"
     return TimeFigure("gain", Text("recursive gain on its way to the Riccati gain", "递推增益趋向 Riccati 增益"), t,
                       (Curve(Text("distance", "距离"), np.maximum(away, FLOOR), "estimate"),), "‖M − M∞‖ / ‖M∞‖", True, Text(en, zh),
                       INPUT_TAB, (1e-4, 10.0))
@@ -136,7 +139,8 @@ def _test(outcome: Outcome, j: int) -> TimeFigure:
     en = ", ".join(f"{n.en} {p.en}" for n, p in zip(SHORT[1:], parts, strict=True))
     zh = "，".join(f"{n.zh} {p.zh}" for n, p in zip(SHORT[1:], parts, strict=True))
     return TimeFigure(f"test_{key}", Text(f"velocity after the test: {name.en}", f"试验后的速度：{name.zh}"), t[seen],
-                      tuple(curves), f"[{unit}]", caption=Text(f"Recovered, to 5 % of the peak without control: {en}.", f"恢复到无控制峰值 5 % 以内：{zh}。"),
+                      tuple(curves), f"[{unit}]", caption=Text(f"Recovered, to 5 % of the peak without control: {en}.",
+                                                                  f"恢复到无控制峰值 5 % 以内：{zh}。"),
                       tab=TIME_TAB, window=(-high, high))
 
 
@@ -156,8 +160,8 @@ def _stage_velocity(outcome: Outcome) -> TimeFigure:
     return TimeFigure("stage_velocity", Text("vertical velocity of the run on the stage", "台上运行的竖直速度"), t,
                       (Curve(Text("with the controller", "有控制"), v),
                        Curve(Text("nobody steers", "无控制"), ghost, "estimate", "dash", 1.6)), "[µm/s]",
-                      caption=Text(f"Test at 0.5 s. After 1 s: {sizes[0]:.3g} µm/s RMS, {sizes[1]:.3g} µm/s without control.",
-                                   f"0.5 s 时施加试验。1 s 之后均方根 {sizes[0]:.3g} µm/s，无控制时 {sizes[1]:.3g} µm/s。"),
+                      caption=Text(f"Test at 0.4 s. After 1 s: {sizes[0]:.3g} µm/s RMS, {sizes[1]:.3g} µm/s without control.",
+                                   f"0.4 s 时施加试验。1 s 之后均方根 {sizes[0]:.3g} µm/s，无控制时 {sizes[1]:.3g} µm/s。"),
                       tab=RUN_TAB, window=(-500.0, 500.0))
 
 

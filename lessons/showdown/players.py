@@ -37,7 +37,7 @@ NAMES = (
     Text("LQG, recursive filter", "LQG（递推滤波）"), Text("decoupled LQG", "解耦 LQG"),
 )
 OWN, PUBLISHED = "own", "published"
-STRIDE, STRIDES = 256, 80  # samples between two looks at the recursive gain, and how many: 20 s
+STRIDE, STRIDES = 512, 40  # samples between two looks at the recursive gain, and how many: 20 s
 
 
 @dataclass(frozen=True, eq=False)

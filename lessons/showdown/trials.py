@@ -18,7 +18,7 @@ from .world import BAND, World, band_rms, grid, loop_of
 __all__ = ["COSTS", "Trials", "carry", "try_out"]
 
 RUNS, SECONDS, SEGMENT = 24, 32.0, 16_384
-LEARNING = 10_000  # samples that the recursive filter is followed for
+LEARNING = 30_000  # samples that the recursive filter is followed for
 DECKS = 60
 TOLERANCE = (5.0, 20.0, 5.0)  # %, %, mm where no error knob is turned
 COSTS = ("driver", "delay", "adc", "drift", "stiffness", "damping", "placement")

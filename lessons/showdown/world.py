@@ -26,12 +26,12 @@ from app.plants.platform_channels import T_y
 from .players import DT, OPEN, OWN, Player, players
 
 __all__ = ["BAND", "DT", "RUN", "Analysis", "Response", "World", "analyse", "band_rms", "grid", "loop_of", "measures", "respond", "shake",
-           "world_of"]
+           "without_hardware", "world_of"]
 
 BAND = (0.5, 3.0)  # Hz: the main resonance band
 FINE, STRIDE, LAST = 200, 40, 12_000  # samples: one by one at first, then every 40th, up to 12 s
 PART = 500  # samples of a clipped response between two looks whether the rest is linear
-RUN, TOUCH = 3000, 500  # samples of the noisy run, and when the deck is touched in it
+RUN, TOUCH = 2400, 400  # samples of the noisy run, and when the deck is touched in it
 # A touch of the deck: jumps of the velocities of x, z, θ and of the test masses that ride along.
 PUSH = np.array([0, 0, 0, 0, 0, 2e-4, -2e-4, 1e-3, -2e-4 - 1e-3 * platform.Parameters.s, -2e-4 + 1e-3 * platform.Parameters.s])
 STEP = np.array([2e-5, 2e-5])  # m: the ground rises and moves aside
@@ -200,9 +200,14 @@ def measures(response: Response, reference: Response) -> tuple[ResponseMeasures,
     return tuple(response_measures(response.t, response.velocity[:, i], response.u, float(bands[i])) for i in range(3))
 
 
+def without_hardware(world: World) -> World:
+    """The same deck, ground and sensors with ideal coils and computer: what a deck that nobody steers meets."""
+    return replace(world, hardware=Hardware())
+
+
 @lru_cache(maxsize=16)
 def shake(world: World, player: Player, seed: int, step: bool, kick: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """One noisy run with the test after half a second: t, states x (n_t, 10) and forces u (n_t, 3), held if it diverges.
+    """One noisy run with the test after 0.4 s: t, states x (n_t, 10) and forces u (n_t, 3), held if it diverges.
 
     Rounding is left to the Monte-Carlo here; `kick` is the time of one more touch, or −1.
     """

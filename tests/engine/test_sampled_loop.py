@@ -109,8 +109,11 @@ def _plain(hardware: Hardware, steps: int, seed: int | None, ground: np.ndarray)
     loop = _loop(hardware)
     jumps, v = np.zeros((steps, loop.n)), np.zeros((steps, 4))
     if seed is not None:
-        for_jumps, for_v = np.random.default_rng(seed).spawn(2)
-        jumps = for_jumps.standard_normal((steps, loop.jump.shape[1])) @ loop.jump.T
+        for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
+        draws = [for_ground.standard_normal((steps, 8))]
+        if hardware.walk:
+            draws.append(for_bias.standard_normal((steps, 4)))
+        jumps = np.hstack(draws) @ loop.jump.T
         v = for_v.standard_normal((steps, 4)) @ loop.sensor.T
     z, c, bias, queue = np.zeros(N), np.zeros(CONTROLLER.n), np.zeros(4), [np.zeros(3)] * (whole + 1)
     states, readings, commands = np.empty((steps, n)), np.empty((steps, 4)), np.empty((steps, 3))
@@ -165,6 +168,10 @@ def test_a_clipped_or_rounded_run_equals_the_plain_loop(hardware: Hardware) -> N
 
 
 def test_designs_with_one_plant_feel_one_noise() -> None:
+    silent = sampled_controller(Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)), DT), DT)
+    calm, rough = (run_trial(sampled_loop(PLANT, silent, range(3), W=W, V=V, hardware=hardware), 500, 9)
+                   for hardware in (IDEAL, Hardware(walk=1e-6, bandwidth=50.0, delay=2e-3)))
+    assert np.abs(calm.x - rough.x).max() <= 1e-9 * np.abs(calm.x).max()
     other = sampled_loop(PLANT, sampled_controller(CONTROLLER, DT, "hold"), range(3), W=W, V=V,
                          hardware=Hardware(bandwidth=100.0))
     assert other.jump[3:13].shape == _loop().jump[:10].shape
