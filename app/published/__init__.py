@@ -17,6 +17,7 @@ from . import (
     platform_filter,
     platform_lqg,
     platform_siso,
+    showdown,
     tutorial,
 )
 from .record import Published, Result, verify_one
@@ -34,6 +35,7 @@ def records() -> tuple[Published, ...]:
         *platform_filter.RECORDS,
         *platform_siso.RECORDS,
         *platform_lqg.RECORDS,
+        *showdown.RECORDS,
         *bilinear.RECORDS,
         *nonlinear.RECORDS,
         *classics.RECORDS,

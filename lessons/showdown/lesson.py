@@ -35,7 +35,7 @@ from .world import (
     world_of,
 )
 
-GAIN = 1500.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.2
+GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
 BODY = replace(platform.body(), gain=GAIN)
 WORK = (0.1, 10.0)  # Hz: the report's working band
 REAL = Text("Real life", "实际因素")
@@ -50,11 +50,11 @@ KNOBS = (
            options=tuple(zip(ORDER, NAMES, strict=True)),
            hint=Text("The solid deck is steered by this controller, the ghost by nobody; both feel the same ground.",
                      "实体平台由它控制，虚影无控制；二者的地面扰动相同。")),
-    Number("v", "V", Text("sensor noise that the filters believe", "滤波器认定的测量噪声 V"), "(m/s)² s", low=1e-18, high=1e-7,
+    Number("v", "V", Text("believed noise V", "认定的噪声 V"), "(m/s)² s", low=1e-18, high=1e-7,
            default=1e-10, scale="log", hint=Text("The intensity V in the design of all three LQGs.", "三个 LQG 设计时所用的强度 V。")),
-    Number("sensor", "V_0", Text("true sensor noise", "真实的测量噪声"), "(m/s)² s", low=1e-18, high=1e-7, default=1e-10,
+    Number("sensor", "V_0", Text("true noise V₀", "真实的噪声 V₀"), "(m/s)² s", low=1e-18, high=1e-7, default=1e-10,
            scale="log", hint=Text("What the sensors really add. No controller is told.", "传感器实际的噪声强度；任何控制器都不知道。")),
-    Choice("pair", "", Text("the SISO loops are", "SISO 回路采用"), default=OWN,
+    Choice("pair", "", Text("SISO loops", "SISO 回路"), default=OWN,
            options=((OWN, Text("ours, made for 1 kHz", "自行设计，适合 1 kHz")), (PUBLISHED, Text("the report's", "报告给出的"))),
            hint=Text("C_v and C_h; the pitch loop stays open in both.", "C_v 与 C_h；两种情形俯仰回路都开环。")),
     Choice("ground", "", Text("ground motion", "地面运动"), default="white",

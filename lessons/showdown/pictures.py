@@ -17,6 +17,7 @@ TIME_TAB, RUN_TAB = Text("Test", "时域试验"), Text("Stage", "台上运行")
 SCORE_TAB, TRIAL_TAB = Text("Scores", "成绩"), Text("Trials", "试验")
 CHANNELS = (("vertical", Text("vertical", "竖直平动"), "µm/s"), ("rotation", Text("rotation, (VL − VR)/2", "转动，(VL − VR)/2"), "µm/s"),
             ("horizontal", Text("horizontal", "水平平动"), "µm/s"))
+HEADS = (Text("vertical", "竖直"), Text("rotation", "转动"), Text("horizontal", "水平"))
 LOOKS: tuple[tuple[str, Dash], ...] = (
     ("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"),
 )
@@ -78,7 +79,8 @@ def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
     said = ", ".join(f"{n.en} {db:.1f}" for n, db in zip(SHORT[1:], m.band_db[1:, j], strict=True))
     sagt = "，".join(f"{n.zh} {db:.1f}" for n, db in zip(SHORT[1:], m.band_db[1:, j], strict=True))
     return FrequencyFigure(f"channel_{key}", Text(f"velocity: {name.en}", f"速度：{name.zh}"), m.f, tuple(curves), "(µm/s)²/Hz",
-                           Text(f"Gain over 0.5–3 Hz in dB: {said}.", f"0.5–3 Hz 内的抑制（dB）：{sagt}。"), CHANNEL_TAB, _window(curves))
+                           Text(f"Suppression over 0.5–3 Hz in dB: {said}.", f"0.5–3 Hz 内的抑制（dB）：{sagt}。"), CHANNEL_TAB,
+                           _window(curves))
 
 
 def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
@@ -101,8 +103,8 @@ def _input(outcome: Outcome, j: int) -> FrequencyFigure:
     m = outcome.extra
     name = (Text("left vertical coil u1", "左竖直线圈 u1"), same(""), Text("horizontal coil u3", "水平线圈 u3"))[j]
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
-    said = ", ".join(f"{n.en} {1e3 * v:.2g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
-    sagt = "，".join(f"{n.zh} {1e3 * v:.2g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
+    said = ", ".join(f"{n.en} {1e3 * v:.3g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
+    sagt = "，".join(f"{n.zh} {1e3 * v:.3g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
     return FrequencyFigure(f"input_{j}", Text(f"command: {name.en}", f"指令：{name.zh}"), m.f, tuple(curves), "mN²/Hz",
                            Text(f"RMS in mN: {said}.", f"均方根（mN）：{sagt}。"), INPUT_TAB, _window(curves))
 
@@ -170,25 +172,26 @@ def _stage_force(outcome: Outcome) -> TimeFigure:
     peak = 1e3 * float(np.abs(u).max())
     return TimeFigure("stage_force", Text("coil commands of this run", "这次运行的线圈指令"), t,
                       (Curve(Text("left vertical u1", "左竖直 u1"), 1e3 * u[:, 0], "force", "solid", 1.6),
-                       Curve(Text("right vertical u2", "右竖直 u2"), 1e3 * u[:, 1], "disturbance", "dash", 1.6),
-                       Curve(Text("horizontal u3", "水平 u3"), 1e3 * u[:, 2], "second", "solid", 1.6)), "[mN]",
+                       Curve(Text("horizontal u3", "水平 u3"), 1e3 * u[:, 2], "disturbance", "solid", 1.0)), "[mN]",
                       caption=Text(f"Largest command {peak:.3g} mN.", f"最大指令 {peak:.3g} mN。"), tab=RUN_TAB,
                       window=(-20.0, 20.0))
 
 
 # --- tables ------------------------------------------------------------------------------------------------------------
 def _cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
-    return " · ".join(f"{v:{form}}".replace("-", "−") for v in values) if stable else Text("unstable", "不稳定")
+    if not stable:
+        return Text("unstable", "不稳定")
+    return " · ".join(f"{v:{form}}".replace("-", "−") for v in values)
 
 
 def _suppression(outcome: Outcome) -> TableFigure:
     m = outcome.extra
     rows = tuple((NAMES[i], *(Text("unstable", "不稳定") if not m.spectra[i].stable else
                               f"{m.peak_db[i, j]:.1f} / {m.band_db[i, j]:.1f}".replace("-", "−") for j in range(3))) for i in range(1, 5))
-    best = [1 + int(np.argmax(m.band_db[1:, j])) for j in range(3)]
+    best = [1 + int(np.flatnonzero(m.band_db[1:, j] >= m.band_db[1:, j].max() - 0.05)[0]) for j in range(3)]
     return TableFigure("suppression", Text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area",
                                            "0.5–3 Hz 抑制（dB）：峰值 / 面积"),
-                       (Text("controller", "控制器"), *(name for _, name, _ in CHANNELS)), rows, tab=SCORE_TAB,
+                       (Text("controller", "控制器"), *HEADS), rows, tab=SCORE_TAB,
                        caption=Text(f"By area: vertical {NAMES[best[0]].en}, rotation {NAMES[best[1]].en}, horizontal {NAMES[best[2]].en}.",
                                     f"按面积最好者：竖直 {NAMES[best[0]].zh}，转动 {NAMES[best[1]].zh}，水平 {NAMES[best[2]].zh}。"))
 
@@ -199,7 +202,7 @@ def _sizes(outcome: Outcome) -> TableFigure:
                   "–" if not m.spectra[i].stable else f"{1e3 * m.forces[i].max():.3g}") for i in range(5))
     return TableFigure("sizes", Text("RMS velocity in µm/s from 0.1 Hz up, RMS command in mN",
                                      "速度均方根（µm/s，0.1 Hz 以上）与指令均方根（mN）"),
-                       (Text("controller", "控制器"), *(name for _, name, _ in CHANNELS), Text("coil", "线圈")), rows, tab=SCORE_TAB,
+                       (Text("controller", "控制器"), *HEADS, Text("coil", "线圈")), rows, tab=SCORE_TAB,
                        caption=Text("Here what a controller adds above the resonances counts too.",
                                     "这里也计入控制器在共振以上添加的噪声。"))
 
@@ -210,11 +213,11 @@ def _times(outcome: Outcome) -> TableFigure:
     for i in range(5):
         measured = m.measures[i]
         if measured is None:
-            rows.append((NAMES[i], Text("unstable", "不稳定"), "–", "–", "–"))
+            rows.append((SHORT[i], Text("unstable", "不稳定"), "–", "–", "–"))
             continue
         times = " · ".join("> 12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
         over = " · ".join(f"{100 * part.overshoot:.0f}" for part in measured)
-        rows.append((NAMES[i], times, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.3g}"))
+        rows.append((SHORT[i], times, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.4g}"))
     return TableFigure("times", Text("the test in time", "时域指标"),
                        (Text("controller", "控制器"), Text("recovery [s]", "恢复时间 [s]"), Text("overshoot [%]", "超调 [%]"),
                         Text("peak u [mN]", "u 峰值 [mN]"), Text("energy [mN² s]", "能量 [mN² s]")), tuple(rows), tab=SCORE_TAB,
@@ -231,11 +234,11 @@ def _trials(outcome: Outcome) -> TableFigure:
     for i in range(5):
         tried = None if m.trials is None else m.trials.noise[i]
         if tried is None:
-            rows.append((NAMES[i], _cells(m.rms[i], m.spectra[i].stable, ".3g"), "–", "–"))
+            rows.append((SHORT[i], _cells(m.rms[i], m.spectra[i].stable, ".3g"), "–", "–"))
             continue
         keep = ~tried.diverged
         rms = 1e6 * np.sqrt(np.mean(tried.rms[keep, :3] ** 2, axis=0)) if keep.any() else np.zeros(3)
-        rows.append((NAMES[i], _cells(m.rms[i], True, ".3g"), _cells(rms, bool(keep.any()), ".3g"),
+        rows.append((SHORT[i], _cells(m.rms[i], True, ".3g"), _cells(rms, bool(keep.any()), ".3g"),
                      f"{100 * float(tried.clipped.mean()):.2g}"))
     done = m.trials is not None and any(one is not None for one in m.trials.noise)
     said = (Text(f"24 runs of 32 s each, with clipping and rounding as they are. {SPLIT.en}",
@@ -251,15 +254,15 @@ def _decks(outcome: Outcome) -> TableFigure:
     rows = []
     for i in range(1, 5):
         if decks is None:
-            rows.append((NAMES[i], "–", "–", "–"))
+            rows.append((SHORT[i], "–", "–", "–"))
             continue
         good = ~np.isnan(decks[:, i, 0])
         if not good.any():
-            rows.append((NAMES[i], *(Text("unstable", "不稳定"),) * 3))
+            rows.append((SHORT[i], *(Text("unstable", "不稳定"),) * 3))
             continue
         low, high = np.quantile(decks[good, i], (0.05, 0.95), axis=0)
         lost = "" if good.all() else f" ({np.sum(~good)} ✕)"
-        rows.append((NAMES[i], *(f"{a:.1f} … {b:.1f}{lost}".replace("-", "−") for a, b in zip(low, high, strict=True))))
+        rows.append((SHORT[i], *(f"{a:.1f} … {b:.1f}{lost}".replace("-", "−") for a, b in zip(low, high, strict=True))))
     if decks is None or m.trials is None:
         said = NOT_YET
     else:
@@ -268,7 +271,7 @@ def _decks(outcome: Outcome) -> TableFigure:
                     f"60 个平台，刚度 ±{k:.3g} %、阻尼 ±{c:.3g} %、传感器 ±{s:.3g} mm：九成落在其间。✕：不稳定。")
     return TableFigure("decks", Text("suppression in dB, 0.5–3 Hz, on decks that are not quite the model",
                                      "平台与模型不符时 0.5–3 Hz 的抑制（dB）"),
-                       (Text("controller", "控制器"), *(name for _, name, _ in CHANNELS)), tuple(rows), tab=TRIAL_TAB, caption=said)
+                       (Text("controller", "控制器"), *HEADS), tuple(rows), tab=TRIAL_TAB, caption=said)
 
 
 SWITCHES = (
@@ -286,9 +289,10 @@ def _costs(outcome: Outcome) -> TableFigure:
     else:
         rows = tuple(
             (Text(f"{name.en} {size:.3g} {unit}", f"{name.zh} {size:.3g} {unit}"),
-             *(_cells(cost[k] + 0.0, not np.isnan(cost[k, 0]), "+.1f") for k in shown))
+             *(_cells(np.round(cost[k], 1) + 0.0, not np.isnan(cost[k, 0]), "+.1f") for k in shown))
             for (name, unit), size, cost in zip(SWITCHES, trials.sizes, trials.costs, strict=True))
-        said = Text("Change of the suppression in dB by one switch alone: vertical, rotation, horizontal.",
-                    "单独打开一个因素时抑制量的变化（dB）：竖直、转动、水平。")
+        said = Text("Change of the suppression in dB by one switch alone: vertical, rotation, horizontal. A knob at rest counts "
+                    "with a usual size.",
+                    "单独打开一个因素时抑制量的变化（dB）：竖直、转动、水平。未设置的旋钮取常用值。")
     return TableFigure("costs", Text("what each switch costs", "各因素的代价"),
                        (Text("switch", "因素"), *(SHORT[k] for k in shown)), rows, tab=TRIAL_TAB, caption=said)

@@ -140,7 +140,7 @@ def _decks(world: World, five: tuple[Player, ...], spread: Any, seed: int, found
 
 def _sizes(design: Any) -> tuple[float, ...]:
     """How far each switch is turned for its cost: as far as its knob, or a standard size where that is at rest."""
-    standard = (30.0, 3.0, 50.0, 1.0, 10.0, 50.0, 20.0)
+    standard = (30.0, 5.0, 500.0, 10.0, 10.0, 50.0, 20.0)
     present = [design["bandwidth"] if design["driver"] != "ideal" else 0.0, *(design[name] for name in COSTS[1:])]
     return tuple(float(now) if now else usual for now, usual in zip(present, standard, strict=True))
 
@@ -152,7 +152,7 @@ def _costs(five: tuple[Player, ...], sizes: tuple[float, ...], world: World, fou
     base = _gains(ideal, five)
     band, delay, step, walk, k, c, s = sizes
     worlds = (
-        replace(ideal, hardware=replace(h, bandwidth=band, order=world.hardware.order)),
+        replace(ideal, hardware=replace(h, bandwidth=band, order=world.hardware.order if np.isfinite(world.hardware.bandwidth) else 2)),
         replace(ideal, hardware=replace(h, delay=delay / 1000)), replace(ideal, hardware=replace(h, step=step * 1e-6)),
         replace(ideal, hardware=replace(h, walk=walk * 1e-6)),
         replace(ideal, parameters=replace(p, kz=p.kz * (1 + k / 100), kx=p.kx * (1 + k / 100))),

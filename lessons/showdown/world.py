@@ -38,8 +38,9 @@ STEP = np.array([2e-5, 2e-5])  # m: the ground rises and moves aside
 OUTPUTS = 5  # vertical, rotation, horizontal; VL, VR. HL is the horizontal channel
 ASD = (2.5e-7, 6e-9)  # m/√Hz at 1 Hz of vertical and horizontal ground, falling as 1/f²
 CORNERS = 2 * np.pi * np.array([0.03, 0.04])  # rad/s below which the ground filter is flat
-BROAD = np.geomspace(0.1, 499.0, 120)
-NEAR = np.concatenate([-np.geomspace(1e-3, 0.3, 16)[::-1], [0.0], np.geomspace(1e-3, 0.3, 16)])
+BROAD = np.concatenate([np.geomspace(0.1, 499.0, 120), BAND])  # with the edges of the band
+NEAR = np.geomspace(5e-4, 0.3, 22)
+NEAR = np.concatenate([-NEAR[::-1], [0.0], NEAR])
 
 
 @dataclass(frozen=True)

@@ -78,9 +78,9 @@ def test_steady_and_recursive_filter_coincide() -> None:
 
 def test_the_scores_at_the_start() -> None:
     start = outcome()
-    assert band(start, "siso") == pytest.approx([21.8, 9.5, 16.1], abs=0.06)
-    assert band(start, "lqe") == pytest.approx([20.3, 13.1, 16.6], abs=0.06)
-    assert band(start, "decoupled") == pytest.approx([20.3, 10.4, 16.6], abs=0.06)
+    assert band(start, "siso") == pytest.approx([21.6, 9.45, 15.9], abs=0.06)
+    assert band(start, "lqe") == pytest.approx([20.1, 13.1, 16.5], abs=0.06)
+    assert band(start, "decoupled") == pytest.approx([20.1, 10.4, 16.5], abs=0.06)
     assert rms(start, "siso")[0] == pytest.approx(100, abs=0.5) and rms(start, "lqe")[0] == pytest.approx(25, abs=0.5)
     assert 1e3 * start.metrics["siso_force_rms"] == pytest.approx(424, abs=1)
     assert 1e3 * start.metrics["lqe_force_rms"] == pytest.approx(16, abs=0.5)
@@ -92,7 +92,7 @@ def test_the_orders_of_figures_23_to_25_as_far_as_they_come_out() -> None:
     across = [band(start, player)[2] for player in ("siso", "lqe", "decoupled")]
     assert max(across) - min(across) < 1.0
     turn = [rms(start, player)[1] for player in ("lqe", "decoupled", "siso")]
-    assert turn == pytest.approx([2.6, 3.5, 4.4], abs=0.06)
+    assert turn == pytest.approx([2.55, 3.48, 4.35], abs=0.006)
     assert turn == sorted(turn)
     peaks = [start.metrics[f"{player}_rotation_peak_db"] for player in ("lqe", "decoupled")]
     assert peaks[1] > peaks[0]
@@ -109,21 +109,21 @@ def test_full_lqg_is_best_in_rotation_and_vertical_where_it_believes_the_truth()
 
 def test_the_prediction_and_its_reveal() -> None:
     quiet = outcome(sensor=1e-14)
-    assert band(quiet, "siso") == pytest.approx([50, 42, 47], abs=0.5)
-    assert band(quiet, "lqe") == pytest.approx([23, 22, 20], abs=0.5)
+    assert band(quiet, "siso") == pytest.approx([50, 42, 46], abs=0.5)
+    assert band(quiet, "lqe") == pytest.approx([23, 22, 19], abs=0.5)
     told = outcome(sensor=1e-14, v=1e-14)
-    assert band(told, "lqe") == pytest.approx([59, 52, 53], abs=0.5)
+    assert band(told, "lqe") == pytest.approx([58, 52, 53], abs=0.5)
     assert np.all(band(told, "lqe") > band(told, "siso"))
     assert LESSON.answer == 1
 
 
 def test_the_numbers_of_the_solutions() -> None:
-    assert band(outcome(sensor=1e-11), "lqe") == pytest.approx([22.8, 20.0, 19.1], abs=0.06)
-    assert band(outcome(sensor=1e-11, v=1e-11), "lqe") == pytest.approx([29.1, 22.5, 24.0], abs=0.06)
+    assert band(outcome(sensor=1e-11), "lqe") == pytest.approx([22.7, 19.9, 19.0], abs=0.06)
+    assert band(outcome(sensor=1e-11, v=1e-11), "lqe") == pytest.approx([28.8, 22.5, 23.8], abs=0.06)
     quiet = outcome(sensor=1e-14)
-    assert band(quiet, "siso") - band(quiet, "lqe") == pytest.approx([26.8, 19.6, 27.0], abs=0.06)
+    assert band(quiet, "siso") - band(quiet, "lqe") == pytest.approx([26.7, 19.6, 26.9], abs=0.06)
     late = outcome(delay=8.0)
-    assert band(late, "lqe") == pytest.approx([20.1, 13.1, 16.5], abs=0.06)
+    assert band(late, "lqe") == pytest.approx([19.9, 13.0, 16.4], abs=0.06)
     assert outcome(delay=4.0).metrics["siso_stable"] and not outcome(delay=5.0).metrics["siso_stable"]
 
 
@@ -172,7 +172,7 @@ def test_the_grid_catches_the_sharp_peaks() -> None:
     loop = noisy_loop(coils(platform.plant()), None, ground(platform.plant()), 1e-12)
     exact = band_rms(fine, 1e12 * loop.psd(fine, loop.outputs(T_y[:3])), 0.5, 3.0)
     ours = band_rms(grid(match.world.parameters), match.spectra[0].density[:, :3], 0.5, 3.0)
-    assert np.allclose(ours, exact, rtol=0.02)
+    assert np.allclose(ours, exact, rtol=0.01)
 
 
 def test_the_job_measures_what_the_tables_show() -> None:
@@ -186,7 +186,7 @@ def test_the_job_measures_what_the_tables_show() -> None:
     assert np.allclose(found, last.extra.rms[2], rtol=0.12)
     assert trials.learning[0].max() > 10 * trials.learning[-1].max() and trials.learning[-1].max() < 0.1
     assert np.isfinite(trials.decks[:, 1:]).all() and np.isfinite(trials.costs[:, 2]).all()
-    assert np.all(np.abs(trials.costs[1, 2]) < 0.3)
+    assert np.all(np.abs(trials.costs[:2, 2]) < 0.3) and np.isnan(trials.costs[:2, 1]).all()  # driver and delay: SISO lost
     moved = LESSON.compute(LESSON.apply(LESSON.start(), {"play": "siso"}))
     assert LESSON.carry is not None and LESSON.carry(last, moved).extra.trials is trials
     assert LESSON.carry(last, LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-9}))).extra.trials is None
