@@ -170,8 +170,8 @@ def _correlation(outcome: Outcome) -> PlaneFigure:
     curves += [Curve(Text("band", "带"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
     said = (Text(f"White as far as one can tell: p = {w.p_value:.2g}.", f"看不出颜色：p = {w.p_value:.2g}。") if w.white else
             Text(f"Coloured: p = {w.p_value:.1e}; each sample foretells the next.", f"有色：p = {w.p_value:.1e}；前一个新息能预示后一个。"))
-    return PlaneFigure("correlation", Text("autocorrelation of the innovations", "新息的自相关"), tuple(curves), (),
-                       Text("lag [samples]", "滞后").en, "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
+    return PlaneFigure("correlation", Text("autocorrelation of the innovations over lag k", "新息的自相关（滞后 k）"), tuple(curves), (),
+                       "k", "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
 
 def _squares(outcome: Outcome, name: str, title: Text, dof: int, values: np.ndarray, tried: np.ndarray | None) -> TimeFigure:

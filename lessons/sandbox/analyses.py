@@ -99,7 +99,7 @@ def _hankel(split: object) -> np.ndarray:
         raise KnobError(split.text)
     stable = split.stable  # type: ignore[attr-defined]
     if stable.n == 0:
-        raise KnobError(Text("No state is stable by itself, so there are no Hankel values.", "没有自身稳定的状态，因此没有汉克尔奇异值。"))
+        raise KnobError(Text("No state is stable by itself, so there are no Hankel values.", "没有自身稳定的状态，故无 Hankel 奇异值。"))
     return hankel_singular_values(stable)
 
 

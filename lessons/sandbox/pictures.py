@@ -115,7 +115,7 @@ def sizes_plane(found: Structure, rtol: float) -> PlaneFigure:
 
 def decomposition_map(found: Structure, plant_states: int) -> MatrixFigure:
     """Kalman decomposition as a heat map with its blocks."""
-    d, title = found.decomposition, Text("Kalman decomposition", "Kalman 分解")
+    d, title = found.decomposition, Text("Kalman decomposition", "卡尔曼分解")
     if isinstance(d, Refusal):
         return MatrixFigure("decomposed", title, np.zeros((1, 1)), caption=why(d), tab=STRUCTURE_TAB)
     whole = np.block([[d.A, d.B], [d.C, np.zeros((len(d.C), d.B.shape[1]))]])
@@ -131,12 +131,12 @@ def decomposition_map(found: Structure, plant_states: int) -> MatrixFigure:
 
 def hankel_plane(found: Structure) -> PlaneFigure:
     """Hankel singular values of the stable part."""
-    values, title = found.hankel, Text("Hankel singular values, log₁₀(σ/σ₁)", "汉克尔奇异值 log₁₀(σ/σ₁)")
+    values, title = found.hankel, Text("Hankel singular values, log₁₀(σ/σ₁)", "Hankel 奇异值 log₁₀(σ/σ₁)")
     if isinstance(values, Refusal):
         return empty_plane("hankel", title, STRUCTURE_TAB, why(values))
     levels = decades(values / values[0]) if values[0] > 0 else np.full(len(values), LOWEST)
     strong = int(np.count_nonzero(levels > -2))
-    aside = (Text(f" {found.kept} unstable states were set aside first.", f" 先分出了 {found.kept} 个不稳定状态。")
+    aside = (Text(f" Unstable states, set aside first: {found.kept}.", f" 先分出了 {found.kept} 个不稳定状态。")
              if found.kept else Text("", ""))
     return PlaneFigure("hankel", title, (), tuple(Point(k + 1.0, float(v), "plant", "dot") for k, v in enumerate(levels)), "k",
                        "log₁₀(σ/σ₁)", (0.5, len(values) + 0.5), (min(float(levels.min()), -3.0) - 0.5, 0.5), tab=STRUCTURE_TAB,
@@ -195,7 +195,7 @@ def certificate_table(rows: tuple[tuple[Text, float], ...] | Refusal) -> TableFi
 # --- noise -------------------------------------------------------------------------------------------------------------
 def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
     """Error of the Kalman filters of all beliefs, and of the design's own observer."""
-    title = Text("estimation error over belief", "估计误差与信念的关系")
+    title = Text("estimation error over belief", "估计误差与设定值的关系")
     if isinstance(found, Refusal):
         return empty_plane("valley", title, NOISE_TAB, why(found))
     x = np.log10(found.ladder.ratio)
@@ -206,7 +206,7 @@ def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
     at = float(np.interp(np.log10(belief), x, total))
     far = abs(np.log10(belief)) > 0.5
     points = [Point(0.0, float(np.interp(0.0, x, total)), "reference", "circle", Text("Kalman", "卡尔曼")),
-              Point(float(np.log10(belief)), at, "error", "dot", Text("this belief", "当前信念") if far else same(""))]
+              Point(float(np.log10(belief)), at, "error", "dot", Text("this belief", "当前设定值") if far else same(""))]
     if isinstance(found.ours, Refusal):
         said = Text(f"The observer of the board: {found.ours.text.en}", f"极点板上的观测器：{found.ours.text.zh}")
     else:
@@ -218,20 +218,20 @@ def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
     return PlaneFigure("valley", title, (Curve(Text("both noises", "两种噪声合计"), total, "error", x=x),
                                          Curve(Text("process noise", "过程噪声"), process, "disturbance", "dash", 1.8, x),
                                          Curve(Text("sensor noise", "测量噪声"), sensor, "second", "dot", 1.8, x)), tuple(points),
-                       Text("log₁₀ (believed / true process noise)", "").en, "log₁₀ σ", (float(x[0]), float(x[-1])),
+                       "log₁₀ b", "log₁₀ σ", (float(x[0]), float(x[-1])),
                        (low, max(low + 2.0, float(total.max()) + 0.2)), tab=NOISE_TAB, caption=said)
 
 
 def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
     """NIS of a filter with this belief."""
-    title = Text("NIS of a filter with this belief", "具有当前信念的滤波器的 NIS")
+    title = Text("NIS of a filter with this belief", "当前设定值下滤波器的 NIS")
     if isinstance(found, Refusal):
         return empty_time("nis", title, NOISE_TAB, why(found))
     low, high = chi2_band(outputs, 1)
     n, test = len(found.t), found.test
     said = {"consistent": ("as it should be", "符合预期"),
-            "overconfident": ("too large: the filter trusts its model too much", "偏大：滤波器过于相信模型"),
-            "cautious": ("too small: the filter doubts too much", "偏小：滤波器过于怀疑")}[test.verdict]
+            "overconfident": ("above it, as with a filter that trusts its model too much", "偏大，像是滤波器过于相信模型"),
+            "cautious": ("below it, as with a filter that doubts too much", "偏小，像是滤波器过于怀疑模型")}[test.verdict]
     return TimeFigure("nis", title, found.t, (Curve(Text("NIS", "NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
                                               Curve(same(f"{outputs}"), np.full(n, float(outputs)), "reference", "dash", 1.4),
                                               Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),

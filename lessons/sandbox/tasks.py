@@ -35,8 +35,8 @@ def wrong_belief(outcome: Outcome) -> Verdict:
     p = trial.test.dof
     said = Text(f"On average NIS is {trial.expected:.3g} with {p} expected", f"NIS 平均为 {trial.expected:.3g}，应为 {p}")
     if outcome.design["belief"] > 0.1 or trial.expected < FOUND_OUT * p:
-        return Verdict(False, Text(f"{said.en}; the filter must believe a tenth of the noise or less, and NIS be half as large again.",
-                                   f"{said.zh}；滤波器应只相信十分之一或更少的噪声，且 NIS 达到应有值的 1.5 倍。"))
+        return Verdict(False, Text(f"{said.en}; the filter must believe a tenth of the noise or less, and NIS reach 1.5 times that.",
+                                   f"{said.zh}；过程噪声设定值应不超过真值的十分之一，且 NIS 达到应有值的 1.5 倍。"))
     return Verdict(True, Text(f"{said.en}: the innovations give it away.", f"{said.zh}：新息使它露了馅。"))
 
 
