@@ -14,6 +14,7 @@ from .plant import Plant
 __all__ = ["CoprimeFactors", "coprime_factors"]
 
 DEPENDENT = 1e-9  # a unit vector this near the span of earlier ones depends on them
+CLEAR = 0.1  # of one power of Aᵀ, a vector comes last that is this much nearer to the span than another
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,9 +49,9 @@ def coprime_factors(plant: Plant) -> CoprimeFactors:
     """H(s), L(s) of (sI − Aᵀ)⁻¹Cᵀ = H(s) L(s)⁻¹ for an observable plant, column degrees as low as they go.
 
     In the chain c₁, …, c_p, Aᵀc₁, …, Aᵀc_p, (Aᵀ)²c₁, … the first (Aᵀ)^ν c_i that depends on those before gives
-    column i of L: Σ_k (Aᵀ)ᵏ Cᵀ L_k = 0; then H_k = Σ_{j>k} (Aᵀ)^{j−k−1} Cᵀ L_j. Computed in balanced states and in a
-    unit of time where ‖A‖ = 1. Raises EngineError for a plant with hidden modes, or one so nearly so that the
-    chain does not reach n.
+    column i of L: Σ_k (Aᵀ)ᵏ Cᵀ L_k = 0 (of one power, those that nearly depend come last); then
+    H_k = Σ_{j>k} (Aᵀ)^{j−k−1} Cᵀ L_j. Computed in balanced states and in a unit of time where ‖A‖ = 1. Raises
+    EngineError for a plant with hidden modes, or one so nearly so that the chain does not reach n.
     Source: Duan, Li, Zhou (1993), equation (10).
     """
     hidden = observability(plant).unobservable
@@ -85,10 +86,13 @@ def _relations(A: np.ndarray, C: np.ndarray) -> tuple[tuple[int, ...], np.ndarra
     found: dict[int, tuple[int, np.ndarray, int]] = {}
     tips, power = C.copy(), 0
     while len(found) < p:
-        for i in (i for i in range(p) if i not in found):
+        waiting = [i for i in range(p) if i not in found]
+        while waiting:
+            rests = [_beyond(frame, tips[:, i]) for i in waiting]
+            shares = [np.linalg.norm(r) / max(float(np.linalg.norm(tips[:, i])), 1e-300) for r, i in zip(rests, waiting, strict=True)]
+            at = next(k for k, share in enumerate(shares) if share >= CLEAR * max(shares))
+            i, rest = waiting.pop(at), rests[at]
             v = tips[:, i]
-            rest = v - frame @ (frame.T @ v)
-            rest -= frame @ (frame.T @ rest)
             if np.linalg.norm(rest) <= DEPENDENT * np.linalg.norm(v):
                 found[i] = power, np.linalg.lstsq(basis, v, rcond=None)[0], len(kept)
                 continue
@@ -105,6 +109,12 @@ def _relations(A: np.ndarray, C: np.ndarray) -> tuple[tuple[int, ...], np.ndarra
         for (j, k), weight in zip(kept[:count], weights, strict=True):
             L[k, j, i] -= weight
     return indices, L
+
+
+def _beyond(frame: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """What of v lies outside the span of the orthonormal columns of `frame`."""
+    rest = v - frame @ (frame.T @ v)
+    return rest - frame @ (frame.T @ rest)
 
 
 def _kept(matrix: np.ndarray) -> np.ndarray:

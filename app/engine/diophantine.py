@@ -88,11 +88,20 @@ def diophantine(A: object, B: object, desired: object) -> Diophantine:
     if not condition < WORST:
         raise EngineError(f"A and B share the factor at s = {_shared(a, b)}, or nearly so: no controller moves that pole; "
                           "cancel it in B/A first.")
-    solved = np.linalg.solve(M, right) / columns
+    solved = _refined(M, right) / columns
     e = degree - n + 1
     E = solved[:e] / scale ** np.arange(e - 1, -1.0, -1.0)
     F = solved[e:] / scale ** np.arange(n - 1, -1.0, -1.0)
     return Diophantine(a, b, E, F, phi, _residual(a, b, E, F, phi), condition)
+
+
+def _refined(M: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """M⁻¹ right with two steps of iterative refinement, so that small coefficients of A E + B F are right too."""
+    solved = np.linalg.solve(M, right)
+    for _ in range(2):
+        left = (right - M.astype(np.longdouble) @ solved).astype(float)
+        solved = solved + np.linalg.solve(M, left)
+    return solved
 
 
 def _trimmed(polynomial: object, name: str) -> np.ndarray:

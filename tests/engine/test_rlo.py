@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from app.engine.coprime import coprime_factors
 from app.engine.errors import EngineError
 from app.engine.functional import functional_observer
 from app.engine.functional_loop import worst_error_gain
@@ -113,6 +114,14 @@ def test_any_observable_plant_and_any_row_K(seed, shape):
             continue
         if other.condition < 1e4:
             assert found.value <= other.J * (1 + 1e-9)
+
+
+def test_a_nearly_dependent_output_comes_last_in_its_chain():
+    """Plant 882: Aᵀc₂ lies within 1e-4 of the span of c₁, c₂, c₃, Aᵀc₁; chosen before Aᵀc₃ it spoilt every T."""
+    plant, K = plant_of(882, 5, 3), np.random.default_rng(883).standard_normal((1, 5))
+    assert coprime_factors(plant).indices == (2, 1, 2)
+    found = rlo(plant, K, region=Region(-8, -0.4)).observer
+    assert found.output_residual < 1e-12 and found.condition < 1e3
 
 
 @pytest.mark.parametrize(("seed", "n", "p"), [(0, 4, 2), (1, 3, 1), (2, 5, 3)])
