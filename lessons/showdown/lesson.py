@@ -46,11 +46,11 @@ def _error(name: str, symbol: str, label: Text, unit: str, high: float, hint: Te
 
 
 KNOBS = (
-    Choice("play", "", Text("on the stage", "台上的控制器"), default=LQE,
+    Choice("play", "", Text("on the stage", "场景中的控制器"), default=LQE,
            options=tuple(zip(ORDER, NAMES, strict=True)),
            hint=Text("The solid deck is steered by this controller, the ghost by nobody; both feel the same ground.",
                      "实体平台由它控制，虚影无控制；二者的地面扰动相同。")),
-    Number("v", "V", Text("believed noise V", "认定的噪声 V"), "(m/s)² s", low=1e-18, high=1e-7,
+    Number("v", "V", Text("believed noise V", "设定的噪声 V"), "(m/s)² s", low=1e-18, high=1e-7,
            default=1e-10, scale="log", hint=Text("The intensity V in the design of all three LQGs.", "三个 LQG 设计时所用的强度 V。")),
     Number("sensor", "V_0", Text("true noise V₀", "真实的噪声 V₀"), "(m/s)² s", low=1e-18, high=1e-7, default=1e-10,
            scale="log", hint=Text("What the sensors really add. No controller is told.", "传感器实际的噪声强度；任何控制器都不知道。")),
@@ -76,7 +76,7 @@ KNOBS = (
            hint=Text("How the force follows the command.", "力跟随指令的方式。")),
     Number("bandwidth", "f_b", Text("driver bandwidth", "驱动带宽"), "Hz", low=1.0, high=1000.0, default=100.0, scale="log",
            when=("driver", ("first", "second")), group=REAL, hint=Text("The driver is 3 dB down there.", "驱动器在此频率下降 3 dB。")),
-    Number("delay", r"\tau", Text("computing delay", "计算延迟"), "ms", low=0.0, high=10.0, default=0.0, step=0.1, group=REAL,
+    Number("delay", r"\tau", Text("computing delay", "计算时延"), "ms", low=0.0, high=10.0, default=0.0, step=0.1, group=REAL,
            hint=Text("From reading the sensors to giving the command; fractions of a sample count.",
                      "从读取传感器到给出指令的时间，可为采样周期的非整数倍。")),
     Number("adc", "q", Text("converter step", "ADC 量化步长"), "µm/s", low=0.0, high=1000.0, default=0.0, step=5.0, group=REAL,
@@ -183,7 +183,7 @@ def _formulas(design: Design, m: Match) -> tuple[Formula, ...]:
         Formula("loop", r"u = K(z)\,(y + v),\quad S_y = |(I - PK)^{-1}G|^2 S_w + |(I-PK)^{-1}PK|^2 S_v"),
         Formula("gain", rf"10\lg\frac{{\int S_{{\mathrm{{open}}}}}}{{\int S}} = ({values})\ \mathrm{{dB}}",
                 Text("Vertical, rotation, horizontal, 0.5–3 Hz: the controller on the stage.",
-                     "竖直、转动、水平，0.5–3 Hz：台上的控制器。")),
+                     "竖直、转动、水平，0.5–3 Hz：场景中的控制器。")),
     )
 
 

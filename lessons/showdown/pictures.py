@@ -13,7 +13,7 @@ from app.words import Text, same
 from .players import DECOUPLED, LQE, NAMES, ORDER, gain_gap
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = Text("Channels", "通道"), Text("Sensors", "传感器"), Text("Inputs", "输入")
-TIME_TAB, RUN_TAB = Text("Test", "时域试验"), Text("Stage", "台上运行")
+TIME_TAB, RUN_TAB = Text("Test", "时域试验"), Text("Stage", "场景运行")
 SCORE_TAB, TRIAL_TAB = Text("Scores", "成绩"), Text("Trials", "试验")
 CHANNELS = (("vertical", Text("vertical", "竖直平动"), "µm/s"), ("rotation", Text("rotation, (VL − VR)/2", "转动，(VL − VR)/2"), "µm/s"),
             ("horizontal", Text("horizontal", "水平平动"), "µm/s"))
@@ -72,12 +72,18 @@ def _window(curves: list[Curve]) -> tuple[float, float]:
     return (top * 1e-7, top)
 
 
+def _each(m: Any, values: list[str]) -> tuple[str, str]:
+    """The value of every controller in both languages; an unstable one has none."""
+    said = [(n.en, n.zh, v, v) if s.stable else (n.en, n.zh, "unstable", "不稳定")
+            for n, v, s in zip(SHORT[1:], values[1:], m.spectra[1:], strict=True)]
+    return ", ".join(f"{en} {v}" for en, _, v, _ in said), "，".join(f"{zh} {v}" for _, zh, _, v in said)
+
+
 def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
     m = outcome.extra
     key, name, _ = CHANNELS[j]
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
-    said = ", ".join(f"{n.en} {db:.1f}" for n, db in zip(SHORT[1:], m.band_db[1:, j], strict=True))
-    sagt = "，".join(f"{n.zh} {db:.1f}" for n, db in zip(SHORT[1:], m.band_db[1:, j], strict=True))
+    said, sagt = _each(m, [f"{db:.1f}" for db in m.band_db[:, j]])
     return FrequencyFigure(f"channel_{key}", Text(f"velocity: {name.en}", f"速度：{name.zh}"), m.f, tuple(curves), "(µm/s)²/Hz",
                            Text(f"Suppression over 0.5–3 Hz in dB: {said}.", f"0.5–3 Hz 内的抑制（dB）：{sagt}。"), CHANNEL_TAB,
                            _window(curves))
@@ -91,10 +97,10 @@ def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
     i = ORDER.index(outcome.design["play"])
     peaks = [float(m.spectra[k].density[:, column].max()) for k in (0, i)]
     if not m.spectra[i].stable:
-        said = Text("The controller on the stage does not hold this loop.", "台上的控制器不能使回路稳定。")
+        said = Text("The controller on the stage does not hold this loop.", "场景中的控制器不能使回路稳定。")
     else:
         said = Text(f"Highest point {peaks[0]:.2g} without control, {peaks[1]:.2g} with the one on the stage.",
-                    f"最高点：无控制 {peaks[0]:.2g}，台上的控制器 {peaks[1]:.2g}。")
+                    f"最高点：无控制 {peaks[0]:.2g}，场景中的控制器 {peaks[1]:.2g}。")
     return FrequencyFigure(f"sensor_{key}", Text(f"true velocity at {name.en}", f"真实速度：{name.zh}"), m.f, tuple(curves),
                            "(µm/s)²/Hz", said, SENSOR_TAB, _window(curves))
 
@@ -103,8 +109,7 @@ def _input(outcome: Outcome, j: int) -> FrequencyFigure:
     m = outcome.extra
     name = (Text("left vertical coil u1", "左竖直线圈 u1"), same(""), Text("horizontal coil u3", "水平线圈 u3"))[j]
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
-    said = ", ".join(f"{n.en} {1e3 * v:.3g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
-    sagt = "，".join(f"{n.zh} {1e3 * v:.3g}" for n, v in zip(SHORT[1:], m.forces[1:, j], strict=True))
+    said, sagt = _each(m, [f"{1e3 * v:.3g}" for v in m.forces[:, j]])
     return FrequencyFigure(f"input_{j}", Text(f"command: {name.en}", f"指令：{name.zh}"), m.f, tuple(curves), "mN²/Hz",
                            Text(f"RMS in mN: {said}.", f"均方根（mN）：{sagt}。"), INPUT_TAB, _window(curves))
 
@@ -159,7 +164,7 @@ def _stage_velocity(outcome: Outcome) -> TimeFigure:
     v, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.ghost))
     late = t > 1.0
     sizes = float(np.std(v[late])), float(np.std(ghost[late]))
-    return TimeFigure("stage_velocity", Text("vertical velocity of the run on the stage", "台上运行的竖直速度"), t,
+    return TimeFigure("stage_velocity", Text("vertical velocity of the run on the stage", "场景中运行的竖直速度"), t,
                       (Curve(Text("with the controller", "有控制"), v),
                        Curve(Text("nobody steers", "无控制"), ghost, "estimate", "dash", 1.6)), "[µm/s]",
                       caption=Text(f"Test at 0.4 s. After 1 s: {sizes[0]:.3g} µm/s RMS, {sizes[1]:.3g} µm/s without control.",
@@ -275,7 +280,7 @@ def _decks(outcome: Outcome) -> TableFigure:
 
 
 SWITCHES = (
-    (Text("driver", "驱动"), "Hz"), (Text("delay", "延迟"), "ms"), (Text("converter", "量化"), "µm/s"),
+    (Text("driver", "驱动"), "Hz"), (Text("delay", "时延"), "ms"), (Text("converter", "量化"), "µm/s"),
     (Text("drift", "漂移"), "µm/s/√s"), (Text("stiffness", "刚度"), "%"), (Text("damping", "阻尼"), "%"),
     (Text("placement", "安装"), "mm"),
 )

@@ -52,12 +52,12 @@ def _late(outcome: Outcome) -> Verdict:
         return Verdict(False, Text("Use our SISO pair, and coils without a limit.", "请采用自行设计的 SISO 回路，线圈不限幅。"))
     if m["siso_stable"]:
         return Verdict(False, Text(f"With a delay of {d['delay']:g} ms the SISO loops are still stable.",
-                                   f"延迟 {d['delay']:g} ms 时 SISO 回路仍然稳定。"))
+                                   f"时延 {d['delay']:g} ms 时 SISO 回路仍然稳定。"))
     if not m["lqe_stable"] or min(got) < KEPT:
         return Verdict(False, Text(f"The SISO loops are lost, but the full LQG gains only {_words(got)} dB; keep {KEPT:g} dB.",
                                    f"SISO 回路已失稳，但完整 LQG 只有 {_words(got)} dB；要求保持 {KEPT:g} dB。"))
     return Verdict(True, Text(f"At {d['delay']:g} ms the SISO loops are lost; the full LQG still gains {_words(got)} dB.",
-                              f"延迟 {d['delay']:g} ms：SISO 回路失稳，完整 LQG 仍有 {_words(got)} dB。"))
+                              f"时延 {d['delay']:g} ms：SISO 回路失稳，完整 LQG 仍有 {_words(got)} dB。"))
 
 
 def exam(seed: int) -> ExamItem:
