@@ -95,12 +95,12 @@ def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
                          (4, "right_v", Text("right vertical, VR", "右竖直 VR")))[j]
     curves = [*_curves(outcome, column), _noise(m, 1.0)]
     i = ORDER.index(outcome.design["play"])
-    peaks = [float(m.spectra[k].density[:, column].max()) for k in (0, i)]
     if not m.spectra[i].stable:
         said = Text("The controller on the stage does not hold this loop.", "场景中的控制器不能使回路稳定。")
     else:
-        said = Text(f"Highest point {peaks[0]:.2g} without control, {peaks[1]:.2g} with the one on the stage.",
-                    f"最高点：无控制 {peaks[0]:.2g}，场景中的控制器 {peaks[1]:.2g}。")
+        before, now = (float(m.spectra[k].density[:, column].max()) for k in (0, i))
+        down = f"{10 * np.log10(before / now):.1f} dB"
+        said = Text(f"The highest point is {down} lower than without control.", f"最高点比无控制时低 {down}。")
     return FrequencyFigure(f"sensor_{key}", Text(f"true velocity at {name.en}", f"真实速度：{name.zh}"), m.f, tuple(curves),
                            "(µm/s)²/Hz", said, SENSOR_TAB, _window(curves))
 
