@@ -8,7 +8,7 @@ import pytest
 
 from app.prose import ProseError, parse_prose, read_prose
 from app.view import phrases
-from app.view.prose import mathml, render
+from app.view.prose import mathml, render, with_minus
 from app.words import Text, same
 
 GOOD = """# A title
@@ -137,3 +137,12 @@ def test_the_words_of_the_frame_are_there_in_both_languages(name: str) -> None:
 def test_a_text_speaks_the_language_asked_for() -> None:
     text = Text("{0} is {n}", "{0} 是 {n}").format(1, n=2)
     assert (text("en"), text("zh"), same("x")("zh")) == ("1 is 2", "1 是 2", "x")
+
+
+@pytest.mark.parametrize(("plain", "set_"), [
+    ("the rightmost pole is -0.0011 rad/s", "the rightmost pole is −0.0011 rad/s"), ("-2 or (-.5, -3j)", "−2 or (−.5, −3j)"),
+    ("最右极点为 -3，增益（-4）", "最右极点为 −3，增益（−4）"),
+    ("1e-05 of 3-4 low-order 2-D <b class=a-1>", "1e-05 of 3-4 low-order 2-D <b class=a-1>"),
+])
+def test_a_hyphen_before_a_number_is_a_minus(plain: str, set_: str) -> None:
+    assert with_minus(plain) == set_

@@ -21,6 +21,7 @@ from ..figures import (
     finite,
     thin,
 )
+from .prose import with_minus
 from .svg import draw
 
 DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({"solid": None, "dash": (9, 5), "dot": (2, 4)})
@@ -74,7 +75,7 @@ class Chart:
         self._caption = gui.add_html(self._words(figure))
 
     def _words(self, figure: Figure) -> str:
-        return f'<p class="ol-caption" data-figure="{figure.id}">{figure.caption(self._language)}</p>'
+        return f'<p class="ol-caption" data-figure="{figure.id}">{with_minus(figure.caption(self._language))}</p>'
 
     def _all_series(self, figure: TimeFigure | FrequencyFigure) -> tuple[Any, ...]:
         mark = "ol-time" if isinstance(figure, TimeFigure) else "ol-frequency"

@@ -14,7 +14,7 @@ from ..words import Text
 from . import phrases
 from .knobs import Widget, make_widget
 from .plants import PlantRow
-from .prose import mathml, render
+from .prose import mathml, render, with_minus
 
 Post = Callable[[SetKnobs | Do], None]
 LETTERS = "ABCDEFGH"
@@ -197,7 +197,7 @@ class Panel:
 
     def _show_numbers(self, picture: Picture) -> None:
         if self._formulas or hasattr(self, "_live"):
-            _write(self._live, f'<p class="ol-note ol-live">{picture.outcome.live(self._lang)}</p>')
+            _write(self._live, f'<p class="ol-note ol-live">{with_minus(picture.outcome.live(self._lang))}</p>')
         for formula in picture.outcome.formulas:
             if formula.id in self._formulas:
                 note = formula.note(self._lang)
@@ -256,5 +256,5 @@ def _write(handle: Any, content: str) -> None:
 
 
 def _judged(solved: bool, words: str) -> str:
-    return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {words}</div>'
+    return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {with_minus(words)}</div>'
 

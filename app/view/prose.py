@@ -19,6 +19,14 @@ def mathml(latex: str, display: bool = False) -> str:
         return f"<code>{html.escape(latex)}</code>"
 
 
+MINUS = re.compile(r"(?:(?<=[\s(\[,=≈<>，：（；～…])|^)-(?=\.?\d)")
+
+
+def with_minus(words: str) -> str:
+    """Words in which a hyphen that stands for a sign has become a minus: numbers are formatted with hyphens."""
+    return MINUS.sub("−", words)
+
+
 @lru_cache(maxsize=1024)
 def render(markdown: str) -> str:
     """Markdown whose $…$ and $$…$$ have become MathML."""

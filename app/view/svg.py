@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from .prose import with_minus
 from .ticks import ticks
 
 W, H = 360, 250
@@ -179,7 +180,7 @@ def _span(values: np.ndarray) -> tuple[float, float]:
 
 def _table(figure: TableFigure, language: str) -> str:
     def cell(value: object) -> str:
-        return html.escape(value if isinstance(value, str) else value(language))  # type: ignore[operator]
+        return html.escape(with_minus(value if isinstance(value, str) else value(language)))  # type: ignore[operator]
     head = "".join(f"<th>{cell(c)}</th>" for c in figure.columns)
     body = "".join("<tr>" + "".join(f"<td>{cell(v)}</td>" for v in row) + "</tr>" for row in figure.rows)
     return (f'<div class="ol-figure" data-figure="{figure.id}"><table class="ol-table"><caption>'
