@@ -19,6 +19,7 @@ COARSE_WHILE_MOVING = """(() => {
   const SLOW = 34, COARSE = 0.6, REST = 450, TOGETHER = 24, COUNT = 9, opened = performance.now(), gaps = [];
   let last = 0, slow = false, timer = 0, due = 0;
   const draw = dpr => { if (root.getState().viewport.dpr !== dpr) root.getState().setDpr(dpr); };
+  const frame = () => { clearTimeout(due); due = 0; root.getState().invalidate(); };
   page.scene.onAfterRender = () => {
     const now = performance.now(), gap = now - last;
     last = now;
@@ -31,7 +32,7 @@ COARSE_WHILE_MOVING = """(() => {
   page.requestRender = () => {
     if (!slow) { ask(); return; }
     draw(COARSE * devicePixelRatio);
-    due ||= setTimeout(() => { due = 0; root.getState().invalidate(); }, TOGETHER);
+    if (window.event?.type?.startsWith('pointer')) due ||= setTimeout(frame, TOGETHER); else frame();
     clearTimeout(timer);
     timer = setTimeout(() => { draw(devicePixelRatio); ask(); }, REST);
   };
