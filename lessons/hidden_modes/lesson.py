@@ -10,6 +10,7 @@ from app.engine import Placement, Scenario, observer_gain, place, simulate
 from app.figures import Figure
 from app.knobs import Choice, Number, Poles
 from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
+from app.plants import Model
 from app.prose import read_prose
 from app.words import Text
 
@@ -74,11 +75,12 @@ def compute(design: Design) -> Outcome:
     metrics = {key: value for key, value in metrics.items() if np.isfinite(value)}
     return Outcome(
         design, {"K": control.gain, "L": observer.gain}, {"controller": control.poles, "observer": observer.poles},
-        metrics, _checks(case, metrics), run, _boards(design, case, observer), stage(model, run),
+        metrics, checks_of(case, metrics), run, _boards(design, case, observer), stage(model, run),
         _formulas(case, control, observer), _live(case), case)
 
 
-def _checks(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
+def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
+    """Seen, reached, and whether what is neither settles; then what these gains make of it."""
     error, state = metrics["error_rate"], metrics["state_rate"]
     return (
         Check("observable", Text("observable: every mode leaves a trace", "能观：每个模态都留下痕迹"), case.seen.observable,
@@ -151,8 +153,15 @@ def exam(seed: int) -> ExamItem:
     return ExamItem({"a": f"{a:g}", "b": f"{b:g}"}, a + b, 1e-6)
 
 
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson("hidden-modes", 6, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,
                 source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
-                words=read_prose(Path(__file__).parent))
+                words=read_prose(Path(__file__).parent), adapt=adapt)
 
 __all__ = ["LESSON"]

@@ -27,7 +27,7 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
     assert run is not None
     seed = int(outcome.design["seed"])
     return (_measured(run), _centre(run, case), _error_parts(run, case), _state_parts(run, case),
-            input_figure(run, case.model), _margins(case), _lights(outcome.checks), _decomposed(case.id),
+            input_figure(run, case.model), margins_of(case), lights_of(outcome.checks), _decomposed(case.id),
             _every_observer(case.id, seed), _every_controller(case.id, seed))
 
 
@@ -101,7 +101,8 @@ def _pole(mode: Mode) -> str:
     return pole_words([complex(mode.pole.real, abs(mode.pole.imag))])
 
 
-def _margins(case: Case) -> TableFigure:
+def margins_of(case: Case) -> TableFigure:
+    """Every mode with its margins towards y and u."""
     rows = []
     for seen, reached in zip(case.seen.modes, case.reached.modes, strict=True):
         if seen.pole.imag < -1e-9:
@@ -119,7 +120,8 @@ def _margins(case: Case) -> TableFigure:
          Text("reached by u", "输入可达度")), tuple(rows), tab=MODES_TAB, caption=caption)
 
 
-def _lights(checks: tuple[Check, ...]) -> TableFigure:
+def lights_of(checks: tuple[Check, ...]) -> TableFigure:
+    """The checks as lights."""
     lit = sum(check.holds for check in checks)
     return TableFigure(
         "lights", Text("lights", "指示灯"), (Text("statement", "性质"), Text("holds", "成立")),
@@ -130,10 +132,14 @@ def _lights(checks: tuple[Check, ...]) -> TableFigure:
 
 @lru_cache(maxsize=8)
 def _decomposed(name: str) -> MatrixFigure:
-    case = CASES[name]
+    return blocks_of(CASES[name])
+
+
+def blocks_of(case: Case) -> MatrixFigure:
+    """The Kalman decomposition as a heat map with its blocks."""
     d = case.decomposition
-    n = d.A.shape[0]
-    whole = np.block([[d.A, d.B], [d.C, np.zeros((1, 1))]])
+    n, m, p = d.A.shape[0], d.B.shape[1], d.C.shape[0]
+    whole = np.block([[d.A, d.B], [d.C, np.zeros((p, m))]])
     edges = tuple(k for k in accumulate(d.sizes) if 0 < k < n)
     shown = d.sizes[0]
     if d.sizes[1]:
@@ -146,8 +152,13 @@ def _decomposed(name: str) -> MatrixFigure:
                     f"z₁ … z{shown} 既可达又可见；最后一块就是隐藏的运动：{block.zh}。") if block.en
                else Text("One block: every state is reached and seen.", "只有一块：所有状态既可达又可见。"))
     return MatrixFigure("decomposed", Text("Kalman decomposition", "卡尔曼分解"), whole,
-                        (*(f"z{i + 1}" for i in range(n)), "y"), (*(f"z{i + 1}" for i in range(n)), "u"), (*edges, n),
+                        (*numbered("z", n), *numbered("y", p)), (*numbered("z", n), *numbered("u", m)), (*edges, n),
                         caption=caption, tab=MODES_TAB)
+
+
+def numbered(letter: str, count: int) -> tuple[str, ...]:
+    """y, or y1, y2, …: one name each."""
+    return (letter,) if count == 1 and letter != "z" else tuple(f"{letter}{i + 1}" for i in range(count))
 
 
 def random_poles(case: Case, seed: int, observer: bool) -> np.ndarray:

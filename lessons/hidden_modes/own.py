@@ -1,0 +1,200 @@
+"""Hidden modes on a person's own plant: its own bolts, or, where nothing is hidden, the mode that is nearest to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from app.engine import Mode, Run, Scenario, controllability, kalman_decomposition, observability, simulate
+from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.knobs import Knob, Number
+from app.lesson import Check, Design, Formula, Lesson, Outcome
+from app.plants import Model
+from app.words import Text
+
+from ..toolkit import (
+    ERROR_TAB,
+    TIME_TAB,
+    feedback,
+    gain_words,
+    injection,
+    input_figure,
+    kicks,
+    pole_boards,
+    pole_knobs,
+    pole_words,
+    run_knobs,
+    stage,
+)
+from .cases import Case
+from .lesson import LESSON, checks_of
+from .pictures import EVERY_TAB, blocks_of, lights_of, margins_of
+
+DRAWS, FEW = 50, 14  # random gains on a map, for few states and for many
+MOST_ROWS = 12  # of the table of modes
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """The plant, what is known of it before any gain, and its weakest mode.
+
+    `along` (n,): a motion of that mode; `rows` (1 or 2)×n: how much of it is in a state, zero for every other mode.
+    """
+
+    model: Model
+    case: Case
+    weakest: Mode
+    along: np.ndarray
+    rows: np.ndarray
+
+
+def setting_of(model: Model) -> Setting:
+    """Everything about the plant itself. Raises EngineError where it cannot be taken apart."""
+    plant = model.plant
+    case = Case("own", model.label, model, observability(plant), controllability(plant), kalman_decomposition(plant))
+    weakest = min(case.seen.modes, key=lambda m: (m.visible, -m.pole.real if not m.visible else m.margin))
+    values, right = np.linalg.eig(plant.A)
+    at = int(np.argmin(np.abs(values - weakest.pole)))
+    along = np.real(right[:, at])
+    along = along if np.any(np.abs(along) > 1e-12) else np.imag(right[:, at])
+    twins, left = np.linalg.eig(plant.A.T)
+    w = left[:, int(np.argmin(np.abs(twins - weakest.pole)))]
+    rows = np.vstack([np.real(w), np.imag(w)]) if abs(weakest.pole.imag) > 1e-12 * abs(weakest.pole) else np.real(w)[None]
+    size = float(np.linalg.norm(rows @ along))
+    if size < 1e-9 * float(np.linalg.norm(rows) * np.linalg.norm(along)):
+        along = rows[0]  # a chain of equal poles: its end, whose part still obeys d(wᵀx)/dt = λ wᵀx
+        size = float(np.linalg.norm(rows @ along))
+    return Setting(model, case, weakest, along / np.abs(along).max() * max(np.abs(np.array(model.x0))), rows / size)
+
+
+def own_knobs(model: Model) -> tuple[Knob, ...]:
+    """How much of the weakest mode is in the start, and the poles that can be moved."""
+    return (
+        Number("share", r"c_0", Text("weakest mode in the start", "初态中最弱模态的份量"), low=-2.0, high=2.0, default=1.0, step=0.05,
+               hint=Text("How much of the mode in the first line of Numbers is added to the start. The observer believes 0.",
+                         "把“当前数值”首行所说的模态加入初态多少；观测器以为是 0。")),
+        *(replace(knob, when=None) for knob in pole_knobs(model)),
+        *run_knobs(model.horizon),
+    )
+
+
+def compute(here: Setting, design: Design) -> Outcome:
+    """Gains for the movable poles with the bolted ones left where they are, and one run."""
+    model, plant, case = here.model, here.model.plant, here.case
+    K, L = feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
+    start = np.array(model.x0)
+    start = start - here.along * _amount(here, start[None])[0] + design["share"] * here.along
+    run = simulate(Scenario(plant, K, L, x0=start, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
+                            impulses=kicks(design, model), seed=int(design["seed"])))
+    control, observer = (np.sort_complex(np.linalg.eigvals(M).astype(complex)) for M in (plant.A - plant.B @ K, plant.A - L @ plant.C))
+    e = np.linalg.norm(run.e, axis=1)
+    metrics = {
+        "error_rate": float(np.real(observer).max()), "state_rate": float(np.real(control).max()),
+        "error_end": float(e[-1] / max(float(e[0]), 1e-300)), "weakest_seen": min(m.margin for m in case.seen.modes),
+        "weakest_reached": min(m.margin for m in case.reached.modes)}
+    return Outcome(
+        design, {"K": K, "L": L}, {"controller": control, "observer": observer}, metrics, checks_of(case, metrics), run,
+        pole_boards(model, design, control, observer, plant.A - L @ plant.C), stage(model, run),
+        (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))), _live(here), here)
+
+
+def _amount(here: Setting, values: np.ndarray) -> np.ndarray:
+    """How much of the weakest mode is in each row of a record (n_t, n); signed where the mode is real."""
+    parts = values @ here.rows.T
+    return parts[:, 0] * np.sign(float((here.rows @ here.along)[0])) / np.abs(here.rows @ here.along)[0] if parts.shape[1] == 1 else (
+        np.linalg.norm(parts, axis=1) / float(np.linalg.norm(here.rows @ here.along)))
+
+
+def _name(mode: Mode) -> str:
+    return pole_words([complex(mode.pole.real, abs(mode.pole.imag))])
+
+
+def _live(here: Setting) -> Text:
+    case, name = here.case, _name(here.weakest)
+    unseen, unmoved = (pole_words([p for p in poles if p.imag >= 0][:4]) for poles in (case.unseen, case.unmoved))
+    if case.unseen and not case.seen.detectable:
+        return Text(f"Weakest mode {name}. Hidden from y: {unseen}, and not settling: no L saves the estimate.",
+                    f"最弱的模态 {name}。对 y 隐藏：{unseen}，且不衰减：任何 L 都救不了估计。")
+    if case.unseen:
+        return Text(f"Weakest mode {name}. Hidden from y: {unseen}; it settles by itself.",
+                    f"最弱的模态 {name}。对 y 隐藏：{unseen}；它自行衰减。")
+    if case.unmoved:
+        return Text(f"Weakest mode {name}. Out of reach of u: {unmoved}.", f"最弱的模态 {name}。u 够不着：{unmoved}。")
+    return Text(f"Nothing is bolted. The mode nearest to hidden is {name}, by {here.weakest.margin:.2g}.",
+                f"没有螺栓。离隐藏最近的模态是 {name}，距离 {here.weakest.margin:.2g}。")
+
+
+def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
+    """What the sensor says and the weakest mode; parts of e and x; margins, lights, decomposition; every gain."""
+    run, seed = outcome.run, int(outcome.design["seed"])
+    assert run is not None
+    return (_measured(here, run), _mode(here, run),
+            _parts(here, "error_parts", Text("estimation error e, in two parts", "估计误差 e 的两个部分"), run, run.e),
+            _parts(here, "state_parts", Text("plant state x, in two parts", "对象状态 x 的两个部分"), run, run.x),
+            input_figure(run, here.model), *_modes(here, outcome.checks), *_every(here, seed))
+
+
+def _measured(here: Setting, run: Run) -> TimeFigure:
+    name = here.model.plant.output_names[0]
+    return TimeFigure("measured", Text(f"what sensor {name} says", f"传感器 {name} 的读数"), run.t,
+                      (Curve(Text("measured y", "测量值 y"), run.y[:, 0]),
+                       Curve(Text("predicted ŷ", "预测值 ŷ"), run.yhat[:, 0], "estimate", "dash")), f"[{here.model.plant.unit(name)}]",
+                      tab=TIME_TAB, caption=Text(f"At the end they differ by {abs(run.y[-1, 0] - run.yhat[-1, 0]):.2g}.",
+                                                 f"末时刻二者相差 {abs(run.y[-1, 0] - run.yhat[-1, 0]):.2g}。"))
+
+
+def _mode(here: Setting, run: Run) -> TimeFigure:
+    true, guess = _amount(here, run.x), _amount(here, run.xhat)
+    return TimeFigure("centre", Text("the weakest mode", "最弱的模态"), run.t,
+                      (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")), "", tab=TIME_TAB,
+                      caption=Text(f"Mode {_name(here.weakest)}; at the end the estimate of its part is off by "
+                                   f"{abs(true[-1] - guess[-1]):.2g}.",
+                                   f"模态 {_name(here.weakest)}；末时刻对它的估计偏差 {abs(true[-1] - guess[-1]):.2g}。"))
+
+
+def _parts(here: Setting, name: str, title: Text, run: Run, values: np.ndarray) -> TimeFigure:
+    weak = np.abs(_amount(here, values)) * float(np.linalg.norm(here.along))
+    rest = np.linalg.norm(values, axis=1)
+    grown = weak[-1] / max(weak[0], 1e-300)
+    return TimeFigure(name, title, run.t, (Curve(Text("weakest mode", "最弱的模态"), weak, "error"),
+                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), "", log=True, tab=ERROR_TAB,
+                      caption=Text(f"From start to end the weakest mode's part changes by a factor of {grown:.2g}.",
+                                   f"自始至终，最弱模态的份量变为 {grown:.2g} 倍。")
+                      if weak[0] > 1e-12 * rest[0] else
+                      Text("The start holds nothing of the weakest mode.", "初态中没有最弱模态的份量。"))
+
+
+def _modes(here: Setting, checks: tuple[Check, ...]) -> tuple[TableFigure, TableFigure, MatrixFigure]:
+    table = margins_of(here.case)
+    return replace(table, rows=table.rows[:MOST_ROWS]), lights_of(checks), blocks_of(here.case)
+
+
+def _every(here: Setting, seed: int) -> tuple[PlaneFigure, PlaneFigure]:
+    """Poles under random gains: what no gain moves stays under its bolt."""
+    plant, model = here.model.plant, here.model
+    rng, count = np.random.default_rng(seed), DRAWS if plant.n <= 8 else FEW
+    found = []
+    for name, base, bolts in (("observer", model.observer, here.case.unseen), ("controller", model.controller, here.case.unmoved)):
+        assert base is not None
+        draws = base.gain * np.exp(rng.normal(0.0, 1.0, (count, 1, 1))) * (1 + rng.normal(0.0, 0.5, (count, *base.gain.shape)))
+        poles = np.linalg.eigvals(plant.A - (draws @ plant.C if name == "observer" else plant.B @ draws))
+        window = model.observer_window if name == "observer" else model.controller_window
+        size = nice(max(-window.re_low, window.im_high))
+        points = tuple(Point(float(p.real), float(p.imag), "second", "dot") for p in poles.ravel() if abs(p) < 3 * size)
+        points += tuple(Point(p.real, p.imag, "reference", "bolt") for p in bolts)
+        letter, M = ("L", "eig(A − LC)") if name == "observer" else ("K", "eig(A − BK)")
+        least = f"{float(np.real(poles).max(axis=1).min()):.3g}".replace("-", "−")
+        found.append(PlaneFigure(
+            f"every_{name}", Text(f"{M} for random {letter}", f"随机 {letter} 的 {M}"), (), points, "Re s", "Im s", (-size, 0.5 * size),
+            (-size, size), unstable=True, tab=EVERY_TAB, caption=Text(
+                f"{count} gains {letter} drawn around the start. The best has its rightmost pole at {least}.",
+                f"在初始增益附近随机取 {count} 个 {letter}。最好的一个，最右极点的实部为 {least}。")))
+    return found[0], found[1]
+
+
+def adapted(model: Model) -> Lesson:
+    """The lesson on a person's own plant; the tasks choose among the lesson's five plants and stay with them."""
+    here = setting_of(model)
+    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())
