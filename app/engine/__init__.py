@@ -25,6 +25,7 @@ from .diophantine import Diophantine, diophantine, sylvester
 from .dominance import Dominance, dominance, dominance_of, relative_gains
 from .errors import EngineError, PoleError, RiccatiError, ShapeError
 from .fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
+from .filter_trial import FilterTrial, filter_trial
 from .flow import Flow, NonlinearPlant, slopes
 from .functional import FunctionalObserver, functional_observer
 from .functional_loop import (
@@ -112,7 +113,7 @@ from .spectrum import Spectrum, amplitude_response, frequency_response, modal_co
 from .square_root import SquareRootFilter
 from .starting import StartingGain, shift_observer, shift_poles, starting_feedback, starting_observer, typical_rate
 from .track import Schedule, Track, as_record, means_along
-from .trade_off import ErrorParts, Ladder, error_parts, noise_ladder
+from .trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
 from .trial import ResponseMeasures, Trial, response_measures, run_trial
 from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
 
@@ -145,6 +146,7 @@ __all__ = [
     "ExtendedFilters",
     "ExtendedKalmanFilter",
     "FaultBank",
+    "FilterTrial",
     "Flow",
     "FunctionalObserver",
     "FunctionalRun",
@@ -250,6 +252,7 @@ __all__ = [
     "errors_squared",
     "every_entry",
     "expand",
+    "filter_trial",
     "frequency_response",
     "from_control",
     "from_json",
@@ -257,6 +260,7 @@ __all__ = [
     "functional_observer",
     "gain_of",
     "gramians",
+    "growing_error",
     "hankel_singular_values",
     "independent_errors",
     "innovation_test",

@@ -10,8 +10,9 @@ from scipy.linalg import solve_continuous_lyapunov
 from .errors import EngineError
 from .optimal import dlqe, lqe
 from .plant import Plant, as_matrix
+from .scan import step_matrices
 
-__all__ = ["ErrorParts", "Ladder", "error_parts", "noise_ladder"]
+__all__ = ["ErrorParts", "Ladder", "error_parts", "growing_error", "noise_ladder"]
 
 SLOWEST = 1e-10  # beside the fastest pole: slower ones count as not settling
 
@@ -68,6 +69,27 @@ def _summed(F: np.ndarray, Q: np.ndarray) -> np.ndarray:
             break
         power = power @ power
     return P
+
+
+def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: float, rows: object, steps: int) -> np.ndarray:
+    """Variances (steps, k) of rows @ e at 0, dt, … from P(0) = 0, as a simulation with v held over a step draws them.
+
+    `parts` as `error_parts` gives them, rows k×n, dt the step in s (the plant's own period where it is sampled).
+    P_j = P_h − Φʲ P_h Φᵀʲ, with P_h the limit for sensor noise of covariance V/dt held over a step.
+    """
+    L, V, C = as_matrix(L, "L"), as_matrix(V, "V"), as_matrix(rows, "rows")
+    F = plant.A - L @ plant.C
+    if plant.dt:
+        Phi, limit = F, parts.total
+    else:
+        Phi, inner = step_matrices(F, dt)
+        push = inner @ L
+        limit = parts.process + _summed(Phi, push @ V @ push.T / dt)
+    found, far = np.empty((steps, len(C))), C
+    for j in range(steps):
+        found[j] = np.einsum("ki,ij,kj->k", C, limit, C) - np.einsum("ki,ij,kj->k", far, limit, far)
+        far = far @ Phi
+    return np.maximum(found, 0.0)
 
 
 def noise_ladder(plant: Plant, G: object, W: object, V: object, ratio: np.ndarray) -> Ladder:

@@ -11,6 +11,7 @@ import numpy as np
 from app.engine import InnovationTest, SquaredError, Track, innovation_test, nees, nis
 from app.knobs import Choice, Number
 from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.plants import Model
 from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as SCALE_OF_STAGE
 from app.prose import read_prose
@@ -212,9 +213,16 @@ def carry(before: Outcome, after: Outcome) -> Outcome:
     return _with(after, old)
 
 
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson(
     "kalman", 9, KNOBS, compute, all_figures, answer=2, tasks=TASKS, exam=exam,
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
-    words=read_prose(Path(__file__).parent), job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often), carry=carry)
+    words=read_prose(Path(__file__).parent), job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often), carry=carry, adapt=adapt)
 
 __all__ = ["LESSON"]

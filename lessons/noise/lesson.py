@@ -11,7 +11,7 @@ import numpy as np
 from app.engine import Optimal, Run, Scenario, lqe, observer_gain, simulate
 from app.knobs import Choice, KnobError, Number, Poles
 from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
-from app.plants import MODELS
+from app.plants import MODELS, Model
 from app.plants.spring_damper import STAGE
 from app.prose import read_prose
 from app.words import Text
@@ -208,10 +208,17 @@ def carry(before: Outcome, after: Outcome) -> Outcome:
     return _with(after, old)
 
 
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson(
     "noise", 8, KNOBS, compute, all_figures, answer=2, tasks=TASKS, exam=exam,
     source="Observer notes (001) on fast poles; platform report (003), section 4.1, equations (43)–(50)",
     words=read_prose(Path(__file__).parent),
-    job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often), carry=carry)
+    job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often), carry=carry, adapt=adapt)
 
 __all__ = ["LESSON"]

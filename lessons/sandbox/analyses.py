@@ -10,23 +10,21 @@ from typing import TypeVar
 import numpy as np
 
 from app.engine import (
-    Belief,
     ChannelMargins,
     ClosedLoop,
     Controllability,
     EngineError,
     ErrorParts,
     KalmanDecomposition,
-    KalmanFilter,
     Ladder,
     Observability,
     Plant,
-    Scenario,
     Sensitivity,
     SquaredError,
     compensator,
     controllability,
     error_parts,
+    filter_trial,
     hankel_singular_values,
     kalman_decomposition,
     loop_margins,
@@ -34,9 +32,7 @@ from app.engine import (
     noise_ladder,
     observability,
     sensitivity,
-    simulate,
     split_stable,
-    starting_feedback,
 )
 from app.knobs import KnobError
 from app.plants import Model
@@ -51,7 +47,6 @@ LATER = Text("The margins of this loop take a while: the button under the knobs 
 RUNGS = np.logspace(-3, 3, 9)  # beliefs on the ladder, times the true process noise
 SAMPLES = 160  # of the Kalman filter's record
 SKIP = 20  # samples that its test does not look at
-SPREAD = 4.0  # covariance of the start, times that of the settled filter
 PROCESS = 0.1  # size of the process noise, as a share of the natural input
 
 
@@ -195,17 +190,6 @@ class Trial:
     expected: float
 
 
-@lru_cache(maxsize=32)
-def _sampled(plant: Plant, G: bytes, W: bytes, V: bytes, step: float) -> tuple[KalmanFilter, np.ndarray, Plant]:
-    """The filter that knows the truth, a gain that holds the sampled plant, and that plant."""
-    G_ = np.frombuffer(G).reshape(plant.n, -1)
-    q = G_.shape[1]
-    kf = KalmanFilter.from_plant(plant, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p),
-                                 None if plant.dt else step, G_)
-    held = Plant(kf.A, kf.B, kf.C, kf.D, step)
-    return kf, starting_feedback(held).gain, held
-
-
 def trial(model: Model, sensor: float, belief: float, seed: int) -> Trial:
     """The sampled plant held by its own filter's estimate, watched by a filter that believes `belief` times the noise."""
     G, W, V = (np.ascontiguousarray(M).tobytes() for M in noises(model, sensor))
@@ -214,26 +198,12 @@ def trial(model: Model, sensor: float, belief: float, seed: int) -> Trial:
 
 @lru_cache(maxsize=64)
 def _trial(plant: Plant, G: bytes, W: bytes, V: bytes, step: float, belief: float, seed: int) -> Trial:
-    kf, K, held = _sampled(plant, G, W, V, step)
-    P0 = SPREAD * kf.steady.solution + 1e-12 * np.trace(kf.steady.solution) * np.eye(plant.n)
-    values, axes = np.linalg.eigh(P0)
-    x0 = axes @ (np.sqrt(np.maximum(values, 0.0)) * np.random.default_rng([seed, 11]).standard_normal(plant.n))
-    run = simulate(Scenario(held, K, kf.steady.gain, x0=x0, xhat0=np.zeros(plant.n), horizon=SAMPLES * step, dt=step,
-                            W=kf.Q, G=np.eye(plant.n), V=kf.R, seed=seed))
-    doubting = KalmanFilter(kf.A, kf.B, kf.C, belief * kf.Q, kf.R, kf.D, kf.dt)
-    final = doubting.steady
-    track = doubting.run(Belief(np.zeros(plant.n), P0), run.y, run.u_applied)
-    goal = float(np.abs(final.filter_gain).max())
-    if len(run.t) <= 2 * SKIP:
+    G_ = np.frombuffer(G).reshape(plant.n, -1)
+    q = G_.shape[1]
+    found = filter_trial(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), step, SAMPLES,
+                         (belief, 1.0), seed)
+    track = found.track
+    if len(found.run.t) <= 2 * SKIP:
         raise KnobError(Text("The plant runs away before the filter can be judged.", "在能评判滤波器之前，对象已经发散。"))
-    away = np.abs(track.gains - final.filter_gain).max(axis=(1, 2)) / max(goal, 1e-300)
     early, test = nis(track.innovations[:SKIP], track.S[:SKIP]), nis(track.innovations[SKIP:], track.S[SKIP:])
-    return Trial(run.t, away, np.concatenate([early.values, test.values]), test, _expected(kf, doubting))
-
-
-def _expected(truth: KalmanFilter, doubting: KalmanFilter) -> float:
-    """tr(S_b⁻¹ (C P Cᵀ + R)): P the true covariance of the error under the doubting filter's gain, S_b what it promises."""
-    final = doubting.steady
-    P = error_parts(Plant(truth.A, truth.B, truth.C, truth.D, truth.dt or 1.0), final.gain, np.eye(truth.n), truth.Q, truth.R).total
-    promised = truth.C @ final.solution @ truth.C.T + doubting.R
-    return float(np.trace(np.linalg.solve(promised, truth.C @ P @ truth.C.T + truth.R)))
+    return Trial(found.run.t, found.distance, np.concatenate([early.values, test.values]), test, found.expected)
