@@ -62,13 +62,14 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
 def _summed(F: np.ndarray, Q: np.ndarray) -> np.ndarray:
     """Σ Fᵏ Q Fᵀᵏ by doubling: P ← P + F P Fᵀ, F ← F²."""
     P, power = Q, F
-    for _ in range(64):
-        more = power @ P @ power.T
-        P = P + more
-        if np.abs(more).max() <= 1e-17 * np.abs(P).max():
-            break
-        power = power @ power
-    return P
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(64):
+            more = power @ P @ power.T
+            P = P + more
+            if np.abs(more).max() <= 1e-17 * np.abs(P).max():
+                return P
+            power = power @ power
+    raise EngineError("The observer's error settles too slowly for its variance to be found; move its poles.")
 
 
 def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: float, rows: object, steps: int) -> np.ndarray:

@@ -22,7 +22,7 @@ from app.engine import (
     simulate,
 )
 from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.knobs import Choice, Knob, Number, Poles
+from app.knobs import Choice, Knob, KnobError, Number, Poles
 from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model, Signal
 from app.words import Text, same
@@ -108,6 +108,15 @@ def scenario_of(model: Model, design: Design, L: np.ndarray) -> Scenario:
                     impulses=kicks(design, model), seed=int(design["seed"]))
 
 
+def drawn(scenario: Scenario) -> Run:
+    """The run of a scenario. Raises KnobError where its noise outgrows every number."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        run = simulate(scenario)
+    if len(run.t) < 2 or not np.all(np.isfinite(run.x)):
+        raise KnobError(Text("The noise of this plant outgrows every number within the run.", "该对象的噪声在本次运行内超出了一切数值。"))
+    return run
+
+
 def compute(model: Model, design: Design) -> Outcome:
     """The observer's error covariance beside the least one, the ladder, and one noisy run. Raises EngineError."""
     plant, row = model.plant, np.array(_watched(model, design).weights)[None]
@@ -117,7 +126,7 @@ def compute(model: Model, design: Design) -> Outcome:
          else injection(plant, design["observer_poles"], model))
     parts, least = error_parts(plant, L, G, W, V), ladder.parts[len(RUNGS) // 2]
     scenario = scenario_of(model, design, L)
-    run, quiet = simulate(scenario), simulate(replace(scenario, W=None, V=None))
+    run, quiet = drawn(scenario), drawn(replace(scenario, W=None, V=None))
     count = min(len(run.t), len(quiet.t))
     study = Study(ladder, parts, least, quiet.e[:count], growing_error(plant, L, parts, V, model.dt, row, count)[:, 0],
                   _peaks_along(plant, ladder, np.array(model.x0), row, model.dt, SAMPLED))
@@ -290,7 +299,7 @@ def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]
                             np.array(_watched(model, outcome.design).weights))
     total = np.zeros(len(study.grown))
     for k, seed in enumerate(np.random.SeedSequence(int(outcome.design["seed"])).generate_state(RUNS), start=1):
-        e = simulate(replace(scenario, seed=int(seed))).e
+        e = drawn(replace(scenario, seed=int(seed))).e
         shared = min(len(e), len(total))
         total[:shared] += ((e[:shared] - study.quiet[:shared]) @ row) ** 2
         if k % AT_ONCE == 0:

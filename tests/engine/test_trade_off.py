@@ -8,7 +8,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 
-from app.engine import EngineError, Plant, dlqe, error_parts, lqe, noise_ladder
+from app.engine import (
+    EngineError,
+    Plant,
+    Scenario,
+    dlqe,
+    error_parts,
+    filter_trial,
+    growing_error,
+    lqe,
+    nis,
+    noise_ladder,
+    simulate,
+)
 
 BELIEFS = np.logspace(-2, 2, 5)
 
@@ -58,3 +70,28 @@ def test_an_error_that_does_not_settle_has_no_variance() -> None:
     for A, dt in ((np.eye(1), 0.0), (np.zeros((1, 1)), 0.0), (np.eye(1), 0.1)):
         with pytest.raises(EngineError, match="does not settle"):
             error_parts(Plant(A, np.eye(1), np.eye(1), None, dt), [[0.0]], [[1.0]], [[1.0]], [[1.0]])
+
+
+def test_the_growing_variance_is_that_of_many_simulated_runs_and_ends_at_its_limit() -> None:
+    plant, W, V, dt = plant_of(4, 3, 0.0), 0.3 * np.eye(2), 0.05 * np.eye(2), 0.02
+    stable = Plant(plant.A - 3 * np.eye(3), plant.B, plant.C)
+    L = lqe(stable.A, stable.B, stable.C, W, V).gain
+    parts, rows = error_parts(stable, L, stable.B, W, V), np.eye(3)
+    grown = growing_error(stable, L, parts, V, dt, rows, 301)
+    assert grown[0] == pytest.approx(0.0, abs=1e-12)
+    assert np.all(np.abs(grown[-1] / np.diag(parts.total) - 1) < 0.1)  # v held over a step is a little more than white
+    square = np.zeros((301, 3))
+    for seed in range(400):
+        square += simulate(Scenario(stable, None, L, x0=np.zeros(3), xhat0=np.zeros(3), horizon=6.0, dt=dt, W=W, V=V, G=stable.B,
+                                    seed=seed)).e ** 2 / 400
+    assert np.all(np.abs(square[-1] / grown[-1] - 1) < 5 * np.sqrt(2 / 400))
+
+
+def test_a_filter_on_trial_that_knows_the_truth_expects_as_many_as_it_reads() -> None:
+    plant = plant_of(2, 4, 0.0)
+    found = filter_trial(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, seed=3)
+    assert found.expected == pytest.approx(2.0, rel=1e-6) and found.distance[-1] < 1e-2 < found.distance[0]
+    for believed in ((0.01, 1.0), (100.0, 1.0), (1.0, 0.1), (1.0, 10.0)):
+        many = [filter_trial(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, believed, seed) for seed in range(30)]
+        means = [float(nis(t.track.innovations[60:], t.track.S[60:]).mean) for t in many]
+        assert abs(np.mean(means) / many[0].expected - 1) < 5 * np.std(means) / np.sqrt(30) / many[0].expected + 0.02
