@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from types import MappingProxyType
 
@@ -13,7 +14,7 @@ from app.engine import Plant, Scenario, lqe, lqr, observer_gain, place, reachabi
 from app.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure, nice
 from app.knobs import Choice, Number, Poles, Switch
 from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
-from app.plants import MODELS
+from app.plants import MODELS, Model, Window
 from app.prose import read_prose
 from app.words import Text, same
 
@@ -22,9 +23,9 @@ from ..toolkit import (
     BY_WEIGHTS,
     WEIGHTS,
     error_figure,
+    gain_words,
     input_figure,
     kicks,
-    matrix,
     on_board,
     pole_words,
     run_knobs,
@@ -37,6 +38,8 @@ MODEL = MODELS["spring-damper"]
 TWINS_TAB, ELLIPSES_TAB = Text("Twins", "孪生"), Text("Ellipses", "椭圆")
 EXACT = 1e-8  # agreement asked of the two sides, relative to their size
 TINY = 1e-16
+MOST_ROWS = 12  # of a table
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 FLIP = np.diag([1.0, -1.0])  # the mirror that turns velocities round
 
@@ -81,11 +84,31 @@ KNOBS = (
 
 
 @dataclass(frozen=True, eq=False)
+class Setting:
+    """The plant of the lesson in a design, and what its weights and pictures are measured in.
+
+    Q, R, W, V: the matrices that the four weights multiply. `pair`: two states that the ellipses show, with their axes.
+    `window`: of both boards. `mirror`: whether velocities can be turned round.
+    """
+
+    model: Model
+    plant: Callable[[Design], Plant]
+    Q: np.ndarray
+    R: np.ndarray
+    W: np.ndarray
+    V: np.ndarray
+    pair: tuple[int, int]
+    axes: tuple[str, str]
+    window: Window
+    mirror: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Twins:
     """Both sides of each pair: the observer's own formula beside the controller of the transposed plant."""
 
-    L: np.ndarray  # 2×1, by the observer's own equation
-    K_dual: np.ndarray  # 1×2, feedback placed for (Aᵀ, Cᵀ)
+    L: np.ndarray  # n×p, by the observer's own equation
+    K_dual: np.ndarray  # p×n, feedback placed for (Aᵀ, Cᵀ)
     P: np.ndarray  # filter Riccati, own Hamiltonian
     S_dual: np.ndarray  # regulator Riccati of (Aᵀ, Cᵀ) with Q = W, R = V
     slowest: tuple[float, float]  # largest real part of the LQR's and of the LQE's poles
@@ -113,42 +136,43 @@ def turned(degrees: float) -> Plant:
     return Plant(p.A, p.B, C, p.D, 0.0, p.state_names, p.input_names, (names,), p.units[:3], p.name)
 
 
-def _weights(design: Design) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _weights(here: Setting, design: Design) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     q, r = design["q"], design["r"]
     w, v = (q, r) if design["mirror"] else (design["w"], design["v"])
-    return q * np.eye(2), r * np.eye(1), w * np.eye(2), v * np.eye(1)
+    return q * here.Q, r * here.R, w * here.W, v * here.V
 
 
-def _gains(design: Design, plant: Plant) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _gains(here: Setting, design: Design, plant: Plant) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """K of the plant, L by the engine, L by the observer's own equation, K_d of the transposed plant."""
     A, B, C = plant.A, plant.B, plant.C
-    Q, R, W, V = _weights(design)
+    Q, R, W, V = _weights(here, design)
     if design["method"] == BY_POLES:
         p = design["poles"]
         return (place(A, B, p).gain, observer_gain(A, C, p).gain, observer_by_polynomial(A, C, p),
                 place(A.T, C.T, p).gain)
-    own = filter_riccati(A, C, W, V) @ C.T / V
-    return lqr(A, B, Q, R).gain, lqe(A, np.eye(2), C, W, V).gain, own, lqr(A.T, C.T, W, V).gain
+    own = np.linalg.solve(V, C @ filter_riccati(A, C, W, V)).T
+    return lqr(A, B, Q, R).gain, lqe(A, np.eye(plant.n), C, W, V).gain, own, lqr(A.T, C.T, W, V).gain
 
 
-def _pair(plant: Plant, L: np.ndarray, K_dual: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _pair(model: Model, plant: Plant, L: np.ndarray, K_dual: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """e(t) of the observer and x_d(T − t) of the dual loop over a window of about two of the slowest time constants."""
     slowest = float(np.min(np.abs(np.linalg.eigvals(plant.A - L @ plant.C).real)))
-    span = float(np.clip(2 / max(slowest, 1e-6), 0.5, 4.0))
+    span = float(np.clip(2 / max(slowest, 1e-6 / model.horizon), model.horizon / 24, model.horizon / 3))
     step = span / 200
-    seen = simulate(Scenario(plant, L=L, x0=MODEL.x0, xhat0=MODEL.guess, horizon=span, dt=step))
-    dual = simulate(Scenario(plant.dual(), K_dual, x0=(1.0, 1.0), horizon=span, dt=step, state_feedback=True))
-    return seen.t, seen.e, dual.x[::-1]
+    seen = simulate(Scenario(plant, L=L, x0=model.x0, xhat0=model.guess, horizon=span, dt=step))
+    dual = simulate(Scenario(plant.dual(), K_dual, x0=np.ones(plant.n), horizon=span, dt=step, state_feedback=True))
+    count = min(len(seen.t), len(dual.t))
+    return seen.t[:count], seen.e[:count], dual.x[:count][::-1]
 
 
-def _twins(design: Design, plant: Plant, own: np.ndarray, K_dual: np.ndarray) -> Twins:
+def _twins(here: Setting, design: Design, plant: Plant, own: np.ndarray, K_dual: np.ndarray) -> Twins:
     A, B, C = plant.A, plant.B, plant.C
-    Q, R, W, V = _weights(design)
+    Q, R, W, V = _weights(here, design)
     regulator, twin = lqr(A, B, Q, R), lqr(A.T, C.T, W, V)
     return Twins(
         own, K_dual, filter_riccati(A, C, W, V), twin.solution,
         (float(max(regulator.poles.real)), float(max(twin.poles.real))),
-        *_gramians(plant, design["window"]), *_pair(plant, own, K_dual))
+        *_gramians(plant, design["window"]), *_pair(here.model, plant, own, K_dual))
 
 
 @lru_cache(maxsize=128)
@@ -164,13 +188,13 @@ def gap(a: np.ndarray, b: np.ndarray) -> float:
     return float(np.max(np.abs(a - b)) / max(np.max(np.abs(b)), TINY))
 
 
-def compute(design: Design) -> Outcome:
+def compute(here: Setting, design: Design) -> Outcome:
     """Both gains, both Riccati solutions, both Gramians, and one run of the plant under them."""
-    plant = turned(design["sensor"])
-    K, L, own, K_dual = _gains(design, plant)
-    twins = _twins(design, plant, own, K_dual)
-    run = simulate(Scenario(plant, K, L, x0=MODEL.x0, xhat0=MODEL.guess, horizon=MODEL.horizon, dt=MODEL.dt,
-                            impulses=kicks(design, MODEL), seed=int(design["seed"])))
+    plant, model = here.plant(design), here.model
+    K, L, own, K_dual = _gains(here, design, plant)
+    twins = _twins(here, design, plant, own, K_dual)
+    run = simulate(Scenario(plant, K, L, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
+                            impulses=kicks(design, model), seed=int(design["seed"])))
     error_matrix = plant.A - own @ plant.C
     left, right = (np.sort_complex(np.linalg.eigvals(M).astype(complex)) for M in (plant.A - plant.B @ K, error_matrix))
     size = float(np.max(np.linalg.norm(twins.e, axis=1) * np.linalg.norm(twins.z, axis=1)))
@@ -178,11 +202,12 @@ def compute(design: Design) -> Outcome:
         "gain_gap": gap(K_dual.T, own), "riccati_gap": gap(twins.S_dual, twins.P),
         "gramian_gap": max(gap(twins.reach_twin, twins.reach), gap(twins.seen_twin, twins.seen)),
         "pairing_gap": float(np.ptp(twins.pairing)) / max(size, TINY),
-        "mirror_gap": gap(FLIP @ twins.reach @ FLIP, twins.seen), "L1": float(own[0, 0]), "L2": float(own[1, 0]),
-        "slowest_controller": float(np.max(np.real(left))), "slowest_observer": float(np.max(np.real(right))),
+        "mirror_gap": gap(FLIP @ twins.reach @ FLIP, twins.seen) if here.mirror else 1.0,
+        "L1": float(own[0, 0]), "L2": float(own[-1, 0]), "slowest_controller": float(np.max(np.real(left))),
+        "slowest_observer": float(np.max(np.real(right))),
     }
     return Outcome(design, {"K": K, "L": L, "K_dual": K_dual}, {"controller": left, "observer": right}, metrics,
-                   _checks(metrics), run, _boards(design, left, right, error_matrix), stage(MODEL, run),
+                   _checks(metrics), run, _boards(here, design, left, right, error_matrix), stage(model, run),
                    _formulas(K, own, K_dual), _live(own, metrics), twins)
 
 
@@ -196,13 +221,13 @@ def _checks(m: dict[str, float]) -> tuple[Check, ...]:
     return tuple(Check(name, text, m[key] <= EXACT, m[key]) for name, key, text in sentences)
 
 
-def _boards(design: Design, left: np.ndarray, right: np.ndarray, error_matrix: np.ndarray) -> tuple[Board, Board]:
-    by_hand, also = design["method"] == BY_POLES, (("method", BY_POLES),)
-    knob = next(k for k in KNOBS if isinstance(k, Poles))
+def _boards(here: Setting, design: Design, left: np.ndarray, right: np.ndarray, error_matrix: np.ndarray) -> tuple[Board, Board]:
+    can, also = "poles" in dict(design.values), (("method", BY_POLES),)
+    by_hand, window = design["method"] == BY_POLES, here.window
 
     def board(name: str, title: str, poles: np.ndarray, role: str, side: str) -> Board:
-        return Board(name, same(title), design["poles"] if by_hand else on_board(poles, knob), knob.name, role=role,
-                     side=side, re_low=knob.re_low, re_high=knob.re_high, im_high=knob.im_high, also=also,
+        return Board(name, same(title), design["poles"] if by_hand else on_board(poles, window), "poles" if can else None, role=role,
+                     side=side, re_low=window.re_low, re_high=window.re_high, im_high=window.im_high, also=also if can else (),
                      landscape=error_matrix if side == "right" else None)
     return (board("controller", "(A, B, K)   eig(A − BK)", left, "plant", "left"),
             board("observer", "(Aᵀ, Cᵀ, Lᵀ)   eig(Aᵀ − CᵀLᵀ)", right, "estimate", "right"))
@@ -211,25 +236,25 @@ def _boards(design: Design, left: np.ndarray, right: np.ndarray, error_matrix: n
 def _formulas(K: np.ndarray, L: np.ndarray, K_dual: np.ndarray) -> tuple[Formula, ...]:
     return (
         Formula("twin", r"(A-LC)^{\mathsf T} = A^{\mathsf T} - C^{\mathsf T} L^{\mathsf T}"),
-        Formula("K", rf"K = {matrix(K)}"),
-        Formula("L", rf"L = {matrix(L)},\quad K_d = {matrix(K_dual)}"),
+        Formula("K", gain_words("K", K)),
+        Formula("L", rf"{gain_words('L', L)},\quad {gain_words('K_d', K_dual)}"),
     )
 
 
 def _live(L: np.ndarray, m: dict[str, float]) -> Text:
-    numbers = f"({L[0, 0]:.4g}, {L[1, 0]:.4g})".replace("-", "−")
+    numbers = f"({', '.join(f'{v:.4g}' for v in L[:4, 0])}{', …' if L.size > 4 else ''})".replace("-", "−")
     return Text(f"The observer's own equation gives L = {numbers}; the feedback of the transposed plant, turned on its "
                 f"side, differs by {m['gain_gap']:.0e} of its size.",
                 f"由观测器自己的方程得 L = {numbers}；转置对象的反馈增益转置后与它的相对差为 {m['gain_gap']:.0e}。")
 
 
-def figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     """The run; gains, Riccati solutions and the pairing beside their twins; both ellipses."""
     run, twins = outcome.run, outcome.extra
     assert run is not None
-    return (*state_figures(MODEL, run, 2), error_figure(run), input_figure(run, MODEL), _gain_table(outcome, twins),
-            _riccati_table(outcome, twins), _pairing(twins, outcome.metrics["pairing_gap"]),
-            *_ellipses(outcome.design["window"], twins, outcome.metrics["mirror_gap"]))
+    return (*state_figures(here.model, run, 2), error_figure(run), input_figure(run, here.model), _gain_table(outcome, twins),
+            _riccati_table(here, outcome, twins), _pairing(twins, outcome.metrics["pairing_gap"]),
+            *_ellipses(here, outcome.design["window"], twins, outcome.metrics["mirror_gap"]))
 
 
 def _entry(value: float) -> str:
@@ -237,8 +262,10 @@ def _entry(value: float) -> str:
 
 
 def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
+    wide = twins.L.shape[1] > 1
+    names = (f"L{i + 1},{j + 1}" if wide else "L" + str(i + 1).translate(LOWERED) for i, j in np.ndindex(twins.L.shape))
     rows = tuple((name, _entry(a), _entry(b), f"{abs(a - b):.0e}") for name, a, b in zip(
-        ("L₁", "L₂"), twins.L[:, 0], twins.K_dual[0], strict=True))
+        names, twins.L.ravel(), twins.K_dual.T.ravel(), strict=True))[:MOST_ROWS]
     left, right = (pole_words(outcome.poles[side].tolist()) for side in ("controller", "observer"))
     return TableFigure(
         "gains", Text("one gain, found twice", "同一个增益，两种求法"),
@@ -247,19 +274,19 @@ def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
         caption=Text(f"Left board: {left}. Right board: {right}.", f"左板：{left}。右板：{right}。"))
 
 
-def _riccati_table(outcome: Outcome, twins: Twins) -> TableFigure:
+def _riccati_table(here: Setting, outcome: Outcome, twins: Twins) -> TableFigure:
     rows = [(f"P{i + 1}{j + 1}", _entry(twins.P[i, j]), _entry(twins.S_dual[i, j]),
-             f"{abs(twins.P[i, j] - twins.S_dual[i, j]):.0e}") for i, j in ((0, 0), (0, 1), (1, 1))]
-    Q, R, W, V = _weights(outcome.design)
+             f"{abs(twins.P[i, j] - twins.S_dual[i, j]):.0e}") for i, j in np.ndindex(twins.P.shape) if i <= j][:MOST_ROWS]
+    Q, R, W, V = _weights(here, outcome.design)
     slow = twins.slowest
     return TableFigure(
         "riccati", Text("one Riccati equation, read twice", "同一个 Riccati 方程，两种读法"),
         (same(""), Text("P of LQE (W, V)", "LQE (W, V) 的 P"), Text("S of LQR on (Aᵀ, Cᵀ)", "(Aᵀ, Cᵀ) 上 LQR 的 S"),
          Text("difference", "差")), tuple(rows), tab=TWINS_TAB,
-        caption=Text(f"Q = {Q[0, 0]:.3g}·I, R = {R[0, 0]:.3g}: slowest LQR pole {_entry(slow[0])}. "
-                     f"W = {W[0, 0]:.3g}·I, V = {V[0, 0]:.3g}: slowest LQE pole {_entry(slow[1])}.",
-                     f"Q = {Q[0, 0]:.3g}·I，R = {R[0, 0]:.3g}：LQR 最慢极点的实部 {_entry(slow[0])}。"
-                     f"W = {W[0, 0]:.3g}·I，V = {V[0, 0]:.3g}：LQE 最慢极点的实部 {_entry(slow[1])}。"))
+        caption=Text(f"Q₁₁ = {Q[0, 0]:.3g}, R₁₁ = {R[0, 0]:.3g}: slowest LQR pole {_entry(slow[0])}. "
+                     f"W₁₁ = {W[0, 0]:.3g}, V₁₁ = {V[0, 0]:.3g}: slowest LQE pole {_entry(slow[1])}.",
+                     f"Q₁₁ = {Q[0, 0]:.3g}，R₁₁ = {R[0, 0]:.3g}：LQR 最慢极点的实部 {_entry(slow[0])}。"
+                     f"W₁₁ = {W[0, 0]:.3g}，V₁₁ = {V[0, 0]:.3g}：LQE 最慢极点的实部 {_entry(slow[1])}。"))
 
 
 def _pairing(twins: Twins, relative: float) -> TimeFigure:
@@ -283,29 +310,30 @@ def _ellipse(W: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
 
 
 def _plane(name: str, title: Text, caption: Text, own: np.ndarray, twin: np.ndarray, legend: tuple[Text, Text],
-           half: float) -> PlaneFigure:
+           half: float, axes: tuple[str, str]) -> PlaneFigure:
     (x, y, *_), (xt, yt, *_) = _ellipse(own), _ellipse(twin)
     return PlaneFigure(
         name, title, (Curve(legend[0], y, "plant", "solid", 3.4, x), Curve(legend[1], yt, "estimate", "dash", 1.8, xt)),
-        (), "q [m]", "v [m/s]", (-half, half), (-half, half), equal=True, tab=ELLIPSES_TAB, caption=caption)
+        (), *axes, (-half, half), (-half, half), equal=True, tab=ELLIPSES_TAB, caption=caption)
 
 
-def _ellipses(window: float, twins: Twins, mirror: float) -> tuple[PlaneFigure, PlaneFigure]:
-    reach, seen = _ellipse(twins.reach), _ellipse(twins.seen)
+def _ellipses(here: Setting, window: float, twins: Twins, mirror: float) -> tuple[PlaneFigure, PlaneFigure]:
+    at = np.ix_(here.pair, here.pair)
+    reach, seen = _ellipse(twins.reach[at]), _ellipse(twins.seen[at])
     half = 1.15 * nice(max(reach[2], seen[2]))
     mirrored = (Text(" It is the mirror image of the upper one.", " 它正是上图的镜像。") if mirror < 1e-6 else same(""))
     return (
         _plane("reach", Text("states reached with unit energy", "单位能量所能到达的状态"),
                Text(f"Within {window:.3g} s: {reach[2]:.3g} along the easy direction, {reach[3]:.3g} along the hard one.",
                     f"在 {window:.3g} s 之内：容易的方向达 {reach[2]:.3g}，困难的方向只达 {reach[3]:.3g}。"),
-               twins.reach, twins.reach_twin,
-               (Text("reached by (A, B)", "(A, B) 可达"), Text("seen by (Aᵀ, Bᵀ)", "(Aᵀ, Bᵀ) 能观")), half),
+               twins.reach[at], twins.reach_twin[at],
+               (Text("reached by (A, B)", "(A, B) 可达"), Text("seen by (Aᵀ, Bᵀ)", "(Aᵀ, Bᵀ) 能观")), half, here.axes),
         _plane("seen", Text("how loudly a start is heard", "初始状态在输出中的响度"),
                Text(f"A unit start leaves an output of norm {seen[2]:.3g} along the long axis and {seen[3]:.3g} along the "
                     f"short one, within {window:.3g} s.{mirrored.en}",
                     f"单位初态沿长轴在 {window:.3g} s 之内留下范数 {seen[2]:.3g} 的输出，沿短轴只有 {seen[3]:.3g}。{mirrored.zh}"),
-               twins.seen, twins.seen_twin,
-               (Text("seen by (A, C)", "(A, C) 能观"), Text("reached by (Aᵀ, Cᵀ)", "(Aᵀ, Cᵀ) 可达")), half),
+               twins.seen[at], twins.seen_twin[at],
+               (Text("seen by (A, C)", "(A, C) 能观"), Text("reached by (Aᵀ, Cᵀ)", "(Aᵀ, Cᵀ) 可达")), half, here.axes),
     )
 
 
@@ -356,14 +384,23 @@ def exam(seed: int) -> ExamItem:
                     a * c - k - b * first, 1e-3)
 
 
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
+BLOCK = Setting(MODEL, lambda design: turned(design["sensor"]), np.eye(2), np.eye(1), np.eye(2), np.eye(1), (0, 1), ("q [m]", "v [m/s]"),
+                Window(-5.0, 1.5, 3.0), mirror=True)
 LESSON = Lesson(
-    "duality", 5, KNOBS, compute, figures, answer=2,
+    "duality", 5, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=2,
     tasks=(
         Task("published", _published, {"method": BY_POLES, "poles": (-1 + 0j, -1 + 0j), "sensor": 0.0}),
         Task("ratio", _ratio, {"method": BY_WEIGHTS, "mirror": False, "w": 40.0, "v": 10.0}),
         Task("mirror", _mirror_image, {"sensor": 90.0}),
     ),
     exam=exam, source="Tutorial (000), duality section: L = K_dᵀ; observer notes (001), spring-damper example",
-    words=read_prose(Path(__file__).parent))
+    words=read_prose(Path(__file__).parent), adapt=adapt)
 
 __all__ = ["LESSON"]

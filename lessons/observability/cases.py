@@ -115,14 +115,14 @@ def sensed(design: Design) -> Sensed:
     """The plant of a design with its sensors; the same numbers are worked out once."""
     case = CASES[design["plant"]]
     A, C = dynamics(case, design), rows(case, design)
-    return _sensed(case.id, A.shape[0], A.tobytes(), C.tobytes())
+    return sensed_by(case, A.shape[0], A.tobytes(), C.tobytes())
 
 
 @lru_cache(maxsize=64)
-def _sensed(name: str, n: int, a: bytes, c: bytes) -> Sensed:
-    case = CASES[name]
+def sensed_by(case: Case, n: int, a: bytes, c: bytes) -> Sensed:
+    """A plant (n×n, in typical sizes) with sensors (p×n), both as bytes, and what they tell in time."""
     plant = Plant(np.frombuffer(a).reshape(n, n), np.zeros((n, 1)), np.frombuffer(c).reshape(-1, n),
-                  state_names=case.names[:n], name=name)
+                  state_names=case.names[:n], name=case.id)
     t = np.linspace(0.0, case.horizon, case.steps + 1)
     step, first = expm(plant.A * t[1]), observability_gramian(plant, float(t[1]))
     powers = np.empty((len(t), n, n))

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from app.figures import Figure
 from app.knobs import Choice, Number, Switch
 from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Stage
+from app.plants import Model
 from app.prose import read_prose
 from app.words import Text
 
@@ -96,18 +97,12 @@ def compute(design: Design) -> Outcome:
     weakest = min(s.seen.modes, key=lambda m: (m.visible, m.distance))
     full = s.seen.matrix_rank(design["tolerance"]) if s.seen.singular_values[0] > 0 else 0
     found = Found(case, s, built, belief, start, criteria(s, full), weakest, full, sweep(design))
-    metrics = {
-        "rank": float(full), "states": float(n), "rows": float(built.rows), "rank_built": float(built.rank),
-        "weakest": weakest.distance if weakest.visible else 0.0, "hidden": float(n - s.seen.rank),
-        "known": float(belief.known), "longest": float(belief.halves[-1, 0]),
-        "rebuild_error": float(np.linalg.norm(built.guess - start) / np.linalg.norm(start)),
-        "least_energy": float(s.heard[-1, 0]),
-    }
-    return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, _checks(metrics),
-                   stage=_stage(design, found), formulas=_formulas(found), live=_live(found, metrics), extra=found)
+    metrics = metrics_of(found)
+    return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
+                   stage=_stage(design, found), formulas=formulas_of(found), live=live_of(found, metrics), extra=found)
 
 
-def _cloud(found: Found) -> np.ndarray:
+def cloud_of(found: Found) -> np.ndarray:
     """Middle, half axes, rotation and truth of the drawn 95 % ellipsoid over time (n_t, 13): right, away, up."""
     count = len(found.belief.mean)
     cov, mean = np.zeros((count, 3, 3)), np.zeros((count, 3))
@@ -133,13 +128,14 @@ def _stage(design: Design, found: Found) -> Stage:
         row = s.plant.C[0] / np.linalg.norm(s.plant.C[0])
         extra = [0.0 if i is None or i >= n else float(row[i]) for i in case.drawn]
     size = np.array(case.scale[:n])
-    tail = np.hstack([np.tile(extra, (len(s.t), 1)), _cloud(found)])
+    tail = np.hstack([np.tile(extra, (len(s.t), 1)), cloud_of(found)])
     true = np.hstack([s.powers @ found.start * size, tail])
     guess = np.hstack([np.einsum("kij,kj->ki", s.powers, found.belief.mean) * size, tail])
     return Stage(body_of(case.id, n), s.t, true, guess)
 
 
-def _checks(m: dict[str, float]) -> tuple[Check, ...]:
+def checks_of(m: dict[str, float]) -> tuple[Check, ...]:
+    """What the rank says, and what the distances and the data say."""
     return (
         Check("rank", Text("rank(O) = n at this tolerance", "在此容差下 rank(O) = n"), m["rank"] == m["states"], m["rank"]),
         Check("seen", Text("every mode leaves a trace", "每个模态都留下痕迹"), m["hidden"] == 0, m["weakest"]),
@@ -149,7 +145,8 @@ def _checks(m: dict[str, float]) -> tuple[Check, ...]:
     )
 
 
-def _formulas(found: Found) -> tuple[Formula, ...]:
+def formulas_of(found: Found) -> tuple[Formula, ...]:
+    """O as far as it is built, and what is solved with it."""
     s, built = found.sensed, found.rebuilt
     n, p, k = s.plant.n, s.plant.p, built.rows
     power = "" if k == 1 else "A" if k == 2 else rf"A^{{{k - 1}}}"
@@ -162,7 +159,8 @@ def _formulas(found: Found) -> tuple[Formula, ...]:
             Formula("P", r"P(t) = \left( I + W(t)/v \right)^{-1}"))
 
 
-def _live(found: Found, m: dict[str, float]) -> Text:
+def live_of(found: Found, m: dict[str, float]) -> Text:
+    """One sentence on what is seen now."""
     n, rank, known = int(m["states"]), int(m["rank"]), int(m["known"])
     verdict, d = judged(found), f"{m['weakest']:.2g}"
     if verdict == "hidden":
@@ -195,8 +193,27 @@ def exam(seed: int) -> ExamItem:
                     x2, 1e-6)
 
 
+def metrics_of(found: Found) -> dict[str, float]:
+    """The numbers of a design."""
+    s, n = found.sensed, found.sensed.plant.n
+    return {
+        "rank": float(found.rank), "states": float(n), "rows": float(found.rebuilt.rows), "rank_built": float(found.rebuilt.rank),
+        "weakest": found.weakest.distance if found.weakest.visible else 0.0, "hidden": float(n - s.seen.rank),
+        "known": float(found.belief.known), "longest": float(found.belief.halves[-1, 0]),
+        "rebuild_error": float(np.linalg.norm(found.rebuilt.guess - found.start) / np.linalg.norm(found.start)),
+        "least_energy": float(s.heard[-1, 0]),
+    }
+
+
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson("observability", 3, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam, kick=False,
                 source="Observer notes (001), section 2: observability matrix, rank criterion; PBH test; Gramian",
-                words=read_prose(Path(__file__).parent))
+                words=read_prose(Path(__file__).parent), adapt=adapt)
 
 __all__ = ["LESSON"]

@@ -13,7 +13,7 @@ from ..toolkit import pole_words
 from .cases import shown, unit
 from .criteria import DET
 from .knowledge import REACH
-from .sweep import LOWEST, decades
+from .sweep import LOWEST, Sweep, decades
 from .verdict import NEAR, Found
 
 MATRIX_TAB, CLOUD_TAB, MODES_TAB = Text("Matrix", "矩阵"), Text("Ellipsoid", "椭球"), Text("Modes", "模态")
@@ -30,7 +30,7 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
     assert isinstance(found, Found)
     return (_matrix(found), _sizes(found, design["tolerance"]), _start(found),
             _ellipses(found), _halves(found), _energy(found),
-            _modes(found), _sweep(found), _criteria(found, design["criterion"]))
+            _modes(found), *(() if found.sweep is None else (_sweep(found.sweep, found),)), _criteria(found, design["criterion"]))
 
 
 def _matrix(found: Found) -> MatrixFigure:
@@ -155,8 +155,7 @@ def _modes(found: Found) -> TableFigure:
                      f"隐藏 {counts['hidden']} 个，几乎隐藏 {counts['near']} 个；而 rank(O) = {found.rank}/{n}。"))
 
 
-def _sweep(found: Found) -> PlaneFigure:
-    sweep = found.sweep
+def _sweep(sweep: Sweep, found: Found) -> PlaneFigure:
     now = float(decades(np.array([found.weakest.distance]))[0])
     best = float(sweep.along[np.argmax(sweep.distance)])
     words = (f"{10**best:.2g}" if sweep.log else f"{best:.3g}").replace("-", "−")

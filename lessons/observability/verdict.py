@@ -18,7 +18,7 @@ NEAR = 0.02  # a mode nearer than this to being hidden (in typical sizes) is cal
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """All that a design leads to; `rank` is that of the whole O at the tolerance."""
+    """All that a design leads to; `rank` is that of the whole O at the tolerance; no sweep where no knob moves a sensor."""
 
     case: Case
     sensed: Sensed
@@ -28,7 +28,7 @@ class Found:
     criteria: tuple[Criterion, ...]
     weakest: Mode
     rank: int
-    sweep: Sweep
+    sweep: Sweep | None
 
 
 def judged(found: Found) -> str:

@@ -81,7 +81,7 @@ def test_a_wrong_gain_is_found_out():
     from lessons.duality import lesson
     p = turned(0.0)
     L = observer_by_polynomial(p.A, p.C, (-1, -2))
-    _, e, z = lesson._pair(p, L, L.T * 1.1)
+    _, e, z = lesson._pair(lesson.MODEL, p, L, L.T * 1.1)
     product = np.sum(e * z, axis=1)
     assert np.ptp(product) > 1e-3
     assert lesson.gap(L * 1.1, L) > 0.09

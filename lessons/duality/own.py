@@ -1,0 +1,61 @@
+"""Duality on a person's own plant: two Riccati equations, two Gramians, and, for one output, one set of poles for both boards."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from app.engine import controllability, observability
+from app.knobs import Choice, Knob, KnobError, Number, Poles
+from app.lesson import Lesson
+from app.plants import Model, Window
+from app.words import Text
+
+from ..toolkit import BY_POLES, BY_WEIGHTS, run_knobs, sizes
+from .lesson import KNOBS, LESSON, Setting, compute, figures
+
+BY_HAND = 6  # most states for which Ackermann's formula, the observer's own, is trusted
+
+
+def adapted(model: Model) -> Lesson:
+    """The lesson on a person's own plant. Raises KnobError unless both sides can stabilise all of it."""
+    plant = model.plant
+    seen, reached = observability(plant), controllability(plant)
+    if not (seen.observable and reached.controllable):
+        raise KnobError(Text("Both sides of this lesson move every pole, so the plant must be observable and controllable; the lesson "
+                             "on hidden modes takes any.",
+                             "本课两边都要移动全部极点，因此对象必须既能观又能控；“隐藏模态”一课接受任何对象。"))
+    here = setting_of(model)
+    hand = plant.p == 1 and plant.n <= BY_HAND and len(model.controller_poles) == plant.n
+    return replace(LESSON, knobs=own_knobs(model, here.window, hand), compute=partial(compute, here),
+                   figures=partial(figures, here), tasks=())
+
+
+def setting_of(model: Model) -> Setting:
+    """Weights in units of the start, the outputs near it and the natural input; the ellipses of the first two states."""
+    plant = model.plant
+    size = np.array([abs(v) or 1.0 for v in model.x0])
+    axes = [f"{name} [{plant.unit(name)}]" if plant.unit(name) else name for name in plant.state_names]
+    pair = (0, min(1, plant.n - 1))
+    c, o = model.controller_window, model.observer_window
+    window = Window(min(c.re_low, o.re_low), max(c.re_high, o.re_high), max(c.im_high, o.im_high))
+    return Setting(model, lambda design: plant, np.diag(1 / size**2), np.eye(plant.m) / model.u_max**2, np.diag(size**2),
+                   np.diag(sizes(model) ** 2), pair, (axes[pair[0]], axes[pair[1]]), window)
+
+
+def own_knobs(model: Model, window: Window, hand: bool) -> tuple[Knob, ...]:
+    """The lesson's knobs without its sensor to turn; poles by hand where the observer's own formula can be trusted."""
+    methods = (((BY_POLES, Text("dragging poles", "拖动极点")),) if hand else ()) + ((BY_WEIGHTS, Text("Q/R weights", "Q/R 权重")),)
+    method = Choice("method", "", Text("gains by", "增益由"), default=methods[0][0], options=methods, hidden=not hand,
+                    hint=Text("Drag one set of poles for both boards, or let the two Riccati equations choose.",
+                              "两块板共用一组极点，拖动任一块；或由两个 Riccati 方程给出。"))
+    poles = Poles("poles", "p", Text("Poles of both boards", "两块板共用的极点"), "rad/s", default=model.controller_poles,
+                  re_low=window.re_low, re_high=window.re_high, im_high=window.im_high, when=("method", (BY_POLES,)),
+                  hint=Text("Drag a cross on either board: both boards hold the same poles.", "拖动任一块板上的叉号：两块板的极点相同。"))
+    span = Number("window", "T", Text("window of the ellipses", "椭圆的时间窗"), "s", low=model.horizon / 30, high=model.horizon,
+                  default=model.horizon / 3, hint=Text("How long the input may push, and how long the output is listened to.",
+                                                       "输入可以作用多久，输出可以听多久。"))
+    weights = [k for k in KNOBS if k.name in ("q", "r", "mirror", "w", "v")]
+    return (method, *((poles,) if hand else ()), span, *weights, *run_knobs(model.horizon))
