@@ -179,6 +179,31 @@ def test_every_knob_of_an_adapted_lesson_does_something(lesson: Lesson, name: st
         assert changed, knob.name
 
 
+@adaptable
+@pytest.mark.parametrize("name", ["aircraft", "motor", "pendulum"])
+def test_jobs_of_adapted_lessons_rise_to_their_end_or_can_be_dropped(lesson: Lesson, name: str) -> None:
+    own = fitted(lesson.id, name)
+    if own is None or own.job is None:
+        return
+    outcome = own.compute(own.start())
+    before, fractions, last = contents(tuple(own.figures(outcome))), [], outcome
+    try:
+        for fraction, last in own.job.run(outcome):
+            fractions.append(fraction)
+            if len(fractions) % 7 == 1:
+                check_figures(tuple(own.figures(last)))
+            if own.id in ("kalman", "lqg") and len(fractions) > 8:
+                break  # a hundred records: dropped midway
+    except (EngineError, KnobError) as problem:
+        assert "\n" not in str(problem)
+        return
+    assert fractions == sorted(fractions) and contents(tuple(own.figures(last))) != before
+    assert contents(tuple(own.figures(outcome))) == before
+    if own.pick is not None:
+        picked = own.apply(outcome.design, own.pick(last, 0.5, -0.5))
+        assert own.carry is None or contents(tuple(own.figures(own.carry(last, own.compute(picked))))) != before
+
+
 @every_lesson
 def test_a_lesson_about_its_own_plant_refuses_others_in_both_languages(lesson: Lesson) -> None:
     if lesson.adapt is None:

@@ -14,7 +14,7 @@ from app.engine import Run, Scenario, autonomous_error, separation_meter
 from app.figures import Curve, Figure, TimeFigure
 from app.knobs import Choice, KnobError, Number
 from app.lesson import Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Task, Verdict
-from app.plants import MODELS
+from app.plants import MODELS, Model
 from app.prose import read_prose
 from app.words import Text
 
@@ -293,6 +293,13 @@ def exam(seed: int) -> ExamItem:
 
 
 FAST = (-16 + 0j, -15 + 0j, -14 + 0j, -13 + 0j)
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson(
     "saturation", 7, KNOBS, compute, figures, answer=1,
     tasks=(
@@ -303,4 +310,4 @@ LESSON = Lesson(
     ),
     exam=exam, source="Tutorial (000), section on the limits of the separation principle",
     words=read_prose(Path(__file__).parent),
-    job=Job(Text("Map the starts that come home", "计算能恢复的初态地图"), find_starts), pick=pick, carry=carry)
+    job=Job(Text("Map the starts that come home", "计算能恢复的初态地图"), find_starts), pick=pick, carry=carry, adapt=adapt)

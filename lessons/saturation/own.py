@@ -1,0 +1,220 @@
+"""Saturation on a person's own plant: how far off rest it may start, and how wrong the estimate may be, under a limit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal, cast
+
+import numpy as np
+
+from app.engine import Plant, Run, Scenario, autonomous_error, recovery_map, separation_meter, simulate
+from app.figures import Curve, Figure, MapFigure, TimeFigure
+from app.knobs import Choice, Knob, KnobError, Number
+from app.lesson import Check, Design, Formula, Job, Lesson, Outcome
+from app.plants import Model
+from app.words import Text
+
+from ..toolkit import (
+    error_figure,
+    feedback,
+    gain_words,
+    injection,
+    input_figure,
+    kicks,
+    pole_boards,
+    pole_knobs,
+    run_knobs,
+    stage,
+    state_figures,
+)
+from .lesson import APPLIED, COMMANDED, LESSON, amount
+from .starts import CATEGORIES, SLICE, UNKNOWN
+
+GRID = np.linspace(-3.0, 3.0, 25)  # starts and errors, in units of the plant's own start
+NEAR, FAR = 0.1, 100.0  # of the start's size: come home below the one at the end, lost beyond the other
+STRIDE = 4  # every so many rows of errors are one pass
+STEPS = 200  # of a run on the map
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """What a design leads to beside its run; `known`: states had x been known; the map belongs to the values in `key`."""
+
+    known: Run
+    key: tuple[Any, ...]
+    values: np.ndarray | None = None
+
+
+def own_knobs(model: Model) -> tuple[Knob, ...]:
+    """The lesson's knobs in the plant's own measures."""
+    return (
+        Choice("fed", "", Text("the observer is told", "送给观测器的是"), default=COMMANDED,
+               options=((COMMANDED, Text("the commanded input", "指令输入")), (APPLIED, Text("the applied input", "实际输入"))),
+               hint=Text("What the controller asked for, or what was really given.", "控制器所要的，或实际给出的。")),
+        Number("u_max", r"u_{\max}", Text("limit of every input", "各输入的限幅"), model.input_unit, low=0.02 * model.u_max,
+               high=20 * model.u_max, default=model.u_max, scale="log",
+               hint=Text("The largest input that is given, either way.", "两个方向上所能给出的最大输入。")),
+        Number("start", r"x(0)", Text("start, times its usual size", "初态（常用初态的倍数）"), low=-3.0, high=3.0, default=1.0, step=0.05,
+               hint=Text("How far off rest the plant starts.", "对象起始时偏离静止多远。")),
+        Number("error0", r"e(0)", Text("error of its estimate, likewise", "估计误差（同样单位）"), low=-3.0, high=3.0,
+               default=1.0, step=0.05,
+               hint=Text("The observer believes the start minus this much of it.", "观测器以为的初态，是真实初态减去这么多倍。")),
+        *(replace(knob, when=None) for knob in pole_knobs(model)),
+        *run_knobs(model.horizon),
+    )
+
+
+def depends(design: Design) -> tuple[Any, ...]:
+    """The design values on which the map depends; the start is not among them."""
+    return tuple(design[name] for name in ("fed", "u_max", "controller_poles", "observer_poles"))
+
+
+def scenario_of(model: Model, design: Design, K: np.ndarray, L: np.ndarray) -> Scenario:
+    """The clipped loop from the design's own start."""
+    x0 = design["start"] * np.array(model.x0)
+    return Scenario(model.plant, K, L, x0=x0, xhat0=x0 - design["error0"] * np.array(model.x0), horizon=model.horizon, dt=model.dt,
+                    u_min=-design["u_max"], u_max=design["u_max"], fed=cast(Literal["applied", "commanded"], design["fed"]),
+                    impulses=kicks(design, model), seed=int(design["seed"]))
+
+
+def home(model: Model, run: Run) -> bool:
+    """Near rest at the end and never too far from it, in the sizes of the usual start."""
+    size = np.linalg.norm(run.x / _scale(model), axis=1) / np.sqrt(model.plant.n)
+    return run.diverged_at is None and float(size[-1]) < NEAR and float(size.max()) <= FAR
+
+
+def _scale(model: Model) -> np.ndarray:
+    return np.array([abs(v) or 1.0 for v in model.x0])
+
+
+def compute(model: Model, design: Design) -> Outcome:
+    """One clipped run, the same start with a known state, and what the error was promised."""
+    plant = model.plant
+    K, L = feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
+    scenario = scenario_of(model, design, K, L)
+    run, ideal = simulate(scenario), simulate(replace(scenario, state_feedback=True))
+    if min(len(run.t), len(ideal.t)) < 2:
+        raise KnobError(Text("Under this limit the plant runs away at once; raise it.", "在这一限幅下对象立即发散；请放宽限幅。"))
+    inside = plant.A - L @ plant.C if design["fed"] == APPLIED else plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
+    poles = {name: np.sort_complex(np.linalg.eigvals(M).astype(complex)) for name, M in (
+        ("controller", plant.A - plant.B @ K), ("observer", plant.A - L @ plant.C), ("clipped", inside))}
+    meter = separation_meter(run)
+    clipped = np.any(np.abs(run.u_asked) > design["u_max"] * (1 + 1e-9), axis=1)
+    metrics = {"separation_meter": meter, "comes_home": float(home(model, run)), "known_comes_home": float(home(model, ideal)),
+               "clipped_for": model.dt * float(clipped.sum()), "clipped_rate": float(np.real(poles["clipped"]).max()),
+               "largest_asked": float(np.abs(run.u_asked).max())}
+    checks = (
+        Check("autonomous", Text("the error lives by itself, ė = (A − LC)e", "误差独自演化，ė = (A − LC)e"), meter < 1e-8, meter),
+        Check("windup", Text("the compensator is stable while the input is clipped", "输入被限幅时补偿器自身稳定"),
+              metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
+        Check("home", Text("this start comes home", "这一初态能恢复"), home(model, run), metrics["comes_home"]))
+    formulas = (Formula("error", r"\dot e = (A-LC)\,e" if design["fed"] == APPLIED else
+                        r"\dot e = (A-LC)\,e + B\,(\mathrm{sat}\,u - u)"),
+                Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T)))
+    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, run,
+                   pole_boards(model, design, poles["controller"], poles["observer"], plant.A - L @ plant.C), stage(model, run), formulas,
+                   _live(design, metrics), Story(ideal, depends(design)))
+
+
+def _live(design: Design, m: Mapping[str, float]) -> Text:
+    end = Text("This start comes home.", "这一初态能恢复。") if m["comes_home"] else Text("This start does not come home.",
+                                                                                  "这一初态不能恢复。")
+    limit = Text(f" An input is clipped for {m['clipped_for']:.3g} s.", f" 输入被限幅共 {m['clipped_for']:.3g} s。")
+    wall = (Text(" The error obeys A − LC all the same.", " 误差依然服从 A − LC。") if m["separation_meter"] < 1e-8 else
+            Text(f" Separation meter {amount(m['separation_meter'])}.", f" 分离度量 {amount(m['separation_meter'])}。"))
+    return Text(end.en + limit.en + wall.en, end.zh + limit.zh + wall.zh)
+
+
+def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
+    """Two signals, error and input, and the map of starts."""
+    run, story, limit = outcome.run, outcome.extra, outcome.design["u_max"]
+    assert run is not None
+    first, *rest = state_figures(model, run, 2)
+    count = min(len(run.t), len(story.known.t))
+    known = Curve(Text("had x been known", "若 x 已知"), model.watched[0].of(story.known.x[:count]), "reference", "dot", 1.6)
+    first = replace(first, t=run.t[:count], curves=(*(replace(c, y=c.y[:count]) for c in first.curves), known))
+    lines = (first, *rest, error_figure(run, autonomous_error(run)), input_figure(run, model, limit))
+    return (*(_on_paper(figure, limit) for figure in lines), _map(outcome))
+
+
+def _on_paper(figure: TimeFigure, limit: float) -> TimeFigure:
+    """What is asked of an input far beyond its limit is drawn at the edge."""
+    if figure.id != "input":
+        return figure
+    return replace(figure, curves=tuple(replace(c, y=np.clip(c.y, -8 * limit, 8 * limit)) for c in figure.curves))
+
+
+# --- the map -------------------------------------------------------------------------------------------------------------
+def _map(outcome: Outcome) -> MapFigure:
+    story, design = outcome.extra, outcome.design
+    values = np.full((len(GRID), len(GRID)), UNKNOWN) if story.values is None else story.values
+    done = float(np.mean(values != UNKNOWN))
+    said = (Text("Not computed for this design yet: press the button under the knobs.",
+                 "当前设计尚未计算：请按旋钮下方的按钮。") if done == 0 else
+            Text(f"{100 * np.mean(values == 0) / done:.1f} % of the starts known so far come home. The circle runs now; "
+                 "click another start.",
+                 f"已知的初态中有 {100 * np.mean(values == 0) / done:.1f} % 能恢复。圆圈是正在运行的初态；点击别处即可运行。"))
+    return MapFigure("starts", Text("starts that come home", "能恢复的初态"), GRID, GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
+                     (design["start"], design["error0"]), said, Text("Map", "地图"))
+
+
+def turned(model: Model, scenario: Scenario) -> Scenario:
+    """The loop in coordinates whose first is how much of the usual start is in a state, all in typical sizes."""
+    plant, s = model.plant, _scale(model)
+    along = np.array(model.x0) / s
+    Q = np.linalg.qr(np.column_stack([along, np.eye(plant.n)]))[0]
+    Q = Q * np.sign(float(Q[:, 0] @ along))
+    T = s[:, None] * Q * float(np.linalg.norm(along))
+    inverse = np.linalg.inv(T)
+    new = Plant(inverse @ plant.A @ T, inverse @ plant.B, plant.C @ T, plant.D)
+    rest = np.zeros(plant.n)
+    return replace(scenario, plant=new, model=None, K=scenario.K @ T, L=inverse @ scenario.L, x0=rest, xhat0=rest, impulses=(),
+                   horizon=model.horizon, dt=model.horizon / STEPS)
+
+
+def find_starts(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
+    """The job: which starts come home, some rows of errors at a time; the loop is odd, so half of them are mirrored."""
+    worst = max(float(np.real(outcome.poles[name]).max()) for name in ("controller", "observer"))
+    if worst >= 0:
+        raise KnobError(Text("A pole is not in the left half plane, so no start comes home for good; drag it to the left if it "
+                             "can be moved.",
+                             "有极点不在左半平面，没有初态能最终恢复；若它能移动，请先拖到左边。"))
+    scenario = turned(model, scenario_of(model, outcome.design, outcome.gains["K"], outcome.gains["L"]))
+    values = np.full((len(GRID), len(GRID)), UNKNOWN)
+    up = np.flatnonzero(GRID >= 0)
+    for k in range(STRIDE):
+        rows = up[k::STRIDE]
+        recovered = np.zeros((len(GRID), len(rows)), dtype=bool)
+        for fraction, found in recovery_map(scenario, 0, GRID, 0, GRID[rows], threshold=NEAR, bound=FAR, slice_seconds=SLICE):
+            recovered = found.recovered
+            yield (k + fraction) / STRIDE, outcome
+        values = values.copy()
+        values[rows] = np.where(recovered.T, 0, 1)
+        values[len(GRID) - 1 - rows] = values[rows][:, ::-1]
+        outcome = replace(outcome, extra=replace(outcome.extra, values=values))
+    yield 1.0, outcome
+
+
+def carry(before: Outcome, after: Outcome) -> Outcome:
+    """The map goes over where only the start has changed."""
+    old, new = before.extra, after.extra
+    if old.values is None or old.key != new.key or new.values is not None or before.design.plant != after.design.plant:
+        return after
+    return replace(after, extra=replace(new, values=old.values))
+
+
+def pick(outcome: Outcome, x: float, y: float) -> Mapping[str, Any]:
+    """A click on the map: the start of the nearest cell, without a kick."""
+    if not (np.isfinite(x) and np.isfinite(y)):
+        raise KnobError(Text("That click is not on the map.", "点击不在地图之内。"))
+    cell = {name: float(GRID[int(np.argmin(np.abs(GRID - value)))]) for name, value in (("start", x), ("error0", y))}
+    return {**cell, "kick": -1.0}
+
+
+def adapted(model: Model) -> Lesson:
+    """The lesson on a person's own plant, which fits whatever it is; the tasks speak of the pole and stay with it."""
+    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
+                   job=Job(Text("Map the starts that come home", "计算能恢复的初态地图"), partial(find_starts, model)),
+                   carry=carry, pick=pick)
