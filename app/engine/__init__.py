@@ -111,7 +111,15 @@ from .simulate import autonomous_error, separation_meter, simulate
 from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
 from .spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd
 from .square_root import SquareRootFilter
-from .starting import StartingGain, shift_observer, shift_poles, starting_feedback, starting_observer, typical_rate
+from .starting import (
+    StartingGain,
+    in_natural_units,
+    shift_observer,
+    shift_poles,
+    starting_feedback,
+    starting_observer,
+    typical_rate,
+)
 from .track import Schedule, Track, as_record, means_along
 from .trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
 from .trial import ResponseMeasures, Trial, response_measures, run_trial
@@ -262,6 +270,7 @@ __all__ = [
     "gramians",
     "growing_error",
     "hankel_singular_values",
+    "in_natural_units",
     "independent_errors",
     "innovation_test",
     "intermittent_covariances",

@@ -20,7 +20,7 @@ from .placement import place
 from .plant import Plant
 from .pole_sets import Poles
 
-__all__ = ["StartingGain", "shift_observer", "shift_poles", "starting_feedback", "starting_observer", "typical_rate"]
+__all__ = ["StartingGain", "in_natural_units", "shift_observer", "shift_poles", "starting_feedback", "starting_observer", "typical_rate"]
 
 TOLERANCES = (None, 1e-7, 1e-4, 1e-2)  # of the staircase: what cannot be steered at one is left alone at the next
 
@@ -48,6 +48,19 @@ def typical_rate(plant: Plant) -> float:
         speeds = np.abs(np.log(plant.poles[np.abs(plant.poles) > 1e-9]) / plant.dt) if plant.dt else np.abs(plant.poles)
     speeds = np.sort(speeds[speeds > 1e-7 * max(float(speeds.max(initial=0.0)), 1e-300)])
     return float(speeds[(len(speeds) - 1) // 2]) if speeds.size else 1.0 if not plant.dt else 0.1 / plant.dt
+
+
+def in_natural_units(plant: Plant) -> Plant:
+    """The plant with balanced states, and inputs and outputs as strong as the typical rate (as one where it is sampled).
+
+    Poles, hidden modes and ranks stay; distances to being hidden no longer depend, but for a factor of a
+    few, on the units that a file came in.
+    """
+    scale, size = state_scale(plant.A), 1.0 if plant.dt else typical_rate(plant)
+    B, C = plant.B / scale[:, None], plant.C * scale
+    wide, tall = np.linalg.norm(B, axis=0), np.linalg.norm(C, axis=1)[:, None]
+    return Plant(plant.A * scale / scale[:, None], size * B / np.where(wide > 0, wide, 1.0), size * C / np.where(tall > 0, tall, 1.0),
+                 np.zeros((plant.p, plant.m)), plant.dt, name=plant.name)
 
 
 def starting_feedback(plant: Plant, eager: float = 1.0) -> StartingGain:

@@ -12,6 +12,7 @@ import viser
 from viser import _messages
 
 STORAGE = "observer-lab"
+VISERS_OWN = "viser-user:"  # what viser puts before every key of localStorage that it reads
 COARSE_WHILE_MOVING = """(() => {
   const page = window.__viserMutable, root = page?.scene?.__r3f?.root;
   if (!root || page.scene.userData.watched) return;
@@ -174,7 +175,7 @@ def write_tab_storage(client: viser.ClientHandle, text: str) -> None:
 def read_tab_storage(client: viser.ClientHandle, timeout: float = 3.0) -> str | None:
     """The text that this tab kept, by way of localStorage, the only storage that viser reads. Blocks; not for the loop."""
     passage = f"{STORAGE}-{secrets.token_hex(8)}"
-    _run(client, f"localStorage.setItem({json.dumps(passage)}, sessionStorage.getItem({json.dumps(STORAGE)}) || '')")
+    _run(client, f"localStorage.setItem({json.dumps(VISERS_OWN + passage)}, sessionStorage.getItem({json.dumps(STORAGE)}) || '')")
     client.flush()
     try:
         return client.local_storage.get_item(passage, timeout=timeout) or None

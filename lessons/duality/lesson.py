@@ -264,7 +264,7 @@ def _entry(value: float) -> str:
 def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
     wide = twins.L.shape[1] > 1
     names = (f"L{i + 1},{j + 1}" if wide else "L" + str(i + 1).translate(LOWERED) for i, j in np.ndindex(twins.L.shape))
-    rows = tuple((name, _entry(a), _entry(b), f"{abs(a - b):.0e}") for name, a, b in zip(
+    rows = tuple((name, _entry(float(a)), _entry(float(b)), f"{abs(a - b):.0e}") for name, a, b in zip(
         names, twins.L.ravel(), twins.K_dual.T.ravel(), strict=True))[:MOST_ROWS]
     left, right = (pole_words(outcome.poles[side].tolist()) for side in ("controller", "observer"))
     return TableFigure(

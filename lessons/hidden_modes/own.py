@@ -7,7 +7,16 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import Mode, Run, Scenario, controllability, kalman_decomposition, observability, simulate
+from app.engine import (
+    Mode,
+    Run,
+    Scenario,
+    controllability,
+    in_natural_units,
+    kalman_decomposition,
+    observability,
+    simulate,
+)
 from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
 from app.knobs import Knob, Number
 from app.lesson import Check, Design, Formula, Lesson, Outcome
@@ -53,7 +62,8 @@ class Setting:
 def setting_of(model: Model) -> Setting:
     """Everything about the plant itself. Raises EngineError where it cannot be taken apart."""
     plant = model.plant
-    case = Case("own", model.label, model, observability(plant), controllability(plant), kalman_decomposition(plant))
+    even = in_natural_units(plant)
+    case = Case("own", model.label, model, observability(even), controllability(even), kalman_decomposition(plant))
     weakest = min(case.seen.modes, key=lambda m: (m.visible, -m.pole.real if not m.visible else m.margin))
     values, right = np.linalg.eig(plant.A)
     at = int(np.argmin(np.abs(values - weakest.pole)))

@@ -16,6 +16,7 @@ from ..toolkit import ERROR_TAB, TIME_TAB, input_figure, pole_words
 from .cases import CASES, COMMON, RELATIVE, Case
 
 MODES_TAB, EVERY_TAB = Text("Modes", "模态"), Text("Every gain", "任意增益")
+CLEAR = 1e-3  # a margin above this is well above zero
 DRAWS = 50  # random gains on the maps of the tab "Every gain"
 SPREAD = np.array([3.0, 3.0, 8.0, 8.0])  # their standard deviations, position entries first
 YES, NO = Text("● yes", "● 是"), Text("○ no", "○ 否")
@@ -111,7 +112,11 @@ def margins_of(case: Case) -> TableFigure:
         rows.append((_pole(seen), fate, _bar(seen), _bar(reached)))
     hidden = case.unseen or case.unmoved
     words = pole_words(list(hidden))
-    caption = (Text("No mode is hidden: every margin is well above zero.", "没有隐藏模态：各裕度都明显大于零。") if not hidden
+    least = min(m.margin for report in (case.seen, case.reached) for m in report.modes)
+    caption = (Text("No mode is hidden: every margin is well above zero.", "没有隐藏模态：各裕度都明显大于零。")
+               if not hidden and least > CLEAR else
+               Text(f"No mode is hidden, but the nearest is only {least:.1g} from it.", f"没有隐藏模态，但最近的离隐藏只有 {least:.1g}。")
+               if not hidden
                else Text(f"Hidden from the sensor: {words}.", f"对传感器隐藏：{words}。") if case.unseen
                else Text(f"Out of reach of the force: {words}.", f"力够不着：{words}。"))
     return TableFigure(

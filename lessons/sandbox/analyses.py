@@ -26,6 +26,7 @@ from app.engine import (
     error_parts,
     filter_trial,
     hankel_singular_values,
+    in_natural_units,
     kalman_decomposition,
     loop_margins,
     nis,
@@ -82,10 +83,11 @@ class Structure:
 
 @lru_cache(maxsize=32)
 def structure(plant: Plant) -> Structure:
-    """Observability, controllability, Kalman decomposition and Hankel values of the stable part."""
+    """Observability and controllability in natural units, Kalman decomposition, Hankel values of the stable part."""
     split = attempt(lambda: split_stable(plant))
     kept = 0 if isinstance(split, Refusal) else split.unstable.n
-    return Structure(attempt(lambda: observability(plant)), attempt(lambda: controllability(plant)),
+    even = in_natural_units(plant)
+    return Structure(attempt(lambda: observability(even)), attempt(lambda: controllability(even)),
                      attempt(lambda: kalman_decomposition(plant)), attempt(lambda: _hankel(split)), kept)
 
 

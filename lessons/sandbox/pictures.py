@@ -58,7 +58,7 @@ def lights(rows: tuple[tuple[Text, bool | None, Text], ...]) -> TableFigure:
 
 def modes_table(found: Structure) -> TableFigure:
     """Each mode with its distances to being hidden from y and out of reach of u, the weakest first."""
-    title = Text("modes, and how far from hidden (PBH)", "各模态及其离“隐藏”的距离（PBH）")
+    title = Text("modes, and how far from hidden (PBH, units divided out)", "各模态及其离“隐藏”的距离（PBH，已除去单位）")
     heads = (Text("mode", "模态"), Text("by itself", "自由运动"), Text("seen by y", "输出可见"), Text("reached by u", "输入可达"))
     for report in (found.seen, found.reached):
         if isinstance(report, Refusal):
@@ -93,7 +93,7 @@ def _bar(mode: Mode) -> str:
 # --- structure ---------------------------------------------------------------------------------------------------------
 def sizes_plane(found: Structure, rtol: float) -> PlaneFigure:
     """Singular values of O and of the controllability matrix against the tolerance."""
-    title = Text("singular values of O and of [B, AB, …], log₁₀(σ/σ₁)", "O 与 [B, AB, …] 的奇异值 log₁₀(σ/σ₁)")
+    title = Text("singular values of O and [B, AB, …], log₁₀(σ/σ₁)", "O 与 [B, AB, …] 的奇异值 log₁₀(σ/σ₁)")
     points, said = [], []
     for report, role, mark in ((found.seen, "estimate", "dot"), (found.reached, "plant", "cross")):
         if isinstance(report, Refusal):

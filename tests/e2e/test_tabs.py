@@ -1,4 +1,4 @@
-"""Tabs are strangers to each other, and a reload is a fresh start."""
+"""Tabs are strangers to each other, and the server stays when a page is loaded again."""
 
 from __future__ import annotations
 

@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from app.engine import (
     Plant,
     PoleError,
+    in_natural_units,
     match_poles,
+    observability,
     place,
     shift_observer,
     shift_poles,
@@ -116,3 +118,16 @@ def test_nothing_moved_is_the_gain_itself_and_a_bolted_pole_is_refused() -> None
         shift_poles(plant.A, plant.B, found.gain, [3.0], [-3.0])
     with pytest.raises(PoleError, match="asked for"):
         shift_poles(plant.A, plant.B, found.gain, found.moved, [-1.0])
+
+
+@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@given(seeds, st.integers(1, 8))
+def test_natural_units_keep_poles_and_ranks_and_forget_the_units_of_a_file(seed: int, n: int) -> None:
+    plant = plant_of(seed, n, 2, 2)
+    scale = 2.0 ** np.random.default_rng(seed).integers(-12, 12, n)
+    other = Plant(plant.A * scale / scale[:, None], 1e4 * plant.B / scale[:, None], 1e-5 * plant.C * scale)
+    one, two = (observability(in_natural_units(p)) for p in (plant, other))
+    assert match_poles([m.pole for m in one.modes], plant.poles)[1] < 1e-6 * np.abs(plant.poles).max()
+    assert one.rank == observability(plant).rank == two.rank
+    first, second = (np.sort([m.margin for m in report.modes]) for report in (one, two))
+    assert np.all(np.abs(np.log2(first / second)) < 3)  # balancing stops within a factor of two in each state
