@@ -35,9 +35,9 @@ UNDRAWN = """() => Array.from(document.querySelectorAll('math'))
 
 
 def veil(tab: Tab) -> str:
-    """How the first figure is blurred."""
-    figure = tab.page.locator(".uplot canvas, .ol-figure svg").first
-    return figure.evaluate("e => getComputedStyle(e).filter")
+    """How the first figure is blurred; a table is hidden instead."""
+    figure = tab.page.locator(".uplot canvas, .ol-figure svg, .ol-table:not(.ol-keys)").first
+    return figure.evaluate("e => getComputedStyle(e).visibility === 'hidden' ? 'blur' : getComputedStyle(e).filter")
 
 
 def move_a_slider(tab: Tab, lesson: Lesson) -> None:
