@@ -11,6 +11,7 @@ from app.engine import FunctionalObserver, FunctionalRun, error_index, perturbed
 from app.figures import Figure
 from app.knobs import Choice, Number, Poles, Switch
 from app.lesson import Board, Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Stage
+from app.plants import Model
 from app.plants.duan import push
 from app.prose import read_prose
 from app.words import Text, same
@@ -57,6 +58,11 @@ def _weight(name: str, symbol: str, what: str) -> Number:
                                           f"{what} 在 J 中的分量；论文中都取 1。"))
 
 
+def weight_knobs() -> tuple[Number, ...]:
+    """The weights of the three sums in J."""
+    return _weight("alpha", r"\alpha", "‖TAᵢ‖"), _weight("beta", r"\beta", "‖LCᵢ‖"), _weight("gamma", r"\gamma", "‖MCᵢ‖")
+
+
 KNOBS = (
     Choice("example", "", Text("plant", "对象"), default=ONE,
            options=((ONE, Text("Example 1: two states", "例 1：两个状态")), (TWO, Text("Example 2: three states", "例 2：三个状态"))),
@@ -83,7 +89,7 @@ KNOBS = (
            options=tuple((name, same("∞" if name == "inf" else name)) for name in NORMS),
            hint=Text("Column sum, spectral or row sum norm; in Example 1 all three agree.",
                      "列和范数、谱范数或行和范数；在例 1 中三者相同。")),
-    _weight("alpha", r"\alpha", "‖TAᵢ‖"), _weight("beta", r"\beta", "‖LCᵢ‖"), _weight("gamma", r"\gamma", "‖MCᵢ‖"),
+    *weight_knobs(),
     Number("region_low", "a", Text("region for RLO, left end", "RLO 区域左端"), "rad/s", low=-12.0, high=-4.0, default=-10.0,
            step=0.5, group=SEARCH, hint=Text("RLO keeps every pole right of this.", "RLO 使所有极点都在此线右侧。")),
     Number("region_high", "b", Text("region for RLO, right end", "RLO 区域右端"), "rad/s", low=-3.5, high=-0.2, default=-0.5,
@@ -210,7 +216,14 @@ def exam(seed: int) -> ExamItem:
     return ExamItem({"s": str(s), "a": str(a), "b": str(b), "c": str(c)}, float(answer), 1e-6)
 
 
+def adapt(model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    from .own import adapted  # which builds on this module
+
+    return adapted(model)
+
+
 LESSON = Lesson("robust-observer", 15, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
                 words=read_prose(Path(__file__).parent), kick=False,
-                job=Job(Text("Run algorithm RLO", "运行算法 RLO"), search), carry=carry)
+                job=Job(Text("Run algorithm RLO", "运行算法 RLO"), search), carry=carry, adapt=adapt)
