@@ -66,7 +66,7 @@ def compensator(plant: Plant, K: object, L: object) -> Plant:
     A = plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
     names = tuple(f"{name}_hat" for name in plant.state_names)
     title = f"compensator of {plant.name}".strip()
-    return Plant(A, L, -K, None, plant.dt, names, plant.output_names, plant.input_names, name=title)
+    return Plant(A, L, -K, np.zeros((plant.m, plant.p)), plant.dt, names, plant.output_names, plant.input_names, name=title)
 
 
 def closed_loop(plant: Plant, K: object, L: object, model: Plant | None = None) -> ClosedLoop:

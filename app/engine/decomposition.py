@@ -105,7 +105,8 @@ def in_new_states(plant: Plant, A: np.ndarray, B: np.ndarray, C: np.ndarray, D: 
     signals = (*plant.input_names, *plant.output_names)
     units = tuple((name, unit) for name, unit in plant.units if name in signals)
     name = f"{plant.name} {label}".strip()
-    return Plant(A, B, C, D, plant.dt, (), plant.input_names, plant.output_names, units, name)
+    through = np.zeros((len(C), B.shape[1])) if D is None else D
+    return Plant(A, B, C, through, plant.dt, (), plant.input_names, plant.output_names, units, name)
 
 
 @dataclass(frozen=True, eq=False)

@@ -275,7 +275,7 @@ def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
 
 
 def _riccati_table(here: Setting, outcome: Outcome, twins: Twins) -> TableFigure:
-    rows = [(f"P{i + 1}{j + 1}", _entry(twins.P[i, j]), _entry(twins.S_dual[i, j]),
+    rows = [(f"P{i + 1}{j + 1}", _entry(float(twins.P[i, j])), _entry(float(twins.S_dual[i, j])),
              f"{abs(twins.P[i, j] - twins.S_dual[i, j]):.0e}") for i, j in np.ndindex(twins.P.shape) if i <= j][:MOST_ROWS]
     Q, R, W, V = _weights(here, outcome.design)
     slow = twins.slowest

@@ -45,7 +45,7 @@ T = TypeVar("T")
 QUICK = 8  # states up to which margins are found while a knob moves, whatever the eigenvectors
 LATER = Text("The margins of this loop take a while: the button under the knobs works them out.",
              "这个闭环的裕度计算较慢：请按旋钮下方的按钮。")
-RUNGS = np.logspace(-3, 3, 7)  # beliefs on the ladder, times the true process noise
+RUNGS = np.logspace(-3, 3, 5)  # beliefs on the ladder, times the true process noise
 SAMPLES = 160  # of the Kalman filter's record
 SKIP = 20  # samples that its test does not look at
 PROCESS = 0.1  # size of the process noise, as a share of the natural input
