@@ -170,10 +170,8 @@ def _plane(design: Design, story: Story) -> PlaneFigure:
     if story.found is not None:
         points += [Point(float(np.clip(p.real, low, high)), float(np.clip(p.imag, -tall, tall)), "force", "circle")
                    for p in story.found.observer.poles]
-    lines = tuple(Curve(Text("region", "区域"), np.array([-tall, tall]), "reference", "dot", 1.2, np.full(2, design[end]))
-                  for end in ("region_low", "region_high"))
-    ends, side = np.array([design["region_low"], design["region_high"]]), design["region_tall"]
-    lines += tuple(Curve(Text("region", "区域"), np.full(2, y), "reference", "dot", 1.2, ends) for y in (-side, side))
+    a, b, c = (design[name] for name in ("region_low", "region_high", "region_tall"))
+    lines = (Curve(Text("region of RLO", "RLO 区域"), np.array([-c, -c, c, c, -c]), "reference", "dot", 1.6, np.array([a, b, b, a, a])),)
     outside = int(np.count_nonzero((story.true.poles.real < low) | (np.abs(story.true.poles.imag) > tall)))
     return PlaneFigure("plane", Text("poles of the loop and of the observer", "闭环与观测器的极点"), lines, tuple(points), "Re s", "Im s",
                        (low, high), (-tall, tall), unstable=True, tab=LOOP_TAB,
