@@ -7,6 +7,7 @@ from it. A value that a knob accepts is hashable and travels as JSON.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -30,7 +31,7 @@ def short(value: float) -> str:
 
 
 @dataclass(frozen=True)
-class Knob:
+class Knob(ABC):
     """What all knobs share. `when` = (other knob, its values) hides this one unless the other has such a value.
 
     Neighbours of one `group` stand under its heading.
@@ -47,9 +48,9 @@ class Knob:
 
     default: Any = field(default=None, init=False)
 
+    @abstractmethod
     def check(self, value: Any) -> Any:
         """The value in the knob's own form. Raises KnobError."""
-        raise NotImplementedError
 
     def parse(self, words: str) -> Any:
         """A value from the command line. Raises KnobError."""
