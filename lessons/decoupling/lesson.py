@@ -165,10 +165,10 @@ def _boards(design: Design, zeros: np.ndarray) -> tuple[Board, Board]:
     drawn = tuple(complex(z) for z in zeros if abs(z) > 1e-9)
     also = (("horizontal", POLES),)
     return (
-        Board("control", Text("horizontal loop: roots of Φ, first four", "水平回路：Φ 的前四个根"), design["control_poles"],
+        Board("control", Text("horizontal: first roots of Φ", "水平：Φ 的前四个根"), design["control_poles"],
               "control_poles", zeros=drawn, role="plant", side="left", re_low=CONTROL_LOW, re_high=CONTROL_HIGH,
               im_high=CONTROL_IM, also=also),
-        Board("observer", Text("horizontal loop: roots of Φ, last four", "水平回路：Φ 的后四个根"), design["observer_poles"],
+        Board("observer", Text("horizontal: last roots of Φ", "水平：Φ 的后四个根"), design["observer_poles"],
               "observer_poles", zeros=drawn, role="estimate", side="right", re_low=OBSERVER_LOW, re_high=OBSERVER_HIGH,
               im_high=OBSERVER_IM, also=also),
     )

@@ -116,9 +116,9 @@ def _boards(s: Study) -> tuple[Board, Board]:
     lively = np.log(poles[np.abs(poles) > 1e-6].astype(complex)) / DT
     w = MODEL.observer_window
     return (
-        Board("deck", Text("deck: poles ×, zero ○ from coil to sensors", "平台：极点 ×，线圈到传感器的零点 ○"), tuple(MODEL.plant.poles),
+        Board("deck", Text("deck: poles ×, zero ○", "平台：极点 ×，零点 ○"), tuple(MODEL.plant.poles),
               zeros=() if zeros is None else tuple(complex(z) for z in zeros), side="left", re_low=-6.0, re_high=2.0, im_high=12.0),
-        Board("member", Text("poles of the member that should stay quiet", "应当保持安静的成员的极点"), on_board(lively, w),
+        Board("member", Text("poles of the quiet member", "安静成员的极点"), on_board(lively, w),
               role="estimate", side="right", re_low=w.re_low, re_high=w.re_high, im_high=w.im_high),
     )
 
