@@ -7,34 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import FunctionalObserver, Poles, RobustObserver, criterion
+from app.engine import FunctionalObserver, RobustObserver, criterion
 from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson import Design, Outcome
 from app.plants import Window
 from app.words import Text
 
 from ..toolkit import pole_words
+from .own_loop import Run
+from .own_search import inside
 from .pictures import J_TAB, NONE, TIME_TAB
 
-DIVERGED = 1e9  # times the start: where a run that grows is held
 LOOP_TAB = Text("Loop", "闭环")
 CHOSEN, RLO, MODEL = Text("true plant", "真实对象"), Text("true plant, RLO", "真实对象，RLO"), Text("model", "模型")
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """A run of the loop: t (n_t,), x (n_t, n), z (n_t, q), u (n_t, m), v, error and wanted (n_t,); |v → e| over f; its poles."""
-
-    t: np.ndarray
-    x: np.ndarray
-    z: np.ndarray
-    u: np.ndarray
-    v: np.ndarray
-    e: np.ndarray
-    wanted: np.ndarray
-    f: np.ndarray
-    gain: np.ndarray
-    poles: Poles
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +38,6 @@ class Story:
     key: tuple[Any, ...] = ()
 
 
-def inside(poles: Poles, design: Design) -> bool:
-    """Whether all poles lie in the region of RLO."""
-    return bool(np.all((poles.real >= design["region_low"]) & (poles.real <= design["region_high"])
-                       & (np.abs(poles.imag) <= design["region_tall"])))
-
-
 def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
     """Time, criterion, loop: at most three in a tab."""
     story = outcome.extra
@@ -68,17 +47,14 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
 
 def _error(outcome: Outcome, story: Story) -> TimeFigure:
     late, size = outcome.metrics["late_error"], outcome.metrics["late_wanted"]
+    ideal = story.model.late(story.model.e)
     curves = [Curve(CHOSEN, story.true.e, "error"), Curve(MODEL, story.model.e, "reference", "dash", 1.6)]
-    said = Text(f"In the last quarter up to {late:.2g} on the true plant, {_late(story.model):.2g} on the model; wanted: up to {size:.2g}.",
-                f"最后四分之一时间内，对真实对象最多 {late:.2g}，对模型最多 {_late(story.model):.2g}；待估计的量最大 {size:.2g}。")
+    said = Text(f"In the last quarter up to {late:.2g} on the true plant, {ideal:.2g} on the model; wanted: up to {size:.2g}.",
+                f"最后四分之一时间内，对真实对象最多 {late:.2g}，对模型最多 {ideal:.2g}；待估计的量最大 {size:.2g}。")
     if story.found_run is not None:
         curves.append(Curve(RLO, story.found_run.e, "force", "dot"))
     return TimeFigure("e_u", Text(f"error of the estimate: {story.name.en}", f"估计误差：{story.name.zh}"), story.true.t, tuple(curves),
                       f"e [{story.unit}]", caption=said, tab=TIME_TAB)
-
-
-def _late(run: Run) -> float:
-    return float(np.abs(run.e[run.t >= 0.75 * run.t[-1]]).max())
 
 
 def _signal(story: Story) -> TimeFigure:
@@ -106,7 +82,7 @@ def _compared(outcome: Outcome, story: Story) -> TableFigure:
     def column(o: FunctionalObserver, run: Run) -> tuple[Text | str, ...]:
         within = Text("yes", "是") if inside(o.poles, outcome.design) else Text("no", "否")
         return (str(o.order), pole_words(list(o.poles)), within, f"{o.J:.5g}", *_parts(o), f"{o.condition:.3g}", f"{o.output_residual:.1e}",
-                f"{_late(run):.3g}",
+                f"{run.late(run.e):.3g}",
                 f"{run.poles.real.max():.3g}".replace("-", "−"))
     ours = column(story.observer, story.true)
     found = story.found

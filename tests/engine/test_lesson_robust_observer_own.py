@@ -15,7 +15,8 @@ from app.lesson import Lesson, Outcome
 from app.plants.examples import EXAMPLES, example
 from app.plants.own import canonical
 from lessons.robust_observer.lesson import LESSON
-from lessons.robust_observer.own import Here, errors, fitted, loop_of, run_of
+from lessons.robust_observer.own_loop import errors, loop_of, run_of
+from lessons.robust_observer.own_plant import Here, fitted
 
 FITS = tuple(EXAMPLES)
 SMALL = tuple(name for name in EXAMPLES if name != "beam")  # RLO on sixteen states takes long

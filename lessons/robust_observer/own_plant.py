@@ -1,0 +1,164 @@
+"""A person's own plant for the robust observer: does it fit, what may be wanted of it, and the poles to start from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from app.engine import (
+    EngineError,
+    FunctionalObserver,
+    Perturbations,
+    Plant,
+    every_entry,
+    functional_observer,
+    observability,
+    perturbations,
+    typical_rate,
+)
+from app.knobs import KnobError, Poles
+from app.plants import Model
+from app.words import Text, same
+
+from .lesson import MET
+
+FEW = 3  # orders offered from the lowest on; the highest comes with them
+NEAR = 1e-6  # poles nearer to each other than this, relative, coincide
+WORST_CONDITION = 1e4  # of [T; C]
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """A plant in units of its own: states all about as large, time in 1/rate; both powers of two, so nothing is rounded.
+
+    There polynomials keep their precision. The directions g of an observer have unit length there, which fixes the scale of T.
+    """
+
+    plant: Plant
+    unit: np.ndarray  # (n,)
+    rate: float
+    inner: Plant
+
+    def given(self, o: FunctionalObserver, row: np.ndarray, wrong: Perturbations) -> FunctionalObserver:
+        """An observer of the inner plant as one of the plant that was given, in seconds; N and M are the same."""
+        return replace(o, plant=self.plant, K=row, F=o.F * self.rate, T=o.T / self.unit, L=o.L * self.rate, poles=o.poles * self.rate,
+                       wrong=wrong)
+
+    def within(self, wrong: Perturbations) -> Perturbations:
+        """Errors such that J of an inner observer is that of the given one: T Aᵢ and L Cᵢ have the same size."""
+        return replace(wrong, A=wrong.A / self.unit[:, None], beta=wrong.beta * self.rate)
+
+    def observer(self, row: np.ndarray, poles: tuple[complex, ...], wrong: Perturbations, norm: Any = 2) -> FunctionalObserver:
+        """The observer of row · x with these poles, for the plant that was given."""
+        found = functional_observer(self.inner, row * self.unit, len(poles), np.array(poles) / self.rate, wrong=self.within(wrong),
+                                    norm=norm)
+        return self.given(found, row, wrong)
+
+
+def scaled(model: Model) -> Scaled:
+    """The plant with units from its typical start and its typical rate."""
+    plant = model.plant
+    unit = 2.0 ** np.round(np.log2(np.maximum(np.abs(np.array(model.x0)), 1e-300)))
+    rate = float(2.0 ** np.round(np.log2(typical_rate(plant))))
+    return Scaled(plant, unit, rate, Plant(plant.A * unit / unit[:, None] / rate, plant.B / unit[:, None] / rate, plant.C * unit, plant.D))
+
+
+@dataclass(frozen=True, eq=False)
+class Here:
+    """A plant, what may be wanted of it (name → input or state), and the poles to start from for every order offered."""
+
+    model: Model
+    wanted: tuple[tuple[str, Text], ...]
+    starts: tuple[tuple[int, tuple[complex, ...]], ...]
+    entries: Perturbations
+    highest: int
+    scaled: Scaled
+
+    @property
+    def plant(self) -> Plant:
+        return self.model.plant
+
+
+def fitted(model: Model) -> Here:
+    """What the lesson needs of a plant. Raises KnobError, in one sentence, where it does not fit."""
+    plant = model.plant
+    if observability(plant).unobservable:
+        raise KnobError(Text("The plant has modes that leave no trace in its outputs; this lesson is about observable plants.",
+                             "该对象有在输出中不留痕迹的模态；本课只针对能观的对象。"))
+    units = scaled(model)
+    highest = plant.n - seen_by(units)
+    if highest < 1:
+        raise KnobError(Text("The outputs of this plant give its whole state at once, so u = −Kx needs no observer.",
+                             "该对象的输出已直接给出全部状态，u = −Kx 不需要观测器。"))
+    K = np.zeros((plant.m, plant.n)) if model.controller is None else model.controller.gain
+    wanted = tuple((f"u{i + 1}", Text(f"input {name}: its row of K", f"输入 {name}：K 的对应行"))
+                   for i, name in enumerate(plant.input_names) if np.any(K[i]))
+    wanted += tuple((f"x{i + 1}", Text(f"state {name}", f"状态 {name}")) for i, name in enumerate(plant.state_names))
+    row = row_of(plant, K, wanted[0][0])
+    found = [(order, *starting_poles(model, units, row, order)) for order in range(1, highest + 1)]
+    limit = max(WORST_CONDITION, min(condition for _, _, condition in found))
+    starts = [(order, poles) for order, poles, condition in found if poles and condition <= limit]
+    starts = starts[:FEW] + starts[FEW:][-1:]
+    if not starts:
+        raise KnobError(Text(f"No observer of order 1 to {highest} is within the reach of double precision for this plant: its "
+                             "polynomials spread over too many powers of ten.",
+                             f"对该对象，1 到 {highest} 阶的观测器都超出双精度的能力：其多项式系数相差的数量级太多。"))
+    return Here(model, wanted, tuple(starts), every_entry(plant), highest, units)
+
+
+def seen_by(here: Scaled) -> int:
+    """How many directions of the state the outputs give at once."""
+    values = np.linalg.svd(here.inner.C, compute_uv=False)
+    return int(np.count_nonzero(values > 1e-10 * values[0]))
+
+
+def row_of(plant: Plant, K: np.ndarray, wanted: str) -> np.ndarray:
+    """The wanted row (1×n): of K, or of the unit matrix."""
+    index = int(wanted[1:]) - 1
+    return K[[index]] if wanted[0] == "u" else np.eye(plant.n)[[index]]
+
+
+def starting_poles(model: Model, units: Scaled, row: np.ndarray, order: int) -> tuple[tuple[complex, ...], float]:
+    """Poles of an observer of that order inside the board that keep [T; C] best conditioned, and its condition; (), ∞ if none serve."""
+    window, nothing = model.observer_window, perturbations(model.plant)
+    best, least = (), np.inf
+    for poles in (_natural(model, order), _natural(model, order, 0.5),
+                  tuple(complex(v) for v in np.linspace(0.3, 0.9, order) * window.re_low),
+                  tuple(complex(v) for v in np.geomspace(0.05, 0.9, order)[::-1] * window.re_low)):
+        if len(poles) != order or coincide(poles) or max(p.real for p in poles) >= 0:
+            continue
+        try:
+            poles = Poles("p", "", same(""), default=poles, re_low=window.re_low, re_high=window.re_high,
+                          im_high=window.im_high).check(poles)
+            found = units.observer(row, poles, nothing)
+        except (EngineError, KnobError, np.linalg.LinAlgError):
+            continue
+        if met(found, 0.1) and found.condition < least:
+            best, least = poles, found.condition
+    return best, least
+
+
+def _natural(model: Model, order: int, share: float = 1.0) -> tuple[complex, ...]:
+    """The slowest of the poles that a full observer starts with, in whole pairs."""
+    chosen: list[complex] = []
+    window = model.observer_window
+    known = model.observer_poles if model.observer is None else model.observer.moved
+    for p in sorted((complex(p) for p in known if p.imag >= 0 and p.real >= window.re_low and p.imag <= window.im_high), key=abs):
+        pair = [p * share] if p.imag == 0 else [p * share, p.conjugate() * share]
+        if len(chosen) + len(pair) <= order:
+            chosen += pair
+    return tuple(chosen)
+
+
+def coincide(poles: tuple[complex, ...]) -> bool:
+    """Whether two of the poles are one."""
+    p = np.array(poles)
+    gaps = np.abs(p[:, None] - p[None, :]) + np.diag(np.full(p.size, np.inf))
+    return bool(gaps.min() < NEAR * max(float(np.abs(p).max()), 1e-300))
+
+
+def met(o: FunctionalObserver, share: float = 1.0) -> bool:
+    """Both conditions hold to 1e-9, or to a share of it."""
+    return o.dynamics_residual < share * MET and o.output_residual < share * MET

@@ -1,0 +1,89 @@
+"""The job on a person's own plant: algorithm RLO inside the region, beside the observer that was chosen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from app.engine import EngineError, Poles, Region, RobustObserver, rlo_steps
+from app.knobs import KnobError
+from app.lesson import Design, Outcome
+from app.words import Text
+
+from .loops import NORMS
+from .own_loop import errors, run_of, wanted_of, weighted
+from .own_plant import WORST_CONDITION, Here, met
+
+NUDGES = (1e-6, 1e-5, 1e-4, 1e-3)
+
+
+def depends(design: Design) -> tuple[Any, ...]:
+    """What the search rests on: neither the order nor the poles nor the errors of the plant."""
+    names = ("wanted", "controller_poles", "norm", "alpha", "beta", "gamma", "region_low", "region_high", "region_tall")
+    return tuple(design[name] for name in names)
+
+
+def inside(poles: Poles, design: Design) -> bool:
+    """Whether all poles lie in the region of RLO."""
+    return bool(np.all((poles.real >= design["region_low"]) & (poles.real <= design["region_high"])
+                       & (np.abs(poles.imag) <= design["region_tall"])))
+
+
+def search(here: Here, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
+    """Algorithm RLO for this plant; a better observer of the same order that is already chosen stays the result."""
+    design, chosen = outcome.design, outcome.extra.observer
+    units, row, result = here.scaled, wanted_of(here, design)[1], None
+    region = Region(design["region_low"] / units.rate, design["region_high"] / units.rate, 0.0, design["region_tall"] / units.rate)
+    try:
+        for part, found in rlo_steps(units.inner, row * units.unit, units.within(weighted(here, design)), NORMS[design["norm"]], region,
+                                     here.highest, worst_condition=WORST_CONDITION):
+            result = found
+            yield 0.99 * part, outcome
+    except (EngineError, np.linalg.LinAlgError) as problem:
+        raise KnobError(Text("Algorithm RLO finds no observer in this region whose [T; C] has a condition number below 10⁴; widen the "
+                             "region, also to complex poles.",
+                             "算法 RLO 在该区域内找不到 [T; C] 条件数小于 10⁴ 的观测器；请放宽区域，也可允许复极点。")) from problem
+    assert result is not None
+    found = units.given(result.observer, row, weighted(here, design))
+    result = replace(result, observer=found)
+    if not met(found):
+        result = beside(here, design, row, result)
+    same_order = chosen.order == result.observer.order and inside(chosen.poles, design)
+    if same_order and chosen.condition <= WORST_CONDITION and result.value > chosen.J:
+        result = replace(result, observer=chosen, value=chosen.J)
+    yield 1.0, with_search(here, outcome, result, depends(design))
+
+
+def beside(here: Here, design: Design, row: np.ndarray, result: RobustObserver) -> RobustObserver:
+    """RLO may stop right on a mode of the plant, where J has a kink and precision is lost; then the best observer a hair away."""
+    for share in NUDGES:
+        for way in (1 + share, 1 - share):
+            poles = result.observer.poles * way
+            if not inside(poles, design):
+                continue
+            try:
+                near = here.scaled.observer(row, tuple(poles), weighted(here, design), NORMS[design["norm"]])
+            except (EngineError, np.linalg.LinAlgError):
+                continue
+            if met(near) and near.J - result.value < 10 * share * result.value:
+                return replace(result, observer=near, value=near.J)
+    return result
+
+
+def with_search(here: Here, outcome: Outcome, result: RobustObserver, key: tuple[Any, ...]) -> Outcome:
+    """The outcome with what RLO found, run under the same errors of the plant."""
+    run = run_of(here, outcome.design, result.observer, *errors(here, outcome.design))
+    more = {"J_rlo": float(result.value), "order_rlo": float(result.observer.order),
+            "late_error_rlo": run.late(run.e)}
+    return replace(outcome, extra=replace(outcome.extra, found=result, found_run=run, key=key), metrics={**outcome.metrics, **more})
+
+
+def carry(here: Here, before: Outcome, after: Outcome) -> Outcome:
+    """What RLO found goes over to the next design as long as what it rests on is the same."""
+    old = before.extra
+    if old.found is None or after.extra.found is not None or old.key != depends(after.design):
+        return after
+    return with_search(here, after, old.found, old.key)
