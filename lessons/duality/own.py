@@ -14,7 +14,9 @@ from app.plants import Model, Window
 from app.words import Text
 
 from ..toolkit import BY_POLES, BY_WEIGHTS, run_knobs, sizes
-from .lesson import KNOBS, LESSON, Setting, compute, figures
+from .lesson import KNOBS, LESSON, compute
+from .pictures import all_figures
+from .twins import Setting
 
 BY_HAND = 6  # most states for which Ackermann's formula, the observer's own, is trusted
 
@@ -30,7 +32,7 @@ def adapted(model: Model) -> Lesson:
     here = setting_of(model)
     hand = plant.p == 1 and plant.n <= BY_HAND and len(model.controller_poles) == plant.n
     return replace(LESSON, knobs=own_knobs(model, here.window, hand), compute=partial(compute, here),
-                   figures=partial(figures, here), tasks=())
+                   figures=partial(all_figures, here), tasks=())
 
 
 def setting_of(model: Model) -> Setting:

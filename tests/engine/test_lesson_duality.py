@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
 from app.engine import observer_gain
-from lessons.duality.lesson import LESSON, turned
+from lessons.duality.lesson import LESSON
 from lessons.duality.proofs import filter_riccati, observer_by_polynomial, output_energy
+from lessons.duality.twins import MODEL, gap, run_pair, turned
 
 
 def outcome(**changes):
@@ -78,13 +79,12 @@ def test_pairing_of_observer_and_dual_loop_is_constant():
 
 def test_a_wrong_gain_is_found_out():
     """The proof is no tautology: with a gain that is not the twin's, gap and pairing both show it."""
-    from lessons.duality import lesson
     p = turned(0.0)
     L = observer_by_polynomial(p.A, p.C, (-1, -2))
-    _, e, z = lesson._pair(lesson.MODEL, p, L, L.T * 1.1)
+    _, e, z = run_pair(MODEL, p, L, L.T * 1.1)
     product = np.sum(e * z, axis=1)
     assert np.ptp(product) > 1e-3
-    assert lesson.gap(L * 1.1, L) > 0.09
+    assert gap(L * 1.1, L) > 0.09
 
 
 def test_velocity_sensor_mirrors_the_ellipses():

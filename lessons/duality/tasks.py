@@ -1,0 +1,52 @@
+"""Tasks of duality, checked on the outcome."""
+
+from __future__ import annotations
+
+from app.lesson import Outcome, Task, Verdict
+from app.words import Text
+
+from ..toolkit import BY_POLES, BY_WEIGHTS
+
+
+def _published(outcome: Outcome) -> Verdict:
+    L, sensor = (outcome.metrics["L1"], outcome.metrics["L2"]), outcome.design["sensor"]
+    shown = f"({L[0]:.3f}, {L[1]:.3f})".replace("-", "−")
+    if sensor != 0:
+        return Verdict(False, Text(f"The sensor is turned by {sensor:g}°; measure the position (0°).",
+                                   f"传感器转了 {sensor:g}°；请测量位置（0°）。"))
+    if max(abs(L[0] - 1.5), abs(L[1] + 0.75)) <= 0.05:
+        return Verdict(True, Text(f"L = {shown}, and the feedback of (Aᵀ, Cᵀ) holds the same two numbers.",
+                                  f"L = {shown}，(Aᵀ, Cᵀ) 的反馈增益正是同样两个数。"))
+    return Verdict(False, Text(f"L = {shown}; it should be (1.5, −0.75) within 0.05.",
+                               f"L = {shown}；应为 (1.5, −0.75)，允差 0.05。"))
+
+
+def _ratio(outcome: Outcome) -> Verdict:
+    d = outcome.design
+    if d["method"] != BY_WEIGHTS or d["mirror"]:
+        return Verdict(False, Text("Choose gains by weights and switch the mirror off.", "请把“增益由”改为“Q/R 权重”，并关闭“权重对偶”。"))
+    scale, ratio = d["w"] / d["q"], (d["w"] / d["v"]) / (d["q"] / d["r"])
+    if max(scale, 1 / scale) < 10:
+        return Verdict(False, Text(f"α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
+                                   f"α_W 是 α_Q 的 {scale:.3g} 倍；请使它不小于 10 倍或不大于 1/10。"))
+    if abs(ratio - 1) > 0.02:
+        return Verdict(False, Text(f"L has changed: α_W/α_V is {ratio:.3g} times α_Q/α_R; it should be the same.",
+                                   f"L 变了：α_W/α_V 是 α_Q/α_R 的 {ratio:.3g} 倍，二者应当相等。"))
+    return Verdict(True, Text(f"P is {scale:.3g} times as large, yet L is what mirrored weights give.",
+                              f"P 变为 {scale:.3g} 倍，L 却与权重对偶时相同。"))
+
+
+def _mirror_image(outcome: Outcome) -> Verdict:
+    m = outcome.metrics["mirror_gap"]
+    if m <= 0.02:
+        return Verdict(True, Text(f"The ellipses are mirror images to {100 * m:.1g} %: the sensor sits where the force acts.",
+                                  f"两个椭圆互为镜像，相差 {100 * m:.1g} %：传感器与力同位。"))
+    return Verdict(False, Text(f"Mirrored at the q axis, the ellipses still differ by {100 * m:.0f} %; bring it to 2 %.",
+                               f"以 q 轴为镜，两个椭圆仍相差 {100 * m:.0f} %，请降到 2 % 以内。"))
+
+
+TASKS = (
+    Task("published", _published, {"method": BY_POLES, "poles": (-1 + 0j, -1 + 0j), "sensor": 0.0}),
+    Task("ratio", _ratio, {"method": BY_WEIGHTS, "mirror": False, "w": 40.0, "v": 10.0}),
+    Task("mirror", _mirror_image, {"sensor": 90.0}),
+)
