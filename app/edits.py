@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -103,3 +103,18 @@ class Mailbox:
         with self._ready:
             self.closed = True
             self._ready.notify()
+
+
+def grouped(edits: list[SetKnobs | Do]) -> Iterator[list[SetKnobs] | Do]:
+    """Neighbouring knob changes together, commands one by one, all in order."""
+    waiting: list[SetKnobs] = []
+    for edit in edits:
+        if isinstance(edit, SetKnobs):
+            waiting.append(edit)
+            continue
+        if waiting:
+            yield waiting
+            waiting = []
+        yield edit
+    if waiting:
+        yield waiting

@@ -7,22 +7,23 @@ are never dropped), computes the outcome, and tells the view. Bad input costs on
 from __future__ import annotations
 
 import logging
-import threading
 import time
-from collections.abc import Callable, Hashable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
 from typing import Any
 
-from .edits import Do, Mailbox, SetKnobs
+from .desk import Desk
+from .edits import Do, Mailbox, SetKnobs, grouped
 from .engine.errors import EngineError
 from .figures import Figure
 from .history import History
 from .knobs import KnobError
-from .lesson import Design, Lesson, Outcome, Verdict
-from .picture import Picture, State, TaskState, View
+from .lesson import Design, Lesson, Outcome
+from .picture import Picture, State, View
 from .state import read_tab, write_tab
 from .words import Text
 from .work import Drafts, LongJob
+from .worker import start_worker
 
 log = logging.getLogger(__name__)
 
@@ -41,32 +42,6 @@ def sentence(problem: EngineError | KnobError) -> Text:
     return getattr(problem, "text", None) or Text(str(problem), str(problem))
 
 
-def _grouped(edits: list[SetKnobs | Do]) -> Iterator[list[SetKnobs] | Do]:
-    """Neighbouring knob changes together, commands one by one, all in order."""
-    waiting: list[SetKnobs] = []
-    for edit in edits:
-        if isinstance(edit, SetKnobs):
-            waiting.append(edit)
-            continue
-        if waiting:
-            yield waiting
-            waiting = []
-        yield edit
-    if waiting:
-        yield waiting
-
-
-@dataclass
-class _Desk:
-    """What a session keeps of one lesson while another is open."""
-
-    history: History
-    predicted: int | None = None
-    revealed: bool = False
-    tasks: Mapping[str, TaskState] = field(default_factory=dict)
-    exam: Verdict | None = None
-
-
 class TabWorker:
     """One tab at work. `step` does everything that is due; `start` runs it on a thread of its own."""
 
@@ -78,14 +53,13 @@ class TabWorker:
         self._view = view
         self._clock = clock
         self._mailbox = Mailbox()
-        self._desks: dict[str, _Desk] = {}
+        self._desks: dict[str, Desk] = {}
         self._drafts, self._job = Drafts(), LongJob(clock)
         self._state = State(language=language, exam_seed=exam_seed, plant=plant)
         self._lesson = self._lessons[lesson]
         self._picture: Picture | None = None
         self._resting = True
         self._last_edit = self._last_tick = clock()
-        self._thread: threading.Thread | None = None
 
     # --- outside ---------------------------------------------------------------------------------------------------
     def post(self, edit: SetKnobs | Do) -> None:
@@ -94,8 +68,7 @@ class TabWorker:
 
     def start(self) -> None:
         """Open the lesson and work on a thread until `close`."""
-        self._thread = threading.Thread(target=self._work, name="observer-lab session", daemon=True)
-        self._thread.start()
+        start_worker(self._mailbox, self._begin, self._step_when_due, self._stop_playing)
 
     def close(self) -> None:
         """End the worker; safe from any thread."""
@@ -106,28 +79,18 @@ class TabWorker:
         """The last good picture."""
         return self._picture
 
-    def _work(self) -> None:
-        try:
-            self.restore(self._view.recall())
-            self.open()
-        except Exception:
-            if not self._mailbox.closed:
-                log.exception("a session could not be opened")
-            return
-        failures = 0
-        while not self._mailbox.closed:
-            try:
-                self.step(self._wait())
-                failures = 0
-            except Exception:
-                if self._mailbox.closed:
-                    return
-                failures += 1
-                log.exception("a step of a session failed")
-                self._state = replace(self._state, playing=False)
-                time.sleep(min(0.05 * failures, 1.0))
+    def _begin(self) -> None:
+        self.restore(self._view.recall())
+        self.open()
+
+    def _step_when_due(self) -> None:
+        self.step(self._wait())
+
+    def _stop_playing(self) -> None:
+        self._state = replace(self._state, playing=False)
 
     def _wait(self) -> float | None:
+        """Seconds until something is due without an edit, None if nothing is."""
         now = self._clock()
         if self._job.running:
             return 0.0
@@ -148,11 +111,10 @@ class TabWorker:
         except Exception:
             log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self._lesson.id)
             self._lesson = self._lessons[self._lesson.id]
-            self._desks[self._lesson.id] = _Desk(History(self._lesson.start()))
+            self._desks[self._lesson.id] = Desk(History(self._lesson.start()))
             outcome, figures = self._compute(self._desk().history.design)
         desk = self._desk()
-        self._state = replace(self._state, playing=False, t=0.0, predicted=desk.predicted,
-                              revealed=desk.revealed, tasks=desk.tasks, exam=desk.exam)
+        self._state = desk.laid_out(self._state)
         self._resting = True
         self._picture = self._make(desk.history.design, outcome, figures)
         self._view.build(self._picture)
@@ -167,11 +129,11 @@ class TabWorker:
             return
         self._lesson = self._lessons[tab.design.lesson]
         self._state = replace(self._state, language=tab.language, lecture=tab.lecture, plant=tab.plant)
-        self._desks[self._lesson.id] = _Desk(History(tab.design), tab.predicted, tab.revealed)
+        self._desks[self._lesson.id] = Desk(History(tab.design), tab.predicted, tab.revealed)
 
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due."""
-        for edits in _grouped(self._mailbox.take(wait)):
+        for edits in grouped(self._mailbox.take(wait)):
             try:
                 if isinstance(edits, Do):
                     self._do(edits)
@@ -196,9 +158,9 @@ class TabWorker:
         self._redraw()
         self._remember()
 
-    def _desk(self) -> _Desk:
+    def _desk(self) -> Desk:
         if self._lesson.id not in self._desks:
-            self._desks[self._lesson.id] = _Desk(History(self._first().start()))
+            self._desks[self._lesson.id] = Desk(History(self._first().start()))
         return self._desks[self._lesson.id]
 
     def _first(self) -> Lesson:
@@ -355,9 +317,7 @@ class TabWorker:
     def _change(self, **changes: Any) -> None:
         """Change the tab's state and show it."""
         self._state = replace(self._state, **changes)
-        desk = self._desk()
-        desk.predicted, desk.revealed = self._state.predicted, self._state.revealed
-        desk.tasks, desk.exam = self._state.tasks, self._state.exam
+        self._desk().keep(self._state)
         self._redraw()
         if not changes.keys() <= {"playing", "t"}:
             self._remember()

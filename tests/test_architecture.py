@@ -15,7 +15,8 @@ ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = {"app", "lessons", "tests", "assets", ".ci"}
 RECORDS = ("app.figures", "app.knobs", "app.prose", "app.lesson")
 LOWER = ("app.engine", "app.words", "app.plants")
-TAB = ("app.edits", "app.tab", "app.history", "app.picture", "app.state", "app.work")  # what a session is made of
+# what a session is made of
+TAB = ("app.desk", "app.edits", "app.tab", "app.history", "app.picture", "app.state", "app.work", "app.worker")
 ALL = (*LOWER, *RECORDS, *TAB, "app.session", "app.classroom", "app.export", "app.published", "app.view", "lessons")
 # Layer → the layers it may import. A module belongs to the longest prefix of its name that is listed here.
 MAY_IMPORT = {
@@ -27,12 +28,14 @@ MAY_IMPORT = {
     "app.knobs": LOWER,
     "app.prose": LOWER,
     "app.lesson": (*LOWER, "app.figures", "app.knobs", "app.prose"),
+    "app.desk": (*LOWER, *RECORDS, "app.history", "app.picture"),
     "app.edits": (*LOWER, *RECORDS),
     "app.history": (*LOWER, *RECORDS),
     "app.picture": (*LOWER, *RECORDS),
     "app.state": (*LOWER, *RECORDS, "app.picture"),
-    "app.tab": (*LOWER, *RECORDS, "app.edits", "app.history", "app.picture", "app.state", "app.work"),
+    "app.tab": (*LOWER, *RECORDS, "app.desk", "app.edits", "app.history", "app.picture", "app.state", "app.work", "app.worker"),
     "app.work": (*LOWER, *RECORDS),
+    "app.worker": ("app.edits",),
     "app.session": (*LOWER, *RECORDS, *TAB),
     "app.classroom": (*LOWER, *RECORDS, *TAB, "app.session"),
     "app.export": ("app.engine", "app.words", "app.figures", "app.lesson"),

@@ -1,0 +1,41 @@
+"""The thread that a tab works on: it steps until the tab's mailbox is closed, whatever fails on the way."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+
+from .edits import Mailbox
+
+log = logging.getLogger(__name__)
+
+PAUSE, LONGEST = 0.05, 1.0  # s after a step that failed; more after several in a row, at most LONGEST
+
+
+def start_worker(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None], failed: Callable[[], None]) -> None:
+    """Run `work` on a thread of its own, which does not keep the process alive."""
+    threading.Thread(target=work, args=(mailbox, begin, step, failed), name="observer-lab session", daemon=True).start()
+
+
+def work(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None], failed: Callable[[], None]) -> None:
+    """Begin, then step until the mailbox is closed. Where a step fails, `failed` is called and the next comes a little later."""
+    try:
+        begin()
+    except Exception:
+        if not mailbox.closed:
+            log.exception("a session could not be opened")
+        return
+    failures = 0
+    while not mailbox.closed:
+        try:
+            step()
+            failures = 0
+        except Exception:
+            if mailbox.closed:
+                return
+            failures += 1
+            log.exception("a step of a session failed")
+            failed()
+            time.sleep(min(PAUSE * failures, LONGEST))
