@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import MappingProxyType
 
 LANGUAGES = ("en", "zh")
 
@@ -25,3 +26,15 @@ class Text:
 def same(words: str) -> Text:
     """A name, a symbol or a number that reads the same in both languages."""
     return Text(words, words)
+
+
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+GREEK = MappingProxyType({"theta": "θ", "omega": "ω", "phi": "φ", "alpha": "α", "beta": "β"})
+
+
+def symbol(name: str) -> str:
+    """The name of a signal as a formula has it: z12 → z₁₂, theta → θ. Other names stay as they are."""
+    if name in GREEK:
+        return GREEK[name]
+    head = name.rstrip("0123456789")
+    return head + name[len(head):].translate(LOWERED) if 1 <= len(head) <= 2 else name

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
@@ -16,6 +16,7 @@ from ..engine.placement import move_pole
 from ..figures import COLOURS
 from ..lesson import Board
 from . import phrases
+from .lettering import width
 from .meshes import bolt, cross, landscape
 from .pane import GLASS, INK, pane
 from .stage import rgb
@@ -23,7 +24,7 @@ from .ticks import ticks
 
 WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
 PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
-NAME_WIDTH = 0.56  # of a pole's label on the board
+LETTER, NAME_HEIGHT = 0.095, 0.16  # size and height of a label on the board, in stage units
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
 MARGIN = 0.15  # glass around the s-plane
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
@@ -46,6 +47,7 @@ class BoardView:
         self._poles: list[viser.MeshHandle] = []
         self._labels: list[viser.LabelHandle] = []
         self._stems: list[Any] = []
+        self._bolted: list[Place] = []  # the labels of bolts, which stay
         self._rings: list[Any] = []
         self._zeros: tuple[complex, ...] = ()
         self._signature: tuple[Any, ...] = ()
@@ -119,7 +121,8 @@ class BoardView:
         self._shown = board.poles
         if before == board.poles:
             return  # nothing moved: no message, and no frame of the scene
-        taken: list[tuple[float, float]] = []
+        marks = [(at[0], at[2]) for at in map(self.local, (*board.poles, *board.zeros, *board.fixed))]
+        taken = list(self._bolted)
         for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
             handle.position = self.local(pole, 0.03)
             named = pole.imag >= 0
@@ -131,28 +134,18 @@ class BoardView:
             if label.text != text:
                 label.text = text
             x, y, z = self.local(pole, 0.1)
-            at = self._free_place(x, z, taken)
+            at = free_place(x, z, self._half(text), taken, marks)
             taken.append(at)
-            label.position = (at[0], y, at[1])
+            label.position = (at.x, y, at.z)
 
-    def _free_place(self, x: float, z: float, taken: list[tuple[float, float]]) -> tuple[float, float]:
-        """Where a pole's label fits: right of it, else left, above or below, clear of other labels and crosses."""
-        crosses = [self.local(p)[::2] for p in (*self._board.poles, *self._board.zeros)]
-        half = NAME_WIDTH / 2
-        places = [(x + 0.14 + half, z), (x - 0.14 - half, z), (x, z + 0.2), (x, z - 0.2), (x + 0.14 + half, z + 0.17),
-                  (x - 0.14 - half, z - 0.17)]
-
-        def clash(at: tuple[float, float]) -> float:
-            others = sum(abs(at[0] - a) < NAME_WIDTH and abs(at[1] - b) < 0.15 for a, b in taken)
-            marks = sum(abs(at[0] - a) < half + 0.1 and abs(at[1] - b) < 0.14 for a, b in crosses)
-            outside = abs(at[0]) + half > WIDTH / 2 + 0.3
-            return 2 * others + marks + 3 * outside
-        return min(places, key=clash)
+    def _half(self, text: str) -> float:
+        """Half the width of a label on the board."""
+        return self._size * (width(text, LETTER) + LETTER) / 2
 
     def _make_poles(self, board: Board) -> None:
         for old in (*self._poles, *self._labels, *self._stems):
             old.remove()
-        self._poles, self._labels, self._stems = [], [], []
+        self._poles, self._labels, self._stems, self._bolted = [], [], [], []
         vertices, faces = cross()
         for i, pole in enumerate(board.poles):
             handle = self._scene.add_mesh_simple(f"{self._root}/pole{i}", vertices, faces,
@@ -169,9 +162,11 @@ class BoardView:
                 f"{self._root}/bolt{i}", head, head_faces, color=INK, flat_shading=True, cast_shadow=False,
                 position=self.local(pole, 0.0)))
             x, y, z = self.local(pole, 0.06)
-            self._stems.append(self._scene.add_label(
-                f"{self._root}/bolted{i}", f"{phrases.FIXED(self._language)} {pole_name(pole)}", position=(x, y, z - 0.16),
-                anchor="top-center", font_screen_scale=0.8 * self._size))
+            text = f"{phrases.FIXED(self._language)} {pole_name(pole)}"
+            at = free_place(x, z - 0.02, self._half(text), self._bolted, [], below=True)
+            self._bolted.append(at)
+            self._stems.append(self._scene.add_label(f"{self._root}/bolted{i}", text, position=(at.x, y, at.z),
+                                                     anchor="center-center", font_screen_scale=0.8 * self._size))
 
     def _make_rings(self, board: Board) -> None:
         """Zeros as rings on the glass, those inside the window."""
@@ -219,6 +214,34 @@ class BoardView:
                 position=(0.0, -2.9, 0.01))
         else:
             self._surface.vertices = vertices
+
+
+class Place(NamedTuple):
+    """The middle of a label on a board and half its width, in stage units."""
+
+    x: float
+    z: float
+    half: float
+
+
+def free_place(x: float, z: float, half: float, taken: Sequence[Place], marks: Sequence[tuple[float, float]],
+               below: bool = False) -> Place:
+    """Where the label of a mark at (x, z) fits: right of it, else left, above or below, clear of other labels and marks.
+
+    Where many marks crowd together it steps farther up or down, so that no label lies on another. `below` looks
+    under the mark only.
+    """
+    near = [] if below else [(x + 0.14 + half, z), (x - 0.14 - half, z), (x, z + 0.2)]
+    steps = [0.2 + 0.18 * k for k in range(5)]
+    far = [] if below else [(x + side * (0.14 + half), z + up * step) for step in steps for up in (1, -1) for side in (1, -1)]
+    places = [Place(px, pz, half) for px, pz in (*near, *((x, z - step) for step in steps), *far)]
+
+    def clash(at: Place) -> float:
+        others = sum(abs(at.x - p.x) < half + p.half and abs(at.z - p.z) < NAME_HEIGHT for p in taken)
+        crosses = sum(abs(at.x - a) < half + 0.1 and abs(at.z - b) < 0.14 for a, b in marks)
+        outside = abs(at.x) + half > WIDTH / 2 + 0.3 or abs(at.z) > HEIGHT / 2 + MARGIN
+        return 4 * others + crosses + 6 * outside + 0.5 * math.hypot(max(abs(at.x - x) - half, 0.0), at.z - z)
+    return min(places, key=clash)
 
 
 def holds(board: Board, s: complex) -> bool:

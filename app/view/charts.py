@@ -80,7 +80,9 @@ class Chart:
     def _all_series(self, figure: TimeFigure | FrequencyFigure) -> tuple[Any, ...]:
         mark = "ol-time" if isinstance(figure, TimeFigure) else "ol-frequency"
         x: dict[str, Any] = {"label": "t" if mark == "ol-time" else "f", "class": "ol-x"}
-        return (x, *(_series(c, self._language, mark, self._bold) for c in figure.curves))
+        told = [(c.name, c.role, c.dash) for c in figure.curves]
+        return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}", self._bold)
+                     for k, c in enumerate(figure.curves)))
 
     def _frame(self, figure: TimeFigure | FrequencyFigure) -> dict[str, Any]:
         assert self._range is not None
@@ -128,7 +130,7 @@ class Chart:
         assert self._plot is not None and isinstance(before, (TimeFigure, FrequencyFigure))
         wanted = calm_range(figure, self._range, resting)
         if len(figure.curves) != len(before.curves) or any(
-                a.name != b.name or a.role != b.role for a, b in zip(figure.curves, before.curves, strict=True)):
+                (a.name, a.role, a.dash) != (b.name, b.role, b.dash) for a, b in zip(figure.curves, before.curves, strict=True)):
             self._plot.series = self._all_series(figure)
         x = figure.t if isinstance(figure, TimeFigure) else figure.f
         old = before.t if isinstance(before, TimeFigure) else before.f

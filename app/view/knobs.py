@@ -11,8 +11,10 @@ import viser
 
 from ..engine.placement import move_pole
 from ..knobs import Choice, Knob, Number, Poles, Switch, Track
+from . import phrases
 
 Post = Callable[[str, Any], None]  # knob name, value
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 HOLD = 0.3  # s after a person's own change during which the widget is left alone
 
 
@@ -45,7 +47,21 @@ def label_of(knob: Knob, language: str) -> str:
 def slider_label(knob: Number, value: float, language: str) -> str:
     """What stands beside a slider; one that moves in decades says its value, for the slider shows the logarithm."""
     name = label_of(knob, language)
-    return f"{name} = {value:.3g}, lg" if knob.scale == "log" else name
+    return phrases.DECADES(language).format(name, in_tens(value)) if knob.scale == "log" else name
+
+
+def in_tens(value: float) -> str:
+    """A positive number that may be far from 1: 0.02, 350, 5·10⁻¹⁵."""
+    if 1e-3 <= value < 1e4:
+        return f"{float(f'{value:.3g}'):g}"
+    mantissa, exponent = f"{value:.2e}".split("e")
+    mantissa = mantissa.rstrip("0").rstrip(".")
+    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + str(int(exponent)).translate(RAISED)
+
+
+def ends(knob: Number) -> tuple[tuple[float, str], ...] | None:
+    """What stands under the ends of a slider that moves in decades: the values there, not their logarithms."""
+    return tuple((round(math.log10(v), 3), in_tens(v)) for v in (knob.low, knob.high)) if knob.scale == "log" else None
 
 
 class NumberWidget:
@@ -57,7 +73,7 @@ class NumberWidget:
         low, high = self._to(knob.low), self._to(knob.high)
         step = 1.0 if knob.scale == "integer" else knob.step or 10 ** math.floor(math.log10((high - low) / 100))
         self._handle = gui.add_slider(self._label(knob.default), low, high, float(step), self._to(knob.default),
-                                      hint=knob.hint(language) or None)
+                                      hint=knob.hint(language) or None, marks=ends(knob))
 
         @self._handle.on_update
         async def _(event: viser.GuiEvent) -> None:

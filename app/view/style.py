@@ -25,7 +25,11 @@ SHEET = """
 .ol-keys td{text-align:left}.ol-table td:first-child,.ol-table th:first-child{text-align:left}
 .uplot .u-legend{font-size:.78em;margin-top:-.4em}
 .uplot .u-legend .ol-x{display:none}
-.uplot:has(.ol-time) .u-over::after{content:"";position:absolute;top:0;bottom:0;width:2px;margin-left:-1px;
+.uplot .u-legend .u-marker{width:20px;height:0!important;border-width:3px 0 0!important;background:none!important;
+ margin-right:5px;vertical-align:middle}
+.uplot .u-legend [class*="-dash"] .u-marker{border-top-style:dashed!important}
+.uplot .u-legend [class*="-dot"] .u-marker{border-top-style:dotted!important}
+.uplot:has([class*="ol-time"]) .u-over::after{content:"";position:absolute;top:0;bottom:0;width:2px;margin-left:-1px;
  background:#1c2430;opacity:.75;left:calc(var(--ol-t,0)*100%%)}
 math mtable{--b:linear-gradient(currentColor,currentColor);padding:.15em .3em;border-left:1.4px solid;border-right:1.4px solid;
  background:var(--b) top left/.4em 1.4px no-repeat,var(--b) bottom left/.4em 1.4px no-repeat,

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import html
 import math
-from types import MappingProxyType
 
 import numpy as np
 
 from ..figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from ..words import symbol
+from .lettering import DASHES, Box, beside, key, width
 from .prose import with_minus
 from .ticks import ticks
 
 W, H = 360, 250
 LEFT, RIGHT, TOP, BOTTOM = 46, 12, 28, 36
-DASHES = MappingProxyType({"solid": "", "dash": ' stroke-dasharray="7 4"', "dot": ' stroke-dasharray="2 3"'})
+FRAME = Box(LEFT, TOP, W - RIGHT, H - BOTTOM)
+TALLEST_CELL, ROOM_FOR_ENTRY, SMALLEST = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px
 
 
 def draw(figure: Figure, language: str) -> str:
@@ -22,7 +24,7 @@ def draw(figure: Figure, language: str) -> str:
     if isinstance(figure, PlaneFigure):
         return _svg(_plane(figure, language), figure.title(language), figure.id)
     if isinstance(figure, MatrixFigure):
-        return _svg(_matrix(figure), figure.title(language), figure.id, square=True)
+        return _svg(_matrix(figure), figure.title(language), figure.id)
     if isinstance(figure, MapFigure):
         return _svg(_map(figure, language), figure.title(language), figure.id)
     if isinstance(figure, TableFigure):
@@ -30,12 +32,12 @@ def draw(figure: Figure, language: str) -> str:
     raise TypeError(f"{type(figure).__name__} is drawn by uPlot")
 
 
-def _svg(body: str, title: str, name: str, square: bool = False) -> str:
-    height = W if square else H
-    return (f'<div class="ol-figure" data-figure="{name}"><svg viewBox="0 0 {W} {height}" role="img" '
+def _svg(drawn: tuple[str, float], title: str, name: str) -> str:
+    body, height = drawn
+    return (f'<div class="ol-figure" data-figure="{name}"><svg viewBox="0 0 {W} {height:.0f}" role="img" '
             f'aria-label="{html.escape(title)}" font-family="sans-serif" font-size="11" fill="#333a44">'
-            f'<text x="{W / 2}" y="16" text-anchor="middle" font-size="13" font-weight="600">{html.escape(title)}</text>'
-            f"{body}</svg></div>")
+            f'<text x="{W / 2}" y="16" text-anchor="middle" font-size="{min(13.0, 13.0 * W / max(width(title, 14.0), 1.0)):.1f}" '
+            f'font-weight="600">{html.escape(title)}</text>{body}</svg></div>')
 
 
 class _Axes:
@@ -75,7 +77,7 @@ def _number(value: float) -> str:
     return f"{value:.6g}".replace("-", "−")
 
 
-def _plane(figure: PlaneFigure, language: str) -> str:
+def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
     axes = _Axes(figure.x_range, figure.y_range, figure.equal)
     out = []
     if figure.unstable and axes.x[1] > 0:
@@ -85,64 +87,99 @@ def _plane(figure: PlaneFigure, language: str) -> str:
     out.append(axes.draw(figure.x_label, figure.y_label))
     out.append(f'<clipPath id="clip-{figure.id}"><rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" '
                f'height="{H - TOP - BOTTOM}"/></clipPath><g clip-path="url(#clip-{figure.id})">')
+    drawn = []
     for curve in figure.curves:
         xs = np.arange(len(curve.y)) if curve.x is None else curve.x
-        points = " ".join(f"{px:.1f},{py:.1f}" for px, py in (
-            axes.at(float(a), float(b)) for a, b in zip(finite(xs, 1e6), finite(curve.y, 1e6), strict=True)))
+        path = [axes.at(float(a), float(b)) for a, b in zip(finite(xs, 1e6), finite(curve.y, 1e6), strict=True)]
+        drawn += path
+        points = " ".join(f"{px:.1f},{py:.1f}" for px, py in path)
         out.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[curve.role]}" '
                    f'stroke-width="{curve.width}"{DASHES[curve.dash]}/>')
     out.append("</g>")
-    for point in figure.points:
-        out.append(_mark(*axes.at(point.x, point.y), COLOURS[point.role], point.mark, point.name(language)))
-    out.append(_key([(c.name(language), COLOURS[c.role], c.dash) for c in figure.curves if c.name(language)]))
+    out += [_mark(*axes.at(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
+    out.append(_names([(*_held(*axes.at(p.x, p.y)), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)],
+                      np.array(drawn, dtype=float).reshape(-1, 2)))
+    words, more = key([(c.name(language), COLOURS[c.role], c.dash) for c in figure.curves], W, H)
+    return "".join(out) + words, H + more
+
+
+def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray) -> str:
+    """The names of marks, each beside its own and clear of the others."""
+    taken = [Box(x - 6, y - 6, x + 6, y + 6) for x, y, _ in marks]
+    out = []
+    for x, y, words in marks:
+        if words:
+            name = beside(x, y, words, FRAME, taken, drawn)
+            taken.append(name.box)
+            out.append(f'<text x="{name.x:.1f}" y="{name.y:.1f}" text-anchor="{name.anchor}" paint-order="stroke" stroke="#fff" '
+                       f'stroke-width="3">{html.escape(words)}</text>')
     return "".join(out)
 
 
-def _mark(x: float, y: float, colour: str, mark: str, name: str) -> str:
+def _held(x: float, y: float) -> tuple[float, float]:
+    """A pixel inside the frame, the nearest one."""
+    return min(max(x, LEFT), W - RIGHT), min(max(y, TOP), H - BOTTOM)
+
+
+def _mark(x: float, y: float, colour: str, mark: str) -> str:
     if not (math.isfinite(x) and math.isfinite(y)):
         return ""
-    x, y = min(max(x, LEFT), W - RIGHT), min(max(y, TOP), H - BOTTOM)
-    shapes = {
+    x, y = _held(x, y)
+    return {
         "cross": f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m-10 0l10 -10" stroke="{colour}" stroke-width="2.6"/>',
         "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
         "dot": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>',
         "bolt": f'<path d="M{x - 6:.1f} {y:.1f}l3 -5.2h6l3 5.2l-3 5.2h-6z" fill="#282c34"/>',
-    }
-    label = f'<text x="{x + 8:.1f}" y="{y - 6:.1f}">{html.escape(name)}</text>' if name else ""
-    return shapes[mark] + label
+    }[mark]
 
 
-def _key(entries: list[tuple[str, str, str]]) -> str:
-    return "".join(
-        f'<line x1="{LEFT + 8}" x2="{LEFT + 28}" y1="{TOP + 12 + 14 * i}" y2="{TOP + 12 + 14 * i}" stroke="{colour}" '
-        f'stroke-width="2.4"{DASHES[dash]}/><text x="{LEFT + 33}" y="{TOP + 16 + 14 * i}">{html.escape(name)}</text>'
-        for i, (name, colour, dash) in enumerate(entries))
-
-
-def _matrix(figure: MatrixFigure) -> str:
-    """Cells shaded by the logarithm of their magnitude; exact zeros stay white."""
+def _matrix(figure: MatrixFigure) -> tuple[str, float]:
+    """Cells shaded by the logarithm of their magnitude, with the entries where they fit; exact zeros stay white."""
     m = np.asarray(figure.matrix, dtype=float)
     rows, cols = m.shape
-    left, top, size = 44, 30, W - 44 - 8
-    cell = size / max(rows, cols)
+    left, wide = 44, (W - 44 - 8) / cols
+    high = min(wide, TALLEST_CELL)
+    heads, top = _heads([symbol(name) for name in figure.columns], left, wide)
     top_value = float(np.max(np.abs(m))) or 1.0
     out = []
     for i in range(rows):
         for j in range(cols):
             share = abs(m[i, j]) / top_value
             depth = 0.0 if share < 1e-9 else 0.15 + 0.85 * max(0.0, 1 + math.log10(share) / 6)
-            out.append(f'<rect x="{left + j * cell:.1f}" y="{top + i * cell:.1f}" width="{cell:.1f}" '
-                       f'height="{cell:.1f}" fill="{_blend(depth)}" stroke="#e8ebf0"><title>{m[i, j]:.4g}</title></rect>')
-    longest = max((len(name) for name in figure.rows), default=1)
-    size_text = min(11.0, cell * 0.7, (left - 5) / (0.55 * max(longest, 1)))
-    for i, name in enumerate(figure.rows):
-        out.append(f'<text x="{left - 4}" y="{top + (i + 0.68) * cell:.1f}" text-anchor="end" '
-                   f'font-size="{size_text:.1f}">{html.escape(name)}</text>')
+            x, y = left + j * wide, top + i * high
+            out.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}" fill="{_blend(depth)}" '
+                       f'stroke="#e8ebf0"><title>{m[i, j]:.4g}</title></rect>')
+            if wide >= ROOM_FOR_ENTRY:
+                entry = f"{m[i, j] if depth else 0.0:.3g}".replace("-", "−")
+                ink = "#fff" if depth > 0.6 else "#1c2430" if depth else "#8a8f98"
+                out.append(f'<text x="{x + wide / 2:.1f}" y="{y + high / 2 + 4:.1f}" text-anchor="middle" '
+                           f'font-size="{_fitting(entry, wide - 4):.1f}" fill="{ink}">{entry}</text>')
+    for i, name in enumerate(map(symbol, figure.rows)):
+        size = min(_fitting(name, left - 6), high * 0.7)
+        out.append(f'<text x="{left - 4}" y="{top + (i + 0.5) * high + 0.35 * size:.1f}" text-anchor="end" '
+                   f'font-size="{size:.1f}">{html.escape(name)}</text>')
     for b in figure.blocks:
-        x, y = left + b * cell, top + b * cell
-        out.append(f'<path d="M{x:.1f} {top}V{top + rows * cell:.1f}M{left} {y:.1f}H{left + cols * cell:.1f}" '
+        x, y = left + b * wide, top + b * high
+        out.append(f'<path d="M{x:.1f} {top:.1f}V{top + rows * high:.1f}M{left} {y:.1f}H{left + cols * wide:.1f}" '
                    'stroke="#000" stroke-width="2"/>')
-    return "".join(out)
+    return heads + "".join(out), top + rows * high + 8
+
+
+def _heads(names: list[str], left: float, wide: float) -> tuple[str, float]:
+    """The names over the columns of a matrix, upright where they would not fit across, and where the cells begin."""
+    if not names:
+        return "", 30.0
+    if min(_fitting(name, wide - 2) for name in names) >= SMALLEST:
+        return "".join(f'<text x="{left + (j + 0.5) * wide:.1f}" y="38" text-anchor="middle" '
+                       f'font-size="{_fitting(name, wide - 2):.1f}">{html.escape(name)}</text>' for j, name in enumerate(names)), 44.0
+    deep = 30 + max(width(name, 9.0) for name in names)
+    return "".join(f'<text transform="translate({left + (j + 0.5) * wide + 3:.1f} {deep:.1f}) rotate(-90)" font-size="9">'
+                   f"{html.escape(name)}</text>" for j, name in enumerate(names)), deep + 5
+
+
+def _fitting(words: str, room: float) -> float:
+    """The font size at which words take at most this room."""
+    return min(11.0, 11.0 * room / max(width(words, 11.0), 1.0))
 
 
 def _blend(depth: float) -> str:
@@ -151,7 +188,7 @@ def _blend(depth: float) -> str:
     return f"#{r:02x}{g:02x}{b:02x}"
 
 
-def _map(figure: MapFigure, language: str) -> str:
+def _map(figure: MapFigure, language: str) -> tuple[str, float]:
     axes = _Axes(_span(figure.x), _span(figure.y), equal=False)
     out = []
     dx, dy = (_step(v) for v in (figure.x, figure.y))
@@ -164,9 +201,9 @@ def _map(figure: MapFigure, language: str) -> str:
         out.append(f'<path d="{"".join(path)}" fill="{COLOURS[role]}" fill-opacity="0.75"/>')
     out.append(axes.draw(figure.x_label, figure.y_label))
     if figure.marked is not None:
-        out.append(_mark(*axes.at(*figure.marked), COLOURS["reference"], "circle", ""))
-    out.append(_key([(name(language), COLOURS[role], "solid") for name, role in figure.categories]))
-    return "".join(out)
+        out.append(_mark(*axes.at(*figure.marked), COLOURS["reference"], "circle"))
+    words, more = key([(name(language), COLOURS[role], "solid") for name, role in figure.categories], W, H, patches=True)
+    return "".join(out) + words, H + more
 
 
 def _step(values: np.ndarray) -> float:

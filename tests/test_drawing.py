@@ -1,0 +1,143 @@
+"""Small drawings and labels: every word has its own place, and says what is so."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from app.figures import Curve, MapFigure, MatrixFigure, PlaneFigure, Point
+from app.knobs import Number
+from app.view.boards import NAME_HEIGHT, Place, free_place
+from app.view.knobs import ends, in_tens, slider_label
+from app.view.lettering import Box, beside, width
+from app.view.svg import FRAME, H, W, draw
+from app.words import Text, same, symbol
+
+TEXT = re.compile(r'<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]*)</text>')
+
+
+def height(drawing: str) -> float:
+    """The height of a drawing's window."""
+    found = re.search(r'viewBox="0 0 \d+ (\d+)"', drawing)
+    assert found is not None
+    return float(found[1])
+
+
+def words(drawing: str) -> list[tuple[float, float, str]]:
+    """Every word of a drawing that is not turned, with its place."""
+    return [(float(x), float(y), text) for x, y, text in TEXT.findall(drawing)]
+
+
+def plane(*names: str, points: tuple[Point, ...] = ()) -> PlaneFigure:
+    line = np.linspace(-1, 1, 5)
+    return PlaneFigure("p", same("plane"), tuple(Curve(same(n), line, x=line) for n in names), points, "x", "y")
+
+
+# --- keys ------------------------------------------------------------------------------------------------------------
+def test_the_key_of_a_plane_stands_below_the_axes_and_covers_no_curve() -> None:
+    drawing = draw(plane("one", "another"), "en")
+    places = {text: y for _, y, text in words(drawing)}
+    assert places["one"] > H and places["another"] > H and height(drawing) > max(places["one"], places["another"])
+
+
+def test_the_key_of_a_map_stands_below_the_axes_as_patches() -> None:
+    grid = np.arange(3.0)
+    drawing = draw(MapFigure("m", same("map"), grid, grid, np.zeros((3, 3)), ((same("in"), "plant"),), "x", "y"), "en")
+    assert next(y for _, y, text in words(drawing) if text == "in") > H
+    assert '<rect x=' in drawing.rsplit("<text", 1)[0][-160:]
+
+
+def test_two_curves_of_one_name_are_told_once() -> None:
+    assert [text for *_, text in words(draw(plane("band", "band", "line"), "en"))].count("band") == 1
+
+
+def test_a_plane_without_names_needs_no_room_for_a_key() -> None:
+    assert height(draw(plane(""), "en")) == H
+
+
+def test_a_long_key_goes_on_in_the_next_row_inside_the_drawing() -> None:
+    names = [f"a rather long name {k}" for k in range(7)]
+    drawing = draw(plane(*names), "en")
+    told = [(x, y, text) for x, y, text in words(drawing) if text in names]
+    assert len({y for _, y, _ in told}) > 1 and max(y for _, y, _ in told) < height(drawing)
+    assert all(x > 0 and x + width(text) <= W + 1 for x, _, text in told)
+
+
+# --- names of marks --------------------------------------------------------------------------------------------------
+def test_the_name_of_a_mark_at_the_right_edge_is_not_cut() -> None:
+    x = next(w[0] for w in words(draw(plane("", points=(Point(1.0, 0.0, name=same("the present one")),)), "en"))
+                      if w[2] == "the present one")
+    assert x <= W - 12
+
+
+def test_names_of_marks_that_crowd_do_not_lie_on_each_other() -> None:
+    taken: list[Box] = []
+    for k in range(4):
+        name = beside(200.0 + 3 * k, 120.0, "yours", FRAME, taken, np.zeros((0, 2)))
+        assert not any(name.box.meets(other) for other in taken)
+        taken.append(name.box)
+
+
+def test_a_chinese_word_is_as_wide_as_its_characters_are_high() -> None:
+    assert width("观测器", 10.0) == pytest.approx(30.0) and width("abc", 10.0) < 20.0 and width("x̂") == width("x")
+
+
+# --- matrices --------------------------------------------------------------------------------------------------------
+def test_a_matrix_of_one_row_leaves_no_empty_area() -> None:
+    assert height(draw(MatrixFigure("m", same("O"), np.ones((1, 6)), ("C",)), "en")) < 110
+
+
+def test_a_small_matrix_shows_its_entries_and_the_names_of_its_columns() -> None:
+    shown = [text for *_, text in words(draw(MatrixFigure("m", same("O"), np.array([[1.0, 0.0], [-2.5, 4.0]]), ("C", "CA"),
+                                                          ("x1", "theta")), "en"))]
+    assert {"1", "0", "−2.5", "4", "x₁", "θ", "C", "CA"} <= set(shown)
+
+
+def test_names_of_many_narrow_columns_are_turned_upright_and_lie_above_the_cells() -> None:
+    drawing = draw(MatrixFigure("m", same("A"), np.eye(20), columns=tuple(f"column {k}" for k in range(20))), "en")
+    assert drawing.count("rotate(-90)") == 20
+    first = float(re.findall(r'<rect x="[\d.]+" y="([\d.]+)"', drawing)[0])
+    assert first > 30 + width("column 19", 9.0)
+
+
+@pytest.mark.parametrize(("name", "shown"), [("x1", "x₁"), ("z12", "z₁₂"), ("theta", "θ"), ("omega", "ω"), ("force 1", "force 1"),
+                                             ("state1", "state1"), ("7", "7"), ("vx", "vx"), ("", "")])
+def test_a_signal_is_named_as_in_a_formula(name: str, shown: str) -> None:
+    assert symbol(name) == shown
+
+
+# --- labels on the boards --------------------------------------------------------------------------------------------
+def test_labels_of_poles_that_crowd_near_zero_do_not_lie_on_each_other() -> None:
+    taken: list[Place] = []
+    for k, half in enumerate((0.35, 0.3, 0.3, 0.4)):
+        at = free_place(0.9 + 0.002 * k, 0.0, half, taken, [(0.9, 0.0)])
+        assert not any(abs(at.x - p.x) < half + p.half and abs(at.z - p.z) < NAME_HEIGHT for p in taken)
+        taken.append(at)
+
+
+def test_a_lone_label_stands_to_the_right_and_a_long_one_clear_of_its_own_cross() -> None:
+    assert free_place(0.0, 0.0, 0.3, [], [(0.0, 0.0)]) == Place(0.44, 0.0, 0.3)
+    assert free_place(0.0, 0.0, 0.6, [], [(0.0, 0.0)]).x > 0.7
+
+
+def test_the_label_of_a_pole_at_the_edge_stays_on_the_board() -> None:
+    at = free_place(1.6, 0.0, 0.35, [], [(1.6, 0.0)])
+    assert at.x + at.half <= 1.9
+
+
+# --- sliders that move in decades ------------------------------------------------------------------------------------
+def test_a_slider_in_decades_says_its_value_and_what_its_box_holds() -> None:
+    knob = Number("tau", "", Text("tolerance", "容差"), low=1e-16, high=0.1, default=5e-15, scale="log")
+    assert slider_label(knob, 5e-15, "en") == "tolerance = 5·10⁻¹⁵ (box: log₁₀)"
+    assert slider_label(knob, 5e-15, "zh") == "容差 = 5·10⁻¹⁵（框内为 log₁₀）"
+    assert ends(knob) == ((-16.0, "10⁻¹⁶"), (-1.0, "0.1"))
+    plain = Number("x", "", Text("place", "位置"), "m")
+    assert slider_label(plain, 0.5, "en") == "place [m]" and ends(plain) is None
+
+
+@pytest.mark.parametrize(("value", "said"), [(1.0, "1"), (0.02, "0.02"), (1000.0, "1000"), (9990.0, "9990"), (1e4, "10⁴"),
+                                             (1.5e6, "1.5·10⁶"), (1e-12, "10⁻¹²"), (2.34e-5, "2.34·10⁻⁵")])
+def test_a_number_far_from_one_is_written_with_its_power_of_ten(value: float, said: str) -> None:
+    assert in_tens(value) == said
