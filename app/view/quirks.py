@@ -3,22 +3,49 @@
 from __future__ import annotations
 
 import json
+import re
 import secrets
+import shutil
+import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
+from unittest import mock
+from urllib.parse import quote, urlsplit
 
 import viser
-from viser import _messages
+from viser import _messages, infra
 
+NAME = "Observer Lab"
+OPENING = threading.Lock()  # two servers opened at once would take each other's page
+CROSS = '<path d="M{0} {1}l18 18m0-18l-18 18" stroke="{2}" stroke-width="6" stroke-linecap="round"{3}/>'
+ICON = "data:image/svg+xml," + quote(
+    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32" fill="none">'
+    + CROSS.format(11, 10, "#D55E00", ' opacity=".55"') + CROSS.format(4, 4, "#0072B2", "") + "</svg>")
 STORAGE = "observer-lab"
 VISERS_OWN = "viser-user:"  # what viser puts before every key of localStorage that it reads
-COARSE_WHILE_MOVING = """(() => {
+WITHOUT_GRAPHICS_CARD = """(() => {
+  const probe = document.createElement('canvas').getContext('webgl2');
+  if (!probe) return;
+  const named = probe.getExtension('WEBGL_debug_renderer_info');
+  const drawer = probe.getParameter(named ? named.UNMASKED_RENDERER_WEBGL : probe.RENDERER);
+  probe.getExtension('WEBGL_lose_context')?.loseContext();
+  if (!/swiftshader|llvmpipe|softpipe|software|basic render/i.test(drawer)) return;
+  window.observerLabNoCard = true;
+  const open = HTMLCanvasElement.prototype.getContext;
+  HTMLCanvasElement.prototype.getContext = function (kind, how) {
+    return open.call(this, kind, String(kind).startsWith('webgl') ? {...how, antialias: false} : how);
+  };
+})()"""
+
+FRUGAL_FRAMES = """(() => {
   const page = window.__viserMutable, root = page?.scene?.__r3f?.root;
   if (!root || page.scene.userData.watched) return;
   page.scene.userData.watched = true;
   const SLOW = 34, COARSE = 0.6, REST = 450, TOGETHER = 24, COUNT = 9, opened = performance.now(), gaps = [];
-  let last = 0, slow = false, timer = 0, due = 0;
+  const MOVES = /^(SceneNodeUpdate|SetPosition|SetOrientation|SetSceneNodeVisibility|Gui\\w*Update)Message$/;
+  const sharp = devicePixelRatio * (window.observerLabNoCard ? 1.5 : 1);
+  let last = 0, slow = !!window.observerLabNoCard, timer = 0, due = 0;
   const draw = dpr => { if (root.getState().viewport.dpr !== dpr) root.getState().setDpr(dpr); };
   const frame = () => { clearTimeout(due); due = 0; root.getState().invalidate(); };
   page.scene.onAfterRender = () => {
@@ -31,12 +58,25 @@ COARSE_WHILE_MOVING = """(() => {
   };
   const ask = page.requestRender;
   page.requestRender = () => {
+    const quad = page.backgroundMaterial, queue = page.messageQueue;
+    if (quad) quad.visible = !!quad.uniforms?.enabled?.value;
+    if (queue.length && page.getRenderRequestState === 'ready' && queue.every(m => MOVES.test(m.type))) page.drainMessageQueue?.();
     if (!slow) { ask(); return; }
     draw(COARSE * devicePixelRatio);
     if (window.event?.type?.startsWith('pointer')) due ||= setTimeout(frame, TOGETHER); else frame();
     clearTimeout(timer);
-    timer = setTimeout(() => { draw(devicePixelRatio); ask(); }, REST);
+    timer = setTimeout(() => { draw(sharp); root.getState().invalidate(); }, REST);
   };
+})()"""
+
+ONE_MEANING_PER_KEY = """(() => {
+  if (window.observerLabKeys) return;
+  window.observerLabKeys = true;
+  document.documentElement.addEventListener('keydown', event => {
+    const walks = /^Key[WASDQE]$/.test(event.code), turns = event.code.startsWith('Arrow');
+    const widget = event.target !== document.body && event.target?.tagName !== 'CANVAS';
+    if (walks || (turns && widget)) event.stopPropagation();
+  });
 })()"""
 
 FOLDERS_BY_KEY = """(() => {
@@ -63,6 +103,30 @@ FOLDERS_BY_KEY = """(() => {
   }, {capture: true});
   dress();
 })()"""
+
+
+def page_of_our_own(folder: Path) -> None:
+    """Put viser's page into `folder`, under our name and sign, with what must run before the view opens in it.
+
+    Without a graphics card the view is drawn without multisampling, which doubles the price of a frame there; a scene at
+    rest is drawn finer instead (`frugal_frames`).
+    """
+    shutil.copytree(Path(viser.__file__).parent / "client" / "build", folder, dirs_exist_ok=True)
+    page = folder / "index.html"
+    text = re.sub(r'<link\s+rel="icon".*?/>', "", page.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
+    ours = f'<link rel="icon" href="{ICON}" /><title>{NAME}</title><script>{WITHOUT_GRAPHICS_CARD}</script>'
+    page.write_text(text.replace("<title>Viser</title>", ours, 1), encoding="utf-8")
+
+
+def open_server(host: str, port: int, page: Path) -> viser.ViserServer:
+    """viser's server on the page that lies in a folder: viser itself always serves the one it is shipped with."""
+    class Server(infra.WebsockServer):
+        def start(self) -> None:
+            self._http_server_root = page
+            super().start()
+
+    with OPENING, mock.patch.object(infra, "WebsockServer", Server):
+        return viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
 
 
 def close_share_tunnel(server: viser.ViserServer) -> None:
@@ -147,19 +211,31 @@ def disconnect(server: viser.ViserServer, client: viser.ClientHandle) -> None:
         server.get_event_loop().create_task(connection.close(1008, "this server answers its own page only"))
 
 
+def name_page(client: viser.ClientHandle, title: str, language: str) -> None:
+    """What the browser's own tab is called, and the language that a screen reader speaks."""
+    _run(client, f"document.title = {json.dumps(title)}; document.documentElement.lang = {json.dumps(language)}")
+
+
 def _run(client: viser.ClientHandle, source: str) -> None:
     """Run a script in one browser: only for the calls below, for which viser has none."""
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))
 
 
-def coarse_while_moving(client: viser.ClientHandle) -> None:
-    """On a machine that draws the scene slowly, draw it with fewer pixels while it moves, sharp again when it rests.
+def frugal_frames(client: viser.ClientHandle) -> None:
+    """Draw each answer of the server in one frame; where frames come slowly, with fewer pixels while things move.
 
-    viser lowers the resolution too, but to three quarters and after seconds; and after every change it goes on drawing
-    for a quarter of a second, which here waits until the scene rests; what a pointer and the server's answer to it
-    change is drawn in one frame. Where a frame is quick nothing changes.
+    viser takes moves up inside a frame and hands half of them to React, whose changes then cost a second frame: here
+    they are taken up as they arrive. It covers the whole view with a background image even when there is none: here it
+    does not. On a slow machine it lowers the resolution to three quarters and after seconds, and goes on drawing for a
+    quarter of a second after every change: here the moving scene has 0.6 of its pixels each way, and is drawn once more,
+    sharp, when it rests.
     """
-    _run(client, COARSE_WHILE_MOVING)
+    _run(client, FRUGAL_FRAMES)
+
+
+def one_meaning_per_key(client: viser.ClientHandle) -> None:
+    """Keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands."""
+    _run(client, ONE_MEANING_PER_KEY)
 
 
 def folders_by_key(client: viser.ClientHandle) -> None:

@@ -76,11 +76,14 @@ class Screen:
             self._stage.furnish()
             self._stage.build(picture.outcome.stage, language, print_size(picture, aspect_of(self._client.camera)))
             if not self._looked:
-                quirks.coarse_while_moving(self._client)
+                quirks.frugal_frames(self._client)
                 quirks.folders_by_key(self._client)
+                quirks.one_meaning_per_key(self._client)
                 self._stage.camera("all")
                 self._stage.follow_window()
                 self._looked = True
+            title = picture.lesson.words[language].title
+            quirks.name_page(self._client, f"{title} · {quirks.NAME}", "zh-CN" if language == "zh" else language)
         self._picture = None
 
     def show(self, picture: Picture) -> None:

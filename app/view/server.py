@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import tempfile
 from collections.abc import Mapping
+from pathlib import Path
 
 import viser
 
@@ -25,7 +27,9 @@ class LabServer:
         self._lessons = lessons
         self._lesson, self._language, self._max, self._plant = lesson, language, max_sessions, plant
         self._sessions: dict[int, Session] = {}
-        self._server = viser.ViserServer(host=host, port=port, label="Observer Lab", verbose=False)
+        self._page = tempfile.TemporaryDirectory(prefix="observer-lab-")
+        quirks.page_of_our_own(Path(self._page.name))
+        self._server = quirks.open_server(host, port, Path(self._page.name))
         quirks.close_share_tunnel(self._server)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
@@ -72,3 +76,4 @@ class LabServer:
         for session in list(self._sessions.values()):
             session.close()
         self._server.stop()
+        self._page.cleanup()

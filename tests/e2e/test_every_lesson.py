@@ -84,7 +84,7 @@ def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, new_tab: Callable
     tab.page.set_viewport_size({"width": 1600, "height": 900})
     tab.press("kick") if lesson.kick else tab.press("▶ play")
     eventually(tab.clock, lambda t: t > 0.1, "the run plays again")
-    tab.button("⏸ pause").or_(tab.button("▶ play")).first.click()
+    tab.button("‖ pause").or_(tab.button("▶ play")).first.click()
     look_at(tab, lesson, "en", artefacts / f"{lesson.number:02d}-{lesson.id}-en.png")
     tab.press("中文")
     look_at(tab, lesson, "zh", artefacts / f"{lesson.number:02d}-{lesson.id}-zh.png")

@@ -158,3 +158,17 @@ def choose(tab: Tab, label: str, option: str) -> None:
             tab.key(key)
         tab.pause(4)
     raise AssertionError(f"{option} is not among the choices of {label}")
+
+
+def test_the_keys_of_a_slider_and_of_a_command_leave_the_camera_alone(tab: Tab) -> None:
+    where = "() => window.__viserMutable.camera.position.toArray().map(v => v.toFixed(6)).join()"
+    tab.pause(5)
+    still = tab.page.evaluate(where)
+    tab.slide(SLIDER, "ArrowRight", 3)
+    tab.page.evaluate("document.activeElement.blur()")
+    tab.key("s")
+    tab.pause(5)
+    assert tab.page.evaluate(where) == still
+    tab.page.keyboard.down("ArrowRight")
+    eventually(lambda: tab.page.evaluate(where), lambda at: at != still, "with nothing in focus the arrows turn the view")
+    tab.page.keyboard.up("ArrowRight")

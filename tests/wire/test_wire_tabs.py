@@ -22,7 +22,10 @@ Newest = Callable[[], Session]
 def test_the_page_and_its_address(server: LabServer) -> None:
     assert server.url.startswith("http://127.0.0.1:") and not server.url.endswith(":0")
     with urlopen(server.url, timeout=10) as page:
-        assert page.status == 200 and b"<html" in page.read().lower()
+        text = page.read()
+        assert page.status == 200 and b"<html" in text.lower()
+    assert b"<title>Observer Lab</title>" in text and b"Viser</title>" not in text
+    assert b"antialias: false" in text, "what must run before the view opens stands in the page"
 
 
 def test_a_tab_gets_a_complete_picture(enter: Enter, newest: Newest) -> None:
@@ -86,7 +89,7 @@ def test_a_paused_tab_gets_no_messages_and_a_playing_one_does(enter: Enter) -> N
     assert tab.listen(1.5) == 0
     tab.press("B")
     assert tab.listen(1.0) > 10
-    tab.press("⏸ pause")
+    tab.press("‖ pause")
     tab.settle()
     assert tab.listen(1.5) == 0
 
