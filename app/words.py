@@ -15,6 +15,11 @@ class Text:
     en: str
     zh: str
 
+    def __post_init__(self) -> None:
+        """Chinese has no space after its stops; sentences that are joined with one lose it."""
+        if "\N{IDEOGRAPHIC FULL STOP} " in self.zh:
+            object.__setattr__(self, "zh", self.zh.replace("\N{IDEOGRAPHIC FULL STOP} ", "\N{IDEOGRAPHIC FULL STOP}"))
+
     def __call__(self, language: str) -> str:
         return self.zh if language == "zh" else self.en
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from ..words import Text, same
 
@@ -104,8 +104,8 @@ class Body:
 
     `pose(x, gain)` places every part for the state x (SI units); `gain` is how many times motion is exaggerated.
     `arrows(x, u, gain)` draws the inputs; `anchors(x, gain)` are the points that thin lines join from the plant to
-    its ghost, so that the error can be seen. `gain` is the default exaggeration, shown beside the plant. `labels` are
-    words that stand on the stage and where.
+    its ghost, so that the error can be seen. `gain` is the default exaggeration, shown beside the plant; so is `forces`,
+    how many times longer than usual the arrows of the inputs are. `labels` are words that stand on the stage and where.
     """
 
     parts: tuple[Part, ...]
@@ -115,6 +115,15 @@ class Body:
     gain: float = 1.0
     caption: Text = field(default_factory=lambda: same(""))
     labels: tuple[tuple[str, Vector], ...] = ()
+    forces: float = 1.0
+
+
+def with_longer_arrows(body: Body, times: float, inputs: int) -> Body:
+    """The body with the arrows of its first `inputs` inputs this many times longer, which is then said beside it."""
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        return body.arrows(x, [times * v for v in u[:inputs]] + list(u[inputs:]), gain)
+
+    return replace(body, arrows=arrows, forces=times)
 
 
 def about_y(angle: float) -> Quaternion:

@@ -158,5 +158,5 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
         return (at(x),)
 
     return Body(_parts(), pose, arrows, anchors, 1.0, Text(
-        "A falling body and the radar that measures its distance; a mark every 30 km. The ghost's error is drawn 100 times",
+        "A falling body and the radar that measures its distance; a mark every 30 km. The ghost's error is drawn 100 times larger",
         "下落体与测距雷达；刻度间隔 30 km。虚影的误差放大 100 倍"))

@@ -50,19 +50,40 @@ def data_of(figure: TimeFigure | FrequencyFigure, span: tuple[float, float]) -> 
 
 
 def decades(low: float, high: float, most: int = 6) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Powers of ten within [low, high], about `most` of them at most, and their names: 0.1, 1, 10, 10³."""
+    """Powers of ten within [low, high], about `most` of them at most, and their names: 0.1, 1, 10, 10³.
+
+    A range that holds fewer than three of them, which would hardly be a scale, is marked at 1, 2 and 5 as well.
+    """
     first, last = math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9)
+    if last - first < 2:
+        finer = [m * 10.0 ** k for k in range(first - 1, last + 1) for m in (1, 2, 5)]
+        kept = tuple(v for v in finer if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
+        return kept, tuple(_named(v) for v in kept)
     step = max(1, math.ceil((last - first + 1) / most))
     powers = range(last - (last - first) // step * step, last + 1, step)
-    return tuple(10.0 ** k for k in powers), tuple(
-        f"{10.0 ** k:g}" if -2 <= k <= 2 else "10" + str(k).translate(SUPERSCRIPT) for k in powers)
+    return tuple(10.0 ** k for k in powers), tuple(_named(10.0 ** k) for k in powers)
+
+
+def _named(value: float) -> str:
+    """0.02, 5, 100, 10³, 2·10⁻⁴."""
+    power = math.floor(math.log10(value) + 1e-9)
+    if -2 <= power <= 2:
+        return f"{value:.6g}"
+    times = round(value / 10.0 ** power)
+    return ("" if times == 1 else f"{times}·") + "10" + str(power).translate(SUPERSCRIPT)
+
+
+def on_the_clock(figure: Figure, horizon: float) -> bool:
+    """Whether a chart's time is that of the run, so that the clock's cursor stands where it should."""
+    return isinstance(figure, TimeFigure) and abs(float(figure.t[-1]) - horizon) <= 0.02 * horizon
 
 
 class Chart:
     """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change."""
 
-    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, lecture: bool) -> None:
+    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, lecture: bool, horizon: float) -> None:
         self._language, self._figure = language, figure
+        self._cursor = on_the_clock(figure, horizon)
         self._bold = 1.5 if lecture else 1.0
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
@@ -78,8 +99,8 @@ class Chart:
         return f'<p class="ol-caption" data-figure="{figure.id}">{with_minus(figure.caption(self._language))}</p>'
 
     def _all_series(self, figure: TimeFigure | FrequencyFigure) -> tuple[Any, ...]:
-        mark = "ol-time" if isinstance(figure, TimeFigure) else "ol-frequency"
-        x: dict[str, Any] = {"label": "t" if mark == "ol-time" else "f", "class": "ol-x"}
+        mark = "ol-time" if self._cursor else "ol-still"
+        x: dict[str, Any] = {"label": "t" if isinstance(figure, TimeFigure) else "f", "class": "ol-x"}
         told = [(c.name, c.role, c.dash) for c in figure.curves]
         return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}", self._bold)
                      for k, c in enumerate(figure.curves)))
@@ -113,11 +134,11 @@ class Chart:
             "padding": (10, 14, 0, 0),
         }
 
-    def show(self, figure: Figure, resting: bool) -> None:
+    def show(self, figure: Figure, resting: bool, horizon: float) -> None:
         """Draw the figure's present data."""
         before, self._figure = self._figure, figure
         if isinstance(figure, (TimeFigure, FrequencyFigure)):
-            self._show_plot(figure, before, resting)
+            self._show_plot(figure, before, resting, on_the_clock(figure, horizon))
         elif self._html is not None:
             content = draw(figure, self._language)
             if content != self._html.content:
@@ -126,10 +147,11 @@ class Chart:
         if words != self._caption.content:
             self._caption.content = words
 
-    def _show_plot(self, figure: TimeFigure | FrequencyFigure, before: Figure, resting: bool) -> None:
+    def _show_plot(self, figure: TimeFigure | FrequencyFigure, before: Figure, resting: bool, cursor: bool) -> None:
         assert self._plot is not None and isinstance(before, (TimeFigure, FrequencyFigure))
         wanted = calm_range(figure, self._range, resting)
-        if len(figure.curves) != len(before.curves) or any(
+        turned, self._cursor = cursor != self._cursor, cursor
+        if turned or len(figure.curves) != len(before.curves) or any(
                 (a.name, a.role, a.dash) != (b.name, b.role, b.dash) for a, b in zip(figure.curves, before.curves, strict=True)):
             self._plot.series = self._all_series(figure)
         x = figure.t if isinstance(figure, TimeFigure) else figure.f

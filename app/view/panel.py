@@ -210,9 +210,9 @@ class Panel:
             text, waiting = f'<div class="ol-veil">{phrases.VEILED(lang)}</div>', False
         else:
             said = (phrases.SKIPPED(lang) if state.predicted < 0
-                    else phrases.YOU_PREDICTED.format(LETTERS[state.predicted])(lang))
+                    else phrases.YOU_PREDICTED.format(LETTERS[state.predicted])(lang)) + phrases.SPACE(lang)
             waiting = not state.revealed
-            text = f"{said} {phrases.WATCH_FIRST(lang)}" if waiting else f"{said} {self._outcome(state.predicted)}"
+            text = said + (phrases.WATCH_FIRST(lang) if waiting else self._outcome(state.predicted))
         if self._unveil.visible != waiting:
             self._unveil.visible = waiting
         if self._letters.visible != (state.predicted is None):

@@ -116,7 +116,7 @@ class Screen:
             return
         for figure in picture.figures:
             if figure.id in self._charts:
-                self._charts[figure.id].show(figure, picture.resting)
+                self._charts[figure.id].show(figure, picture.resting, picture.horizon)
 
     def pose(self, t: float) -> None:
         """Stage and cursors at time t."""
@@ -194,7 +194,8 @@ class Screen:
             with panel.add_tab(tab(language)):
                 for figure in picture.figures:
                     if figure.tab == tab:
-                        self._charts[figure.id] = Chart(self._client.gui, figure, language, picture.state.lecture)
+                        self._charts[figure.id] = Chart(self._client.gui, figure, language, picture.state.lecture,
+                                                                      picture.horizon)
 
     def _commands(self, language: str) -> None:
         for command in COMMANDS:

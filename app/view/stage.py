@@ -121,8 +121,9 @@ class StageView:
                                              font_screen_scale=0.75 * size) for i, (words, place) in enumerate(body.labels)]
 
     def _factor(self, body: Body, language: str, size: float) -> None:
-        """How many times motion is exaggerated, beside the plant."""
-        words = phrases.EXAGGERATED.format(body.gain)(language) if body.gain != 1 else ""
+        """How many times motion and arrows are exaggerated, beside the plant."""
+        factors = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
+        words = phrases.AND(language).join(phrase.format(times)(language) for phrase, times in factors if times != 1)
         self._scene.add_label("/factor", words, position=(2.35, -0.6, 0.12), anchor="center-left",
                               font_screen_scale=0.9 * size, visible=bool(words))
 

@@ -22,6 +22,8 @@ SHEET = """
 .ol-figure svg{width:100%%;height:auto;display:block}
 .ol-table{width:100%%;border-collapse:collapse;font-size:calc(.8rem*var(--mantine-scale))}.ol-table caption{font-weight:600;padding:.3rem}
 .ol-table td,.ol-table th{padding:.15rem .4rem;text-align:right;border-top:1px solid #e8ebf0}
+[data-dock-tab]{padding-inline:.6em!important}
+.ol-table th{word-break:keep-all}
 .ol-keys td{text-align:left}.ol-table td:first-child,.ol-table th:first-child{text-align:left}
 .uplot .u-legend{font-size:.78em;margin-top:-.4em}
 .uplot .u-legend .ol-x{display:none}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,13 @@ from . import phrases
 from .style import clock
 
 WRITE_EVERY = 3  # poses between two updates of the time slider
+
+
+def step_of(horizon: float) -> float:
+    """The step of the time slider: a round number, at most a five-hundredth of the run."""
+    finest = horizon / 500
+    decade = 10.0 ** math.floor(math.log10(finest))
+    return max(s * decade for s in (1, 2, 5) if s * decade <= finest * (1 + 1e-9))
 
 
 class Transport:
@@ -32,7 +40,7 @@ class Transport:
                      phrases.FASTER(lang): "faster", phrases.UNDO(lang): "undo", phrases.REDO(lang): "redo",
                      phrases.RESET(lang): "reset", phrases.HELP(lang): "help"}
             self._row = gui.add_button_group("", self._options(picture))
-            self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, self._horizon / 500, 0.0)
+            self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
         panel.float(x=12, y=-12, width=600)
         self._listen(names, post)
@@ -71,6 +79,7 @@ class Transport:
             self._clock.content = clock(picture.state.t, picture.horizon, self._rate, self._caption)
         if longest != self._horizon:
             self._horizon = self._time.max = longest
+            self._time.step = step_of(longest)
         if picture.resting and not picture.state.playing:
             self._write(picture.state.t)
 
@@ -82,5 +91,7 @@ class Transport:
             self._write(t)
 
     def _write(self, t: float) -> None:
-        if abs(self._time.value - t) > 1e-6:
-            self._time.value = float(t)
+        step = self._time.step
+        value = min(round(round(t / step) * step, 9), self._horizon)  # a field of six digits that change cannot be read
+        if abs(self._time.value - value) > 1e-9:
+            self._time.value = value

@@ -162,8 +162,8 @@ def _live(design: Design, o: BilinearObserver, m: dict[str, float]) -> Text:
     if m["pole"] >= 0:
         return Text(f"The observer's pole is {pole}: ε grows and reaches {late}.", f"观测器极点为 {pole}：ε 不断增大，达到 {late}。")
     if m["law_gap"] <= 1e-6:
-        return Text(f"Case {o.case}: one state watches g, and ε dies out as e^({pole} t) under this u.",
-                    f"情形 {o.case}：一个状态便能监视 g，在此 u 下 ε 按 e^({pole} t) 衰减。")
+        return Text(f"Case {o.case}: one state watches g, and ε dies out as e^({pole}t) under this u.",
+                    f"情形 {o.case}：一个状态便能监视 g，在此 u 下 ε 按 e^({pole}t) 衰减。")
     return Text(f"The pole is {pole}, but something still drives ε: it ends at {late}.",
                 f"极点为 {pole}，但仍有东西在激励 ε：末段为 {late}。")
 

@@ -33,7 +33,7 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
 def _functional(outcome: Outcome, run: Watch) -> TimeFigure:
     guess = run.estimates[:, form_index(outcome.design)]
     met = outcome.metrics["settled_after"]
-    caption = (Text(f"ĝ stays within 2 % of its first error of g after {met:.3f} s.",
+    caption = (Text(f"After {met:.3f} s the error of ĝ stays below 2 % of what it was at first.",
                     f"{met:.3f} s 之后，ĝ 与 g 之差一直小于初始误差的 2 %。") if met <= HORIZON
                else Text("Within this run ĝ does not settle on g.", "在本次运行中，ĝ 没有收敛到 g。"))
     return TimeFigure("functional", Text("the number wanted, g = K x", "要监视的量 g = K x"), run.t,
@@ -45,14 +45,14 @@ def _error(outcome: Outcome, run: Watch) -> TimeFigure:
     m = outcome.metrics
     pole = words(np.array([m["pole"]]), 2)
     if m["law_gap"] <= 1e-6:
-        caption = Text(f"|ε| follows e^({pole} t) to within {m['law_gap']:.0e} of its peak, whatever u does.",
-                       f"无论 u 怎样变化，|ε| 都按 e^({pole} t) 变化，相对峰值的偏差仅 {m['law_gap']:.0e}。")
+        caption = Text(f"|ε| follows e^({pole}t) to within {m['law_gap']:.0e} of its peak, whatever u does.",
+                       f"无论 u 怎样变化，|ε| 都按 e^({pole}t) 变化，相对峰值的偏差仅 {m['law_gap']:.0e}。")
     else:
-        caption = Text(f"|ε| leaves the line e^({pole} t): in the last tenth of the run it is up to {m['late_error']:.2g}.",
-                       f"|ε| 偏离了 e^({pole} t)：在运行的最后十分之一，它仍达 {m['late_error']:.2g}。")
+        caption = Text(f"|ε| leaves the line e^({pole}t): in the last tenth of the run it is up to {m['late_error']:.2g}.",
+                       f"|ε| 偏离了 e^({pole}t)：在运行的最后十分之一，它仍达 {m['late_error']:.2g}。")
     return TimeFigure("error", Text("error ε = ĝ − g", "误差 ε = ĝ − g"), run.t,
                       (Curve(same("|ε|"), np.abs(run.errors[:, form_index(outcome.design)]), "error"),
-                       Curve(Text(f"e^({pole} t)", f"e^({pole} t)"), np.abs(run.law), "reference", "dash", 1.6)), "|ε|",
+                       Curve(Text(f"e^({pole}t)", f"e^({pole}t)"), np.abs(run.law), "reference", "dash", 1.6)), "|ε|",
                       log=True, window=(1e-6, 10.0), tab=TIME_TAB, caption=caption)
 
 
@@ -112,9 +112,9 @@ def _forms(run: Watch) -> TimeFigure:
                    for name, size, style in zip(FORM_NAMES, run.errors.T, styles, strict=True))
     return TimeFigure("forms", Text("|ε| of the three ways to run it", "三种实现的 |ε|"), run.t, curves, "|ε|", log=True,
                       window=(1e-6, 10.0), tab=FORMS_TAB, caption=Text(
-                          f"In the second half of the run the error is up to {late[0]:.1e} without ẏ, {late[1]:.1e} with the "
-                          f"true ẏ and {late[2]:.1e} with a differentiator.",
-                          f"在运行的后一半，误差最多为：不用 ẏ {late[0]:.1e}，用真实的 ẏ {late[1]:.1e}，用微分器 {late[2]:.1e}。"))
+                          f"In the second half of the run the error is up to {late[0]:.2g} without ẏ, {late[1]:.2g} with the "
+                          f"true ẏ and {late[2]:.2g} with a differentiator.",
+                          f"在运行的后一半，误差最多为：不用 ẏ {late[0]:.2g}，用真实的 ẏ {late[1]:.2g}，用微分器 {late[2]:.2g}。"))
 
 
 def _fed(run: Watch, tau: float) -> TimeFigure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from app.figures import Figure
 from app.knobs import Choice, Number, Poles, Switch
 from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome, Stage
 from app.plants import platform_siso as siso
-from app.plants.body import Arrow
+from app.plants.body import with_longer_arrows
 from app.plants.platform_channels import HORIZONTAL
 from app.prose import read_prose
 from app.words import Text
@@ -56,14 +56,9 @@ CONTROL_LOW, CONTROL_HIGH, CONTROL_IM = -40.0, 5.0, 25.0
 OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
 FORCE_ARROWS = 100.0  # times that coil forces are drawn larger: millinewtons here
 
-
-def _arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
-    return MODEL.body.arrows(x, [FORCE_ARROWS * v for v in u[:3]] + list(u[3:]), gain)
-
-
-BODY = replace(MODEL.body, gain=4000.0, arrows=_arrows, caption=Text(  # micrometres here, not millimetres
-    "Solid: with control. Ghost: the same platform without control. Orange: the ground's motion",
-    "实体：有控制。半透明：同一平台无控制。橙色：地面运动"))
+BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, caption=Text(  # micrometres here
+    "Solid: with control. Ghost: the same platform without control. Green: coil forces. Orange: the ground's motion",
+    "实体：有控制。虚影：同一平台无控制。绿色：线圈的力。橙色：地面运动"))
 
 KNOBS = (
     Choice("vertical", "", Text("vertical loop", "竖直回路"), default=PUBLISHED,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import Plant, frequency_response, polynomial_roots
-from app.figures import Curve, Figure, FrequencyFigure, MapFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.figures import FLOOR, Curve, Figure, FrequencyFigure, MapFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson import Outcome
 from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y
@@ -26,7 +26,7 @@ from .loops import (
 SPECTRA_TAB, CHANNEL_TAB = Text("Spectra", "频谱"), Text("Channels", "通道")
 LOOP_TAB, TIME_TAB, FORCE_TAB = Text("Controllers", "控制器"), Text("Time", "时间"), Text("Forces", "控制力")
 NANO = 1e9
-LOW, HIGH = 1e-3, 1e7  # nm/s/√Hz: what is beyond is drawn at the edge
+LOW, HIGH = 1e-9, 1e7  # nm/s/√Hz
 BARE, CLOSED, SENSOR = Text("no control", "无控制"), Text("closed", "闭环"), Text("sensor noise", "传感器噪声")
 VERTICAL, ROTATION, HORIZONTAL = (Text("vertical", "竖直平动"), Text("rotation", "俯仰转动"), Text("horizontal", "水平平动"))
 DOWN = ((Text("down 10 dB or more", "降低 10 dB 以上"), "force"), (Text("down 3 to 10 dB", "降低 3～10 dB"), "second"),
@@ -58,7 +58,7 @@ def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigu
                Text(f"Peak in 0.1–10 Hz up by {-gain:.1f} dB.", f"0.1～10 Hz 内峰值升高 {-gain:.1f} dB。"))
     return FrequencyFigure(f"spectrum-{name}", Text(f"{title.en} velocity", f"{title.zh}速度"), s.f,
                            (Curve(BARE, _nano(s.bare[:, i]), "muted"), Curve(CLOSED, _nano(s.closed[:, i]), "plant"),
-                            Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "nm/s/√Hz", caption=caption,
+                            Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "[nm/s/√Hz]", caption=caption,
                            tab=SPECTRA_TAB, window=(1.0, 1e6))
 
 
@@ -74,7 +74,7 @@ def _dominance(outcome: Outcome) -> FrequencyFigure:
               Curve(Text("into horizontal", "进入水平通道"), np.clip(rows[:, 1], 1e-4, 1e3), "estimate", "dash"),
               Curve(Text("equal to the diagonal", "与对角元相等"), np.ones(len(CHANNELS)), "reference", "dot", 1.4)]
     return FrequencyFigure("dominance", Text("off the diagonal over on it, by row", "各行非对角元与对角元之比"), CHANNELS,
-                           tuple(curves), "|gᵢⱼ/gᵢᵢ|", tab=CHANNEL_TAB, window=(1e-3, 1e2),
+                           tuple(curves), "|off| / |on|", tab=CHANNEL_TAB, window=(1e-3, 1e2),
                            caption=Text(f"Dominance is lost on {100 * lost:.0f} % of the decades from 0.1 to 10 Hz; vertical "
                                         "is decoupled exactly.",
                                         f"0.1～10 Hz（对数刻度）内有 {100 * lost:.0f} % 失去对角占优；竖直通道完全解耦。"))
@@ -130,14 +130,15 @@ def _magnitudes(outcome: Outcome) -> FrequencyFigure:
     for name, role, dash, plant in ((Text("vertical", "竖直"), "plant", "solid", built.vertical),
                                     (Text("horizontal", "水平"), "estimate", "dash", built.horizontal),
                                     (Text("rotation", "转动"), "force", "dot", built.rotation)):
-        size = np.zeros(len(CONTROLLER_SWEEP)) if plant is None else _size(plant)
-        curves.append(Curve(name, np.clip(size, 1.0, 1e8), role, dash))  # type: ignore[arg-type]
+        size = np.zeros(len(CONTROLLER_SWEEP)) if plant is None else _size(plant)  # nothing is drawn of a loop that is open
+        words = name if plant is not None else Text(f"{name.en} (open)", f"{name.zh}（开环）")
+        curves.append(Curve(words, np.clip(size, FLOOR, 1e8), role, dash))  # type: ignore[arg-type]
     phase = _phase(built.vertical)
     caption = (Text("The vertical channel is open.", "竖直通道开环。") if phase is None else
                Text(f"Between 0.1 and 10 Hz the vertical controller's phase strays from −180° by at most {phase:.2g}°.",
                     f"0.1～10 Hz 内，竖直控制器的相位偏离 −180° 最多 {phase:.2g}°。"))
     return FrequencyFigure("controllers", Text("size of the three controllers", "三个控制器的幅频"), CONTROLLER_SWEEP,
-                           tuple(curves), "N s/m", caption=caption, tab=LOOP_TAB, window=(1e2, 1e6))
+                           tuple(curves), "|C| [N s/m]", caption=caption, tab=LOOP_TAB, window=(1e2, 1e6))
 
 
 def _size(plant: Plant) -> np.ndarray:
@@ -208,7 +209,7 @@ def _velocity(outcome: Outcome, i: int, name: str, title: Text) -> TimeFigure:
     now, bare = run.x @ row, run.bare @ row
     size, without = float(np.std(now)), float(np.std(bare))
     return TimeFigure(f"velocity-{name}", Text(f"{title.en} velocity", f"{title.zh}速度"), run.t,
-                      (Curve(BARE, bare, "muted"), Curve(CLOSED, np.clip(now, -1e4, 1e4), "plant")), "µm/s", tab=TIME_TAB,
+                      (Curve(BARE, bare, "muted"), Curve(CLOSED, np.clip(now, -1e4, 1e4), "plant")), "[µm/s]", tab=TIME_TAB,
                       caption=Text(f"Root mean square {size:.2g} µm/s, without control {without:.2g} µm/s.",
                                    f"均方根 {size:.2g} µm/s，无控制时 {without:.2g} µm/s。"))
 
@@ -221,7 +222,7 @@ def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
     curves = tuple(Curve(n, size[:, j], role, dash)  # type: ignore[arg-type]
                    for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
                                                            strict=True)))
-    return FrequencyFigure("force-spectrum", Text("forces asked of the coils", "线圈出力的频谱"), s.f, curves, "mN/√Hz",
+    return FrequencyFigure("force-spectrum", Text("forces asked of the coils", "线圈出力的频谱"), s.f, curves, "[mN/√Hz]",
                            tab=FORCE_TAB, window=(1e-2, 10.0),
                            caption=Text(f"Largest between 0.1 and 10 Hz: {float(size[inside].max()):.3g} mN/√Hz.",
                                         f"0.1～10 Hz 内最大 {float(size[inside].max()):.3g} mN/√Hz。"))
@@ -234,7 +235,7 @@ def _forces(outcome: Outcome) -> TimeFigure:
     curves = tuple(Curve(n, u[:, j], role, dash)  # type: ignore[arg-type]
                    for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
                                                            strict=True)))
-    return TimeFigure("forces", Text("forces on the shaking ground", "地面振动下的控制力"), run.t, curves, "mN", tab=FORCE_TAB,
+    return TimeFigure("forces", Text("forces on the shaking ground", "地面振动下的控制力"), run.t, curves, "[mN]", tab=FORCE_TAB,
                       caption=Text(f"Largest force: {float(np.abs(u).max()):.3g} mN.",
                                    f"最大控制力：{float(np.abs(u).max()):.3g} mN。") if outcome.design["mix"] == NONE else
                       Text(f"Largest force: {float(np.abs(u).max()):.3g} mN, after the mixing.",

@@ -22,7 +22,7 @@ LAW_TAB = Text("Laws", "非线性规律")
 REPORT_TAB = Text("Algorithm 3", "算法 3")
 LOOKS = ((KF, "second", "dot"), (EKF, "estimate", "dash"), (UKF, "force", "solid"))
 FLOOR, CEILING = 1e-3, 1e9
-SHOWN_ERROR = 250.0  # m, largest error of the altitude that is drawn
+SHOWN_ERROR = 980.0  # m, largest error of the altitude that is drawn
 
 
 def name_of(filter_: str) -> Text:
@@ -210,7 +210,7 @@ def _second_law(outcome: Outcome) -> PlaneFigure:
                                                       "摆杆放平时，小车的力不再能使它转动。"), (0.0, 1.6))
     h = np.linspace(0, 95, 96)
     air = np.exp(-falling_body.PARAMETERS.density * 1e3 * h)
-    return _plane("law2", Text("density of the air", "空气密度"), "h [km]", "", h, air, np.full_like(h, air[-1]), None,
+    return _plane("law2", Text("density of the air", "空气密度"), "h [km]", "ρ/ρ₀", h, air, np.full_like(h, air[-1]), None,
                   Text("Above 60 km there is nothing to feel: β stays unknown until the air takes hold, then all at once.",
                        "60 km 以上几乎没有空气：β 无从得知，直到空气开始起作用，才突然显现。"), (0.0, 1.0))
 

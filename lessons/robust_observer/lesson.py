@@ -64,7 +64,7 @@ def weight_knobs() -> tuple[Number, ...]:
 
 
 KNOBS = (
-    Choice("example", "", Text("plant", "对象"), default=ONE,
+    Choice("example", "", Text("example", "算例"), default=ONE,
            options=((ONE, Text("Example 1: two states", "例 1：两个状态")), (TWO, Text("Example 2: three states", "例 2：三个状态"))),
            hint=Text("The two plants of the paper, each with its gain K.", "论文中的两个对象，各带一个反馈增益 K。")),
     Poles("pole", "s", Text("Observer pole", "观测器极点"), "rad/s", default=(-5 + 0j,), re_low=RE_LOW, re_high=RE_HIGH,

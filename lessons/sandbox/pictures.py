@@ -19,6 +19,7 @@ VERDICT_TAB, STRUCTURE_TAB, LOOP_TAB = Text("Verdicts", "结论"), Text("Structu
 NOISE_TAB, ROBUST_TAB = Text("Noise", "噪声"), Text("Robustness", "鲁棒性")
 LOWEST = -17.0  # decades: what is smaller is drawn here
 MOST_MODES = 10  # rows of the table of modes
+RIGHT = 0.05  # a filter whose NIS is this near to its due on average is right, whatever one record says
 CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 YES, NO, MUTE = Text("● yes", "● 是"), Text("○ no", "○ 否"), Text("— not here", "— 不适用")
 T = TypeVar("T")
@@ -232,6 +233,8 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
     said = {"consistent": ("as it should be", "符合预期"),
             "overconfident": ("above it, as with a filter that trusts its model too much", "偏大，像是滤波器过于相信模型"),
             "cautious": ("below it, as with a filter that doubts too much", "偏小，像是滤波器过于怀疑模型")}[test.verdict]
+    if test.verdict != "consistent" and abs(found.expected / outputs - 1) < RIGHT:
+        said = ("outside it by chance, as one record in twenty is", "偶然落在范围之外，二十次记录中约有一次如此")
     return TimeFigure("nis", title, found.t, (Curve(Text("NIS", "NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
                                               Curve(same(f"{outputs}"), np.full(n, float(outputs)), "reference", "dash", 1.4),
                                               Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),

@@ -11,6 +11,7 @@ from app.engine import ResponseMeasures
 from app.knobs import Choice, Number, Switch
 from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import platform
+from app.plants.body import with_longer_arrows
 from app.prose import read_prose
 from app.words import Text
 
@@ -36,7 +37,10 @@ from .world import (
 )
 
 GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
-BODY = replace(platform.body(), gain=GAIN)
+FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
+BODY = replace(with_longer_arrows(platform.body(), FORCE_ARROWS, 3), gain=GAIN, caption=Text(
+    "Solid: with the controller chosen. Ghost: the same platform without control. Green: coil forces",
+    "实体：由所选控制器控制。虚影：同一平台无控制。绿色：线圈的力"))
 WORK = (0.1, 10.0)  # Hz: the report's working band
 REAL = Text("Real life", "实际因素")
 
@@ -48,7 +52,7 @@ def _error(name: str, symbol: str, label: Text, unit: str, high: float, hint: Te
 KNOBS = (
     Choice("play", "", Text("on the stage", "场景中的控制器"), default=LQE,
            options=tuple(zip(ORDER, NAMES, strict=True)),
-           hint=Text("The solid deck is steered by this controller, the ghost by nobody; both feel the same ground.",
+           hint=Text("The solid deck is under this controller, the ghost under none; both feel the same ground.",
                      "实体平台由它控制，虚影无控制；二者的地面扰动相同。")),
     Number("v", "V", Text("believed noise V", "设定的噪声 V"), "(m/s)² s", low=1e-18, high=1e-7,
            default=1e-10, scale="log", hint=Text("The intensity V in the design of all three LQGs.", "三个 LQG 设计时所用的强度 V。")),

@@ -14,7 +14,7 @@ from .players import DECOUPLED, LQE, NAMES, ORDER, gain_gap
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = Text("Channels", "通道"), Text("Sensors", "传感器"), Text("Inputs", "输入")
 TIME_TAB, RUN_TAB = Text("Test", "时域试验"), Text("Stage", "场景运行")
-SCORE_TAB, TRIAL_TAB = Text("Scores", "成绩"), Text("Trials", "试验")
+SCORE_TAB, TRIAL_TAB = Text("Scores", "成绩"), Text("Trials", "批量试验")
 CHANNELS = (("vertical", Text("vertical", "竖直平动"), "µm/s"), ("rotation", Text("rotation, (VL − VR)/2", "转动，(VL − VR)/2"), "µm/s"),
             ("horizontal", Text("horizontal", "水平平动"), "µm/s"))
 HEADS = (Text("vertical", "竖直"), Text("rotation", "转动"), Text("horizontal", "水平"))
@@ -22,6 +22,7 @@ LOOKS: tuple[tuple[str, Dash], ...] = (
     ("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"),
 )
 SHORT = (Text("none", "无控制"), Text("SISO", "SISO 回路"), Text("LQE", "LQE"), Text("recursive", "递推"), Text("decoupled", "解耦"))
+APART = "\N{NO-BREAK SPACE}·\N{NO-BREAK SPACE}"  # between the three numbers of one cell, which must not part at a line's end
 SPLIT = Text(
     "Cells: vertical, rotation, horizontal.", "单元格依次为：竖直、转动、水平。")
 
@@ -84,7 +85,7 @@ def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
     key, name, _ = CHANNELS[j]
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
     said, sagt = _each(m, [f"{db:.1f}" for db in m.band_db[:, j]])
-    return FrequencyFigure(f"channel_{key}", Text(f"velocity: {name.en}", f"速度：{name.zh}"), m.f, tuple(curves), "(µm/s)²/Hz",
+    return FrequencyFigure(f"channel_{key}", Text(f"velocity: {name.en}", f"速度：{name.zh}"), m.f, tuple(curves), "[(µm/s)²/Hz]",
                            Text(f"Suppression over 0.5–3 Hz in dB: {said}.", f"0.5–3 Hz 内的抑制（dB）：{sagt}。"), CHANNEL_TAB,
                            _window(curves))
 
@@ -100,9 +101,10 @@ def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
     else:
         before, now = (float(m.spectra[k].density[:, column].max()) for k in (0, i))
         down = f"{10 * np.log10(before / now):.1f} dB"
-        said = Text(f"The highest point is {down} lower than without control.", f"最高点比无控制时低 {down}。")
+        said = Text(f"{NAMES[i].en}: the highest point is {down} lower than without control.",
+                    f"{NAMES[i].zh}：最高点比无控制时低 {down}。")
     return FrequencyFigure(f"sensor_{key}", Text(f"true velocity at {name.en}", f"真实速度：{name.zh}"), m.f, tuple(curves),
-                           "(µm/s)²/Hz", said, SENSOR_TAB, _window(curves))
+                           "[(µm/s)²/Hz]", said, SENSOR_TAB, _window(curves))
 
 
 def _input(outcome: Outcome, j: int) -> FrequencyFigure:
@@ -110,7 +112,7 @@ def _input(outcome: Outcome, j: int) -> FrequencyFigure:
     name = (Text("left vertical coil u1", "左竖直线圈 u1"), same(""), Text("horizontal coil u3", "水平线圈 u3"))[j]
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
     said, sagt = _each(m, [f"{1e3 * v:.3g}" for v in m.forces[:, j]])
-    return FrequencyFigure(f"input_{j}", Text(f"command: {name.en}", f"指令：{name.zh}"), m.f, tuple(curves), "mN²/Hz",
+    return FrequencyFigure(f"input_{j}", Text(f"command: {name.en}", f"指令：{name.zh}"), m.f, tuple(curves), "[mN²/Hz]",
                            Text(f"RMS in mN: {said}.", f"均方根（mN）：{sagt}。"), INPUT_TAB, _window(curves))
 
 
@@ -146,7 +148,7 @@ def _test(outcome: Outcome, j: int) -> TimeFigure:
     en = ", ".join(f"{n.en} {p.en}" for n, p in zip(SHORT[1:], parts, strict=True))
     zh = "，".join(f"{n.zh} {p.zh}" for n, p in zip(SHORT[1:], parts, strict=True))
     return TimeFigure(f"test_{key}", Text(f"velocity after the test: {name.en}", f"试验后的速度：{name.zh}"), t[seen],
-                      tuple(curves), f"[{unit}]", caption=Text(f"Recovered, to 5 % of the peak without control: {en}.",
+                      tuple(curves), f"v [{unit}]", caption=Text(f"Recovered, to 5 % of the peak without control: {en}.",
                                                                   f"恢复到无控制峰值 5 % 以内：{zh}。"),
                       tab=TIME_TAB, window=(-high, high))
 
@@ -166,7 +168,7 @@ def _stage_velocity(outcome: Outcome) -> TimeFigure:
     sizes = float(np.std(v[late])), float(np.std(ghost[late]))
     return TimeFigure("stage_velocity", Text("vertical velocity of the run on the stage", "场景中运行的竖直速度"), t,
                       (Curve(Text("with the controller", "有控制"), v),
-                       Curve(Text("nobody steers", "无控制"), ghost, "estimate", "dash", 1.6)), "[µm/s]",
+                       Curve(Text("without control", "无控制"), ghost, "estimate", "dash", 1.6)), "v [µm/s]",
                       caption=Text(f"Test at 0.4 s. After 1 s: {sizes[0]:.3g} µm/s RMS, {sizes[1]:.3g} µm/s without control.",
                                    f"0.4 s 时施加试验。1 s 之后均方根 {sizes[0]:.3g} µm/s，无控制时 {sizes[1]:.3g} µm/s。"),
                       tab=RUN_TAB, window=(-500.0, 500.0))
@@ -177,7 +179,7 @@ def _stage_force(outcome: Outcome) -> TimeFigure:
     peak = 1e3 * float(np.abs(u).max())
     return TimeFigure("stage_force", Text("coil commands of this run", "这次运行的线圈指令"), t,
                       (Curve(Text("left vertical u1", "左竖直 u1"), 1e3 * u[:, 0], "force", "solid", 1.6),
-                       Curve(Text("horizontal u3", "水平 u3"), 1e3 * u[:, 2], "disturbance", "solid", 1.0)), "[mN]",
+                       Curve(Text("horizontal u3", "水平 u3"), 1e3 * u[:, 2], "disturbance", "solid", 1.0)), "u [mN]",
                       caption=Text(f"Largest command {peak:.3g} mN.", f"最大指令 {peak:.3g} mN。"), tab=RUN_TAB,
                       window=(-20.0, 20.0))
 
@@ -186,7 +188,7 @@ def _stage_force(outcome: Outcome) -> TimeFigure:
 def _cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
     if not stable:
         return Text("unstable", "不稳定")
-    return " · ".join(f"{v:{form}}".replace("-", "−") for v in values)
+    return APART.join(f"{v:{form}}".replace("-", "−") for v in values)
 
 
 def _suppression(outcome: Outcome) -> TableFigure:
@@ -197,8 +199,9 @@ def _suppression(outcome: Outcome) -> TableFigure:
     return TableFigure("suppression", Text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area",
                                            "0.5–3 Hz 抑制（dB）：峰值 / 面积"),
                        (Text("controller", "控制器"), *HEADS), rows, tab=SCORE_TAB,
-                       caption=Text(f"By area: vertical {NAMES[best[0]].en}, rotation {NAMES[best[1]].en}, horizontal {NAMES[best[2]].en}.",
-                                    f"按面积最好者：竖直 {NAMES[best[0]].zh}，转动 {NAMES[best[1]].zh}，水平 {NAMES[best[2]].zh}。"))
+                       caption=Text(f"Best by area: {SHORT[best[0]].en} vertically, {SHORT[best[1]].en} in rotation, "
+                                    f"{SHORT[best[2]].en} horizontally.",
+                                    f"按面积最好者：竖直 {SHORT[best[0]].zh}，转动 {SHORT[best[1]].zh}，水平 {SHORT[best[2]].zh}。"))
 
 
 def _sizes(outcome: Outcome) -> TableFigure:
@@ -220,8 +223,8 @@ def _times(outcome: Outcome) -> TableFigure:
         if measured is None:
             rows.append((SHORT[i], Text("unstable", "不稳定"), "–", "–", "–"))
             continue
-        times = " · ".join("> 12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
-        over = " · ".join(f"{100 * part.overshoot:.0f}" for part in measured)
+        times = APART.join(">12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
+        over = APART.join(f"{100 * part.overshoot:.0f}" for part in measured)
         rows.append((SHORT[i], times, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.4g}"))
     return TableFigure("times", Text("the test in time", "时域指标"),
                        (Text("controller", "控制器"), Text("recovery [s]", "恢复时间 [s]"), Text("overshoot [%]", "超调 [%]"),

@@ -31,7 +31,7 @@ __all__ = ["BAND", "DT", "RUN", "Analysis", "Response", "World", "analyse", "ban
 BAND = (0.5, 3.0)  # Hz: the main resonance band
 FINE, STRIDE, LAST = 200, 40, 12_000  # samples: one by one at first, then every 40th, up to 12 s
 PART = 500  # samples of a clipped response between two looks whether the rest is linear
-RUN, TOUCH = 2400, 400  # samples of the noisy run, and when the deck is touched in it
+RUN, TOUCH = 2401, 400  # samples of the noisy run, and when the deck is touched in it
 # A touch of the deck: jumps of the velocities of x, z, θ and of the test masses that ride along.
 PUSH = np.array([0, 0, 0, 0, 0, 2e-4, -2e-4, 1e-3, -2e-4 - 1e-3 * platform.Parameters.s, -2e-4 + 1e-3 * platform.Parameters.s])
 STEP = np.array([2e-5, 2e-5])  # m: the ground rises and moves aside

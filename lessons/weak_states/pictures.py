@@ -17,6 +17,8 @@ from .system import STATES, closed_forms, relative
 
 RANK_TAB, HANKEL_TAB = Text("Rank", "秩"), Text("Hankel values", "Hankel 奇异值")
 MOTION_TAB, LQG_TAB = Text("Motions", "运动"), Text("LQG", "LQG")
+NOTHING_CUT = Text("All ten states are kept: there is only one design. Keep fewer and compare.",
+                   "十个状态全部保留，只有一种设计；减少保留的状态再比较。")
 LEAST = 1e-11  # drawn in place of zero on a logarithmic axis
 TOLERANCES = np.linspace(-18.0, 0.0, 145)  # log₁₀
 SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -30,7 +32,7 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
 
 def sigmas(pair: int) -> str:
     """σ₁, σ₂ of the first pair, and so on; pair counts from 0."""
-    return f"σ{2 * pair + 1}, σ{2 * pair + 2}".translate(SUBSCRIPTS)
+    return f"σ{2 * pair + 1},\N{NO-BREAK SPACE}σ{2 * pair + 2}".translate(SUBSCRIPTS)
 
 
 def show(value: float, digits: int = 3) -> str:
@@ -52,7 +54,7 @@ def _sizes(outcome: Outcome) -> PlaneFigure:
     low, high = min(reached[-1], seen[-1], level), max(reached[0], seen[0], level)
     return PlaneFigure(
         "sizes", Text("singular values of both matrices", "两个矩阵的奇异值"), curves, tuple(points), "k",
-        "log₁₀(σ/σ₁)" if against else "log₁₀ σ", (0.5, STATES + 0.5), (float(low - 1), float(high + 0.32 * (high - low) + 1)),
+        "log₁₀(σ/σ₁)" if against else "log₁₀ σ", (0.5, STATES + 0.5), (float(low - 1), float(high + 1)),
         tab=RANK_TAB,
         caption=Text(f"Time in units of {show(r.clock)} s: smallest over largest {show(r.reached[-1] / r.reached[0], 2)} and "
                      f"{show(r.seen[-1] / r.seen[0], 2)}.",
@@ -73,7 +75,7 @@ def _ranks(outcome: Outcome) -> PlaneFigure:
               for rank, role in zip(now, ("force", "estimate"), strict=True)]
     return PlaneFigure(
         "ranks", Text("rank against tolerance", "秩随容差的变化"), tuple(curves), tuple(points),
-        "log₁₀ τ", "rank", (-18.0, 0.0), (0.0, 16.0), tab=RANK_TAB,
+        "log₁₀ τ", "rank", (-18.0, 0.0), (0.0, 11.5), tab=RANK_TAB,
         caption=Text(f"At this tolerance: rank {now[0]} of controllability, {now[1]} of observability, of {STATES}.",
                      f"在此容差下：能控性矩阵的秩为 {now[0]}，能观性矩阵的秩为 {now[1]}（共 {STATES}）。"))
 
@@ -101,7 +103,7 @@ def _staircase(outcome: Outcome) -> PlaneFigure:
     widest = int(np.argmax(ratio))
     return PlaneFigure(
         "staircase", Text("Hankel singular values", "Hankel 奇异值"), tuple(curves), tuple(points), "i", "log₁₀ σ",
-        (0.3, STATES + 0.7), (floor, 6.0), tab=HANKEL_TAB,
+        (0.3, STATES + 0.7), (floor, 4.0), tab=HANKEL_TAB,
         caption=Text(f"The widest gap, a factor of {ratio[widest]:.0f}, lies after {widest + 1}; after 8 it is {ratio[7]:.0f}. "
                      "Dots: the pair on the stage.",
                      f"最大的落差在第 {widest + 1} 个之后，为 {ratio[widest]:.0f} 倍；第 8 个之后为 {ratio[7]:.0f} 倍。"
@@ -142,7 +144,8 @@ def _motions(outcome: Outcome) -> TableFigure:
     for k, motion in enumerate(s.motions):
         held = share(s, motion, order)
         word = Text("yes", "是") if held > 0.9 else Text("no", "否") if held < 0.1 else Text("in part", "部分")
-        rows.append((("▶ " if k == pair else "") + sigmas(k), motion.name, f"{motion.frequency:.3g}", f"{100 * motion.damping:.2f}",
+        mark = "▶\N{NO-BREAK SPACE}" if k == pair else ""
+        rows.append((mark + sigmas(k), motion.name, f"{motion.frequency:.3g}", f"{100 * motion.damping:.2f}",
                      show(motion.strength), show(s.hankel[2 * k]), word))
     return TableFigure(
         "motions", Text("five motions, ten states", "五种运动，十个状态"),
@@ -172,35 +175,38 @@ def _spectrum(outcome: Outcome) -> FrequencyFigure:
     curves = [Curve(Text("without control", "无控制"), 1e12 * c.free[:, 0], "muted", width=1.4)]
     if c.full.densities is not None:
         curves.append(Curve(Text("LQG on 10 states", "基于 10 个状态的 LQG"), 1e12 * c.full.densities[:, 0], "plant"))
-    if c.small.densities is not None:
+    if c.small.densities is not None and order < STATES:
         curves.append(Curve(Text(f"LQG on {order}", f"基于 {order} 个状态的 LQG"), 1e12 * c.small.densities[:, 0], "estimate", "dash"))
-    said = (Text(f"The two loops differ by {show(100 * c.gap, 2)} % at most, in any output and at any frequency.",
+    said = (NOTHING_CUT if order == STATES else
+            Text(f"The two loops differ by {show(100 * c.gap, 2)} % at most, in any output and at any frequency.",
                  f"两个闭环在任何输出、任何频率上最多相差 {show(100 * c.gap, 2)} %。") if c.gap is not None else
             Text(f"The loop with {order} states is unstable on the platform: rightmost pole {show(c.small.rightmost, 2)}.",
                  f"基于 {order} 个状态的控制器使平台失稳：最右极点的实部为 {show(c.small.rightmost, 2)}。"))
     return FrequencyFigure("spectrum", Text("velocity VL under ground noise", "地面噪声下的速度 VL"), f,
                            tuple(Curve(k.name, np.maximum(k.y, LEAST), k.role, k.dash, k.width) for k in curves),
-                           "(µm/s)²/Hz", tab=LQG_TAB, window=(1e-6, 1e6), caption=said)
+                           "[(µm/s)²/Hz]", tab=LQG_TAB, window=(1e-6, 1e6), caption=said)
 
 
 def _gains(outcome: Outcome) -> PlaneFigure:
     c, order = outcome.extra.compared, outcome.extra.cut.order
     index = np.arange(1.0, PAIRS + 1)
     curves, lowest = [], -10.0
-    for K, name, role, offset in ((c.full.K, Text("K on 10 states", "10 个状态的 K"), "plant", -0.3),
-                                  (c.small.K, Text(f"K on {order}", f"{order} 个状态的 K"), "estimate", -0.1),
-                                  (c.full.L, Text("L on 10 states", "10 个状态的 L"), "second", 0.1),
-                                  (c.small.L, Text(f"L on {order}", f"{order} 个状态的 L"), "disturbance", 0.3)):
+    bars = ((c.full.K, Text("K on 10 states", "10 个状态的 K"), "plant", -0.3),
+            (c.small.K, Text(f"K on {order}", f"{order} 个状态的 K"), "estimate", -0.1),
+            (c.full.L, Text("L on 10 states", "10 个状态的 L"), "second", 0.1),
+            (c.small.L, Text(f"L on {order}", f"{order} 个状态的 L"), "disturbance", 0.3))
+    for K, name, role, offset in bars if order < STATES else bars[::2]:
         some = K > 0
         x, y = _bars(index[some] + offset, np.log10(np.maximum(K[some], 1e-10)), lowest, 0.09)
         curves.append(Curve(name, y, role, x=x, width=2.2))
     return PlaneFigure(
         "gains", Text("gains on the k-th pair of balanced states", "第 k 对平衡状态上的增益"), tuple(curves), (), "k",
-        "log₁₀ ‖·‖", (0.4, PAIRS + 0.6), (lowest, 20.0), tab=LQG_TAB,
-        caption=Text(f"On 10 states ‖K‖ is {show(100 * c.growth, 2)} % larger than on {order}; the last pair's share of it is "
-                     f"{show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)}.",
-                     f"10 个状态时 K 的范数比 {order} 个状态时大 {show(100 * c.growth, 2)} %；最后一对在其中占 "
-                     f"{show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)}。"))
+        "log₁₀ ‖·‖", (0.4, PAIRS + 0.6), (lowest, 10.0), tab=LQG_TAB,
+        caption=NOTHING_CUT if order == STATES else
+        Text(f"On 10 states ‖K‖ is {show(100 * c.growth, 2)} % larger than on {order}; the last pair's share of it is "
+             f"{show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)}.",
+             f"10 个状态时 K 的范数比 {order} 个状态时大 {show(100 * c.growth, 2)} %；最后一对在其中占 "
+             f"{show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)}。"))
 
 
 def _costs(outcome: Outcome) -> TableFigure:
@@ -212,7 +218,8 @@ def _costs(outcome: Outcome) -> TableFigure:
     rows = ((Text("cost on the platform", "在平台上的代价"), cell(c.full.cost), cell(c.small.cost)),
             (Text("force, rms [N]", "力的均方根 [N]"), cell(c.full.force), cell(c.small.force)),
             (Text("rightmost pole [rad/s]", "最右极点 [rad/s]"), cell(c.full.rightmost, 3), cell(c.small.rightmost, 3)))
-    said = (Text("An unstable loop has no average cost.", "不稳定的闭环没有平均代价。") if c.extra is None else
+    said = (NOTHING_CUT if order == STATES else
+            Text("An unstable loop has no average cost.", "不稳定的闭环没有平均代价。") if c.extra is None else
             Text("Leaving the states out costs nothing that one could measure.", "舍去这些状态，代价没有可察觉的增加。")
             if c.extra < 1e-7 else
             Text(f"Leaving states out costs {show(100 * c.extra, 2)} % more.", f"舍去状态使代价增加 {show(100 * c.extra, 2)} %。"))

@@ -10,6 +10,7 @@ from scipy.signal import welch
 
 from app.engine import Plant, frequency_response, simulate
 from app.engine.scenario import Scenario
+from app.figures import axis_range
 from app.lesson import Outcome
 from app.plants import platform
 from app.plants.platform_channels import T_y
@@ -171,3 +172,9 @@ def test_the_exam_answer_places_both_poles() -> None:
         item = LESSON.exam(seed)
         a, c, k = (float(item.numbers[n]) for n in "ack")
         assert np.polyadd(np.polymul([1, -a], [1, a + 2 * c]), [k * item.answer]) == pytest.approx(np.poly([-c, -c]))
+
+
+def test_no_line_is_drawn_for_a_loop_that_is_open() -> None:
+    figures = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.start()))}
+    rotation = figures["controllers"].curves[2]
+    assert "open" in rotation.name.en and rotation.y.max() < axis_range(figures["controllers"])[0]

@@ -190,3 +190,10 @@ def test_the_job_measures_what_the_tables_show() -> None:
     moved = LESSON.compute(LESSON.apply(LESSON.start(), {"play": "siso"}))
     assert LESSON.carry is not None and LESSON.carry(last, moved).extra.trials is trials
     assert LESSON.carry(last, LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-9}))).extra.trials is None
+
+
+def test_the_clock_ends_at_a_round_time_and_cells_of_three_numbers_do_not_break() -> None:
+    outcome = LESSON.compute(LESSON.start())
+    assert outcome.stage is not None and float(outcome.stage.t[-1]) == pytest.approx(2.4, abs=1e-12)
+    times = next(f for f in LESSON.figures(outcome) if f.id == "times")
+    assert all(" " not in cell for row in times.rows for cell in row[1:] if isinstance(cell, str))

@@ -233,3 +233,12 @@ def test_the_exam_answer_is_twice_the_sum_of_two_hankel_values(seed):
     g, c, k = (float(item.numbers[name]) for name in "gck")
     channel = Plant(np.array([[0.0, 1.0], [-k, -c]]), np.array([[0.0], [g]]), np.array([[0.0, 1.0]]))
     assert 2 * hankel_singular_values(channel).sum() == pytest.approx(item.answer, rel=1e-9)
+
+
+def test_nothing_is_compared_with_itself_while_all_states_are_kept() -> None:
+    figures = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.start()))}
+    for name in ("spectrum", "gains", "costs"):
+        assert "All ten states are kept" in figures[name].caption.en
+    fewer = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.apply(LESSON.start(), {"order": 8})))}
+    assert len(fewer["gains"].curves) == 2 * len(figures["gains"].curves)
+    assert "kept" not in fewer["gains"].caption.en

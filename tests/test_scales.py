@@ -1,0 +1,54 @@
+"""What moves and what scales: the clock's cursor and its slider, numbers on logarithmic axes, longer arrows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.figures import Curve, FrequencyFigure, TimeFigure
+from app.plants import platform
+from app.plants.body import with_longer_arrows
+from app.view.charts import decades, on_the_clock
+from app.view.transport import step_of
+from app.words import Text, same
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.3, 3.0), (0.1, 10.0), (10.0, 100.0), (2e-4, 9e-4), (3.0, 300.0), (0.9, 1.4e3)])
+def test_a_narrow_logarithmic_axis_has_more_than_one_number(low: float, high: float) -> None:
+    values, names = decades(low, high)
+    assert 2 <= len(values) <= 8 and len(set(names)) == len(values)
+    assert all(low <= v * (1 + 1e-9) and v <= high * (1 + 1e-9) for v in values)
+
+
+def test_the_numbers_of_a_logarithmic_axis_are_written_as_one_writes_them() -> None:
+    assert decades(2e-4, 1e-3)[1] == ("2·10⁻⁴", "5·10⁻⁴", "10⁻³")
+    assert decades(0.2, 2.0)[1] == ("0.2", "0.5", "1", "2")
+    assert decades(1e-6, 1e3)[1][-1] == "10³"
+
+
+def test_no_cursor_stands_in_a_chart_whose_time_is_not_the_runs() -> None:
+    def chart(end: float) -> TimeFigure:
+        return TimeFigure("t", same("t"), np.linspace(0.0, end, 11), (Curve(same("y"), np.zeros(11)),))
+    assert on_the_clock(chart(2.4), 2.4) and on_the_clock(chart(8.0), 7.9)
+    assert not on_the_clock(chart(20.0), 2.4) and not on_the_clock(chart(6.0), 2.4)
+    assert not on_the_clock(FrequencyFigure("f", same("f"), np.ones(2), ()), 1.0)
+
+
+@pytest.mark.parametrize("horizon", [0.002, 0.35, 2.0, 2.4, 6.0, 7.9, 12.0, 16.0, 600.0])
+def test_the_clock_stands_at_numbers_that_fit_their_field(horizon: float) -> None:
+    step = step_of(horizon)
+    assert horizon / 1300 < step <= horizon / 499
+    assert len(f"{777 * step:.9g}".lstrip("0.").replace(".", "")) <= 4
+
+
+def test_how_much_longer_arrows_are_is_the_bodys_to_say() -> None:
+    plain = platform.body()
+    longer = with_longer_arrows(plain, 50.0, 3)
+    x, u = [0.0] * 10, [0.01, 0.02, -0.01, 1e-5, 0.0]
+    assert longer.forces == 50.0 and plain.forces == 1.0
+    assert longer.arrows(x, u, 20.0) == plain.arrows(x, [0.5, 1.0, -0.5, 1e-5, 0.0], 20.0)
+
+
+def test_chinese_sentences_that_are_joined_have_no_space_between_them() -> None:
+    assert Text("One. Two.", "一。 二。").zh == "一。二。"
+    assert Text("{}. {}.", "{} {}").format("a", "b").zh == "a b"
