@@ -91,7 +91,7 @@ from .packets import Link
 from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
 from .placement import Placement, match_poles, move_pole, observer_gain, place
 from .plant import Plant, as_matrix
-from .pole_sets import Poles, check_poles, pole_text
+from .pole_sets import Poles, check_poles, pole_text, sorted_poles
 from .recovery import RecoveryMap, recovery_map
 from .residual_threshold import (
     alarm_probability,
@@ -350,6 +350,7 @@ __all__ = [
     "simulate_bilinear",
     "simulate_network",
     "slopes",
+    "sorted_poles",
     "spectral_radius",
     "split_stable",
     "starting_feedback",

@@ -15,7 +15,7 @@ from .decomposition import reachable_subspace
 from .errors import EngineError, PoleError, ShapeError
 from .placement import place
 from .plant import as_matrix
-from .pole_sets import Poles, check_poles
+from .pole_sets import Poles, check_poles, sorted_poles
 
 __all__ = ["BilinearForm", "BilinearObserver", "BilinearPlant", "bilinear_functional_observer"]
 
@@ -220,7 +220,7 @@ def bilinear_functional_observer(
     L = None if case == 1 else base if pi is None else base + pi @ cQ.zero_left
     solved = case == 2 or pi is not None
     A_L = None if L is None else (V2 - L @ V1) @ plant.A @ at.T[1]
-    reached = np.zeros(0, dtype=complex) if A_L is None else np.sort_complex(np.linalg.eigvals(A_L).astype(complex))
+    reached = np.zeros(0, dtype=complex) if A_L is None else sorted_poles(A_L)
     stable = bool(np.all(np.real(reached) < 0))
     if case == 2:
         reason = "One L only; " + ("its poles are stable." if stable else "its poles are not stable: no observer.")

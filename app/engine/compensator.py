@@ -9,7 +9,7 @@ from scipy.signal import ss2tf
 
 from .errors import ShapeError
 from .plant import Plant, as_matrix
-from .pole_sets import Poles, match_poles
+from .pole_sets import Poles, all_stable, match_poles, sorted_poles
 
 __all__ = ["ClosedLoop", "TransferFunction", "closed_loop", "compensator", "to_tf"]
 
@@ -101,8 +101,8 @@ def closed_loop(plant: Plant, K: object, L: object, model: Plant | None = None) 
         polynomial_error=_polynomial_error(A_xxhat, (regulated, observed), largest),
         compensator=built,
         compensator_poles=edge,
-        compensator_stable=_stable(edge, plant.dt),
-        stable=_stable(poles, plant.dt),
+        compensator_stable=all_stable(edge, plant.dt),
+        stable=all_stable(poles, plant.dt),
     )
 
 
@@ -163,11 +163,7 @@ def _error_rows(plant: Plant, model: Plant, K: np.ndarray, L: np.ndarray) -> lis
 
 
 def _spectrum(A: np.ndarray) -> Poles:
-    return _frozen(np.sort_complex(np.linalg.eigvals(A).astype(complex)))
-
-
-def _stable(poles: Poles, dt: float) -> bool:
-    return bool(np.all(np.abs(poles) < 1) if dt > 0 else np.all(poles.real < 0))
+    return _frozen(sorted_poles(A))
 
 
 def _polynomial_error(whole: np.ndarray, parts: tuple[np.ndarray, np.ndarray], largest: float) -> float:

@@ -16,7 +16,7 @@ from .linear_filter import LinearFilter
 from .noise import root
 from .optimal import dlqe
 from .plant import Plant
-from .pole_sets import Poles
+from .pole_sets import Poles, sorted_poles
 from .scan import held_scan
 from .unknown_input import decoupling
 
@@ -104,7 +104,7 @@ def _seen(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, Poles]:
     if not count:
         return np.eye(len(A)), np.empty(0, dtype=complex)
     hidden = basis[:, len(A) - count:]
-    return basis[:, :len(A) - count], np.sort_complex(np.linalg.eigvals(hidden.T @ A @ hidden).astype(complex))
+    return basis[:, :len(A) - count], sorted_poles(hidden.T @ A @ hidden)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from .belief import as_covariance
 from .errors import EngineError, ShapeError
 from .noise import step_covariance
 from .plant import Plant, as_matrix
-from .pole_sets import Poles
+from .pole_sets import Poles, all_stable, sorted_poles
 from .scan import step_matrices
 from .spectrum import modal_coordinates
 
@@ -40,12 +40,12 @@ class NoisyLoop:
     @cached_property
     def poles(self) -> Poles:
         """Poles of the loop, sorted by (real, imag)."""
-        return np.sort_complex(np.linalg.eigvals(self.A).astype(complex))
+        return sorted_poles(self.A)
 
     @property
     def stable(self) -> bool:
         """Whether every pole is stable; only then are there variances."""
-        return bool(np.all(np.abs(self.poles) < 1) if self.dt else np.all(self.poles.real < 0))
+        return all_stable(self.poles, self.dt)
 
     def outputs(self, T: object | None = None) -> np.ndarray:
         """Rows for T y, k×(p+m); T k×p, by default I."""

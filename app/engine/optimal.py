@@ -8,7 +8,7 @@ import numpy as np
 
 from .errors import EngineError, RiccatiError, ShapeError
 from .plant import as_matrix
-from .pole_sets import Poles, pole_text
+from .pole_sets import Poles, pole_text, sorted_poles
 from .riccati import RiccatiProblem, solve_continuous, solve_discrete
 
 __all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]
@@ -172,7 +172,7 @@ def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
         raise RiccatiError(_diagnosis(problem, boundary, words)) from failure
     if not (np.all(np.isfinite(S)) and residual < RESIDUAL_LIMIT):
         raise RiccatiError(_diagnosis(problem, boundary, words))
-    poles = np.sort_complex(np.linalg.eigvals(problem.A - problem.B @ K).astype(complex))
+    poles = sorted_poles(problem.A - problem.B @ K)
     if np.any(_beyond(poles, boundary) >= 0):
         raise RiccatiError(_diagnosis(problem, boundary, words))
     return Optimal(_frozen(K), _frozen(S), _frozen(poles), residual)

@@ -11,7 +11,7 @@ from scipy.linalg import matrix_balance
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
 from .errors import PoleError, ShapeError
 from .plant import as_matrix
-from .pole_sets import Poles, check_poles, match_poles, move_pole, pole_text
+from .pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
 from .robust import place_robustly
 
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
@@ -90,7 +90,7 @@ def _place(A: np.ndarray, B: np.ndarray, poles: Iterable[complex], words: _Wordi
         K, condition = _gain(A, B, asked, scales)
         return _judge(A, B, K, asked, condition, np.empty(0, dtype=complex))
     hidden = Q[:, reachable:]
-    fixed = np.sort_complex(np.linalg.eigvals(hidden.T @ A_balanced @ hidden).astype(complex))
+    fixed = sorted_poles(hidden.T @ A_balanced @ hidden)
     free = _without_fixed(asked, fixed, words)
     seen = Q[:, :reachable]
     K = np.zeros((B.shape[1], n))

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from .errors import EngineError, ShapeError
+from .pole_sets import sorted_poles
 
 
 def as_matrix(value: object, name: str) -> np.ndarray:
@@ -95,7 +96,7 @@ class Plant:
     @cached_property
     def poles(self) -> np.ndarray:
         """eig(A), sorted by (real, imag)."""
-        return np.sort_complex(np.linalg.eigvals(self.A).astype(complex))
+        return sorted_poles(self.A)
 
     @cached_property
     def key(self) -> tuple:

@@ -1,4 +1,4 @@
-"""Sets of poles: checking a request, matching two sets, moving one pole by hand."""
+"""Sets of poles: those of a matrix, checking a request, matching two sets, moving one pole by hand."""
 
 from __future__ import annotations
 
@@ -10,13 +10,23 @@ from scipy.optimize import linear_sum_assignment
 
 from .errors import PoleError
 
-__all__ = ["Poles", "check_poles", "match_poles", "move_pole", "pole_text"]
+__all__ = ["Poles", "all_stable", "check_poles", "match_poles", "move_pole", "pole_text", "sorted_poles"]
 
 Poles = npt.NDArray[np.complex128]
 
 PAIR_TOLERANCE = 1e-9  # how far a pole may be from the conjugate of its partner, relative to its size
 SMALLEST = 1e-100  # the size below which no pole is told apart from 0
 LARGEST = 1e12  # rad/s; beyond this a request is a slip of the hand
+
+
+def sorted_poles(A: np.ndarray) -> Poles:
+    """eig(A) of a square matrix, or of each in a stack (…, n, n): complex, sorted by (real, imag)."""
+    return np.sort_complex(np.linalg.eigvals(A).astype(complex))
+
+
+def all_stable(poles: Poles, dt: float = 0.0) -> bool:
+    """Whether every pole is stable: Re s < 0, or |s| < 1 where dt > 0."""
+    return bool(np.all(np.abs(poles) < 1) if dt else np.all(poles.real < 0))
 
 
 def pole_text(pole: complex) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 
 from .errors import EngineError, ShapeError
 from .plant import Plant, as_matrix
-from .pole_sets import Poles
+from .pole_sets import Poles, all_stable, sorted_poles
 from .spectrum import frequency_response, modal_coordinates
 
 __all__ = ["Sensitivity", "sensitivity"]
@@ -39,12 +39,12 @@ class Sensitivity:
     @cached_property
     def poles(self) -> Poles:
         """Poles of the closed loop, sorted by (real, imag)."""
-        return np.sort_complex(np.linalg.eigvals(self.A).astype(complex))
+        return sorted_poles(self.A)
 
     @property
     def stable(self) -> bool:
         """Whether the closed loop is stable."""
-        return bool(np.all(np.abs(self.poles) < 1) if self.dt else np.all(self.poles.real < 0))
+        return all_stable(self.poles, self.dt)
 
     @cached_property
     def omega(self) -> np.ndarray:

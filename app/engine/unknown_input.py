@@ -11,7 +11,7 @@ from .decomposition import unobservable_subspace
 from .errors import EngineError, PoleError, ShapeError
 from .placement import observer_gain
 from .plant import Plant, as_matrix
-from .pole_sets import Poles, pole_text
+from .pole_sets import Poles, pole_text, sorted_poles
 
 __all__ = ["Decoupling", "UnknownInputObserver", "decoupling", "unknown_input_observer"]
 
@@ -128,7 +128,7 @@ def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) ->
     system = Plant(F, np.hstack([known.T @ plant.B - K @ D, K]), np.eye(plant.n), np.hstack([-known.H @ D, known.H]),
                    plant.dt, plant.state_names, (*plant.input_names, *plant.output_names))
     return UnknownInputObserver(_frozen(F), known.T, _frozen(K), known.H, _frozen(K1),
-                                np.sort_complex(np.linalg.eigvals(F).astype(complex)), known.zeros, known, system)
+                                sorted_poles(F), known.zeros, known, system)
 
 
 def _unknown(plant: Plant, E: object) -> np.ndarray:
@@ -151,7 +151,7 @@ def _hidden(A1: np.ndarray, C: np.ndarray) -> Poles:
     """The modes of A1 that C does not see, sorted by (real, imag)."""
     basis, count = unobservable_subspace(A1, C)
     hidden = basis[:, A1.shape[0] - count:]
-    return np.sort_complex(np.linalg.eigvals(hidden.T @ A1 @ hidden).astype(complex))
+    return sorted_poles(hidden.T @ A1 @ hidden)
 
 
 def _unstable(zeros: Poles, plant: Plant) -> Poles:

@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import Scenario, simulate
+from app.engine import Scenario, simulate, sorted_poles
 from app.knobs import Choice, Number, Poles, Switch
 from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
 from app.plants import Model, Window
@@ -70,7 +70,7 @@ def compute(here: Setting, design: Design) -> Outcome:
     run = simulate(Scenario(plant, K, L, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
                             impulses=kicks(design, model), seed=int(design["seed"])))
     error_matrix = plant.A - own @ plant.C
-    left, right = (np.sort_complex(np.linalg.eigvals(M).astype(complex)) for M in (plant.A - plant.B @ K, error_matrix))
+    left, right = map(sorted_poles, (plant.A - plant.B @ K, error_matrix))
     size = float(np.max(np.linalg.norm(twins.e, axis=1) * np.linalg.norm(twins.z, axis=1)))
     metrics = {
         "gain_gap": gap(K_dual.T, own), "riccati_gap": gap(twins.S_dual, twins.P),

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import Plant, Run, Scenario, observer_gain, simulate
+from app.engine import Plant, Run, Scenario, observer_gain, simulate, sorted_poles
 from app.figures import Curve, Figure, TableFigure, TimeFigure
 from app.knobs import Choice, Number, Poles, Track
 from app.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
@@ -151,7 +151,7 @@ def compute(here: Setting, design: Design) -> Outcome:
     steered = Scenario(plant, None, L, model=belief, x0=model.x0, xhat0=here.guess(design),
                        horizon=here.horizon, dt=here.dt, reference=push, impulses=kicks(design, model))
     run, quiet = simulate(steered), simulate(replace(steered, reference=None))
-    poles = poles_of(error) if plant.n == 2 else np.sort_complex(np.linalg.eigvals(error).astype(complex))
+    poles = poles_of(error) if plant.n == 2 else sorted_poles(error)
     metrics = _metrics(run, quiet) | {"slowest_observer": float(np.max(np.real(poles)))}
     checks = (
         Check("independent", Text("the error does not depend on the input", "误差与输入无关"),

@@ -16,6 +16,7 @@ from app.engine import (
     kalman_decomposition,
     observability,
     simulate,
+    sorted_poles,
 )
 from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
 from app.knobs import Knob, Number
@@ -98,7 +99,7 @@ def compute(here: Setting, design: Design) -> Outcome:
     start = start - here.along * _amount(here, start[None])[0] + design["share"] * here.along
     run = simulate(Scenario(plant, K, L, x0=start, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
                             impulses=kicks(design, model), seed=int(design["seed"])))
-    control, observer = (np.sort_complex(np.linalg.eigvals(M).astype(complex)) for M in (plant.A - plant.B @ K, plant.A - L @ plant.C))
+    control, observer = map(sorted_poles, (plant.A - plant.B @ K, plant.A - L @ plant.C))
     e = np.linalg.norm(run.e, axis=1)
     metrics = {
         "error_rate": float(np.real(observer).max()), "state_rate": float(np.real(control).max()),

@@ -20,6 +20,7 @@ from app.engine import (
     lqe,
     noise_ladder,
     simulate,
+    sorted_poles,
 )
 from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.knobs import Choice, Knob, KnobError, Number, Poles
@@ -132,7 +133,7 @@ def compute(model: Model, design: Design) -> Outcome:
                   _peaks_along(plant, ladder, np.array(model.x0), row, model.dt, SAMPLED))
     now, best = (float(np.sqrt(max((row @ P @ row.T).item(), 0.0))) for P in (parts.total, least.total))
     floor = float(np.linalg.eigvalsh(parts.total - least.total)[0] / max(np.trace(least.total), 1e-300))
-    poles = np.sort_complex(np.linalg.eigvals(plant.A - L @ plant.C).astype(complex))
+    poles = sorted_poles(plant.A - L @ plant.C)
     metrics = {"rms": now, "least_rms": best, "ratio": now / max(best, 1e-300), "floor": floor, "largest_gain": float(np.abs(L).max()),
                "peak": float(np.abs(quiet.e @ row[0]).max())}
     checks = (

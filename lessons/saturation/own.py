@@ -9,7 +9,7 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from app.engine import Plant, Run, Scenario, autonomous_error, recovery_map, separation_meter, simulate
+from app.engine import Plant, Run, Scenario, autonomous_error, recovery_map, separation_meter, simulate, sorted_poles
 from app.figures import Curve, Figure, MapFigure, TimeFigure
 from app.knobs import Choice, Knob, KnobError, Number
 from app.lesson import Check, Design, Formula, Job, Lesson, Outcome
@@ -98,7 +98,7 @@ def compute(model: Model, design: Design) -> Outcome:
     if min(len(run.t), len(ideal.t)) < 2:
         raise KnobError(Text("Under this limit the plant runs away at once; raise it.", "在这一限幅下对象立即发散；请放宽限幅。"))
     inside = plant.A - L @ plant.C if design["fed"] == APPLIED else plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
-    poles = {name: np.sort_complex(np.linalg.eigvals(M).astype(complex)) for name, M in (
+    poles = {name: sorted_poles(M) for name, M in (
         ("controller", plant.A - plant.B @ K), ("observer", plant.A - L @ plant.C), ("clipped", inside))}
     meter = separation_meter(run)
     clipped = np.any(np.abs(run.u_asked) > design["u_max"] * (1 + 1e-9), axis=1)

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import Plant, Run, Scenario, simulate
+from app.engine import Plant, Run, Scenario, simulate, sorted_poles
 from app.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
 from app.knobs import Knob, Number, Poles
 from app.lesson import Board, Check, Design, Formula, Lesson, Outcome
@@ -70,7 +70,7 @@ def compute(model: Model, design: Design) -> Outcome:
         reference=push, V=np.diag((design["noise"] / 100 * unit) ** 2) * model.dt if design["noise"] else None,
         impulses=kicks(design, model), seed=int(design["seed"]))
     run, copy = simulate(watched), simulate(replace(watched, L=None))
-    poles = np.sort_complex(np.linalg.eigvals(belief.A - L @ belief.C).astype(complex))
+    poles = sorted_poles(belief.A - L @ belief.C)
     seen = Seen(copy, _locus(belief, full), _secret(model))
     error, alone = (seen.secret.of(r.e) for r in (run, copy))
     metrics = {
@@ -102,7 +102,7 @@ def _late(values: np.ndarray) -> float:
 
 def _locus(plant: Plant, full: np.ndarray) -> np.ndarray:
     trusts = np.linspace(0.0, MOST_TRUST, MANY if plant.n <= 8 else FEW)
-    return np.sort_complex(np.linalg.eigvals(plant.A - trusts[:, None, None] * (full @ plant.C)).astype(complex))
+    return sorted_poles(plant.A - trusts[:, None, None] * (full @ plant.C))
 
 
 def _boards(model: Model, design: Design, poles: np.ndarray, L: np.ndarray) -> tuple[Board, Board]:
