@@ -12,7 +12,7 @@ import numpy as np
 from .belief import as_covariance
 from .errors import EngineError, ShapeError
 from .flow import Flow, slopes
-from .nonlinear import SMALLEST_ALPHA, sigma_weights
+from .sigma_points import centred, check_spread, sigma_points, sigma_weights
 
 __all__ = ["Beliefs", "Corrections", "ExtendedFilters", "LinearFilters", "ManyFilters", "PrintedUnscentedFilters",
            "UnscentedFilters"]
@@ -201,11 +201,7 @@ class UnscentedFilters(ManyFilters):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not SMALLEST_ALPHA <= self.alpha <= 1:
-            raise EngineError(f"α must lie between {SMALLEST_ALPHA} and 1; smaller ones give weights that only magnify "
-                              "rounding.")
-        if not (np.isfinite(self.beta) and np.isfinite(self.kappa) and len(self.Q) + self.kappa > 0):
-            raise EngineError("β and κ must be finite numbers, and κ larger than −n.")
+        check_spread(len(self.Q), self.alpha, self.beta, self.kappa)
 
     @cached_property
     def weights(self) -> tuple[float, np.ndarray, np.ndarray]:
@@ -214,14 +210,7 @@ class UnscentedFilters(ManyFilters):
 
     def points(self, beliefs: Beliefs) -> np.ndarray:
         """The sigma points of each run, (n, 2n + 1, N)."""
-        n, N = beliefs.mean.shape
-        factor = self.weights[0] * roots(beliefs.covariance).transpose(1, 2, 0)
-        points = np.empty((n, 2 * n + 1, N))
-        middle = beliefs.mean[:, None, :]
-        points[:, :1] = middle
-        np.add(middle, factor, out=points[:, 1:n + 1])
-        np.subtract(middle, factor, out=points[:, n + 1:])
-        return points
+        return sigma_points(beliefs.mean, self.weights[0] * roots(beliefs.covariance).transpose(1, 2, 0))
 
     def predict(self, beliefs: Beliefs, u: np.ndarray) -> Beliefs:
         """Mean and covariance of f over the sigma points, plus Q."""
@@ -238,7 +227,7 @@ class UnscentedFilters(ManyFilters):
     def correct(self, beliefs: Beliefs, y: np.ndarray, u: np.ndarray) -> Corrections:
         """ŷ, S, P_xy over the sigma points; P − M S Mᵀ."""
         points = self.points(beliefs) if beliefs.points is None else beliefs.points
-        expected, away = self._centred(through(self.h, points, u))
+        expected, away = centred(through(self.h, points, u), self.weights[1])
         weighted = (away * self.weights[2][:, None]).transpose(2, 1, 0)
         S = even(away.transpose(2, 0, 1) @ weighted) + self.R
         across = (points - beliefs.mean[:, None, :]).transpose(2, 0, 1) @ weighted
@@ -247,14 +236,9 @@ class UnscentedFilters(ManyFilters):
         return Corrections(Beliefs(beliefs.mean + moved(M, nu), after), nu, S)
 
     def _carried(self, later: np.ndarray) -> Beliefs:
-        mean, away = self._centred(later)
+        mean, away = centred(later, self.weights[1])
         spread = (away * self.weights[2][:, None]).transpose(2, 0, 1) @ away.transpose(2, 1, 0)
         return Beliefs(mean, even(spread) + self.Q, later)
-
-    def _centred(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        first = values[:, :1]
-        mean = first[:, 0] + np.matmul(self.weights[1], values - first)
-        return mean, values - mean[:, None]
 
 
 @dataclass(frozen=True, eq=False)

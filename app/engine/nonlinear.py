@@ -10,16 +10,16 @@ from functools import cached_property
 import numpy as np
 
 from .belief import Belief, Correction, as_covariance, symmetric
-from .errors import EngineError, ShapeError
+from .errors import ShapeError
 from .jacobian import columns, expand
 from .kalman import gain_of, joseph
 from .noise import root
+from .sigma_points import centred, check_spread, sigma_points, sigma_weights
 from .track import Schedule, Track, as_record
 
 __all__ = ["ExtendedKalmanFilter", "UnscentedKalmanFilter"]
 
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
-SMALLEST_ALPHA = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,16 +138,6 @@ class ExtendedKalmanFilter(NonlinearFilter):
         return joseph(belief.covariance, expand(self.h, self.H, belief.mean, u, "h", self.p)[1], self.R, M)
 
 
-def sigma_weights(n: int, alpha: float, beta: float, kappa: float) -> tuple[float, np.ndarray, np.ndarray]:
-    """√(n+λ) and the weights of means and of covariances (2n + 1,), λ = α²(n+κ) − n."""
-    reach = alpha**2 * (n + kappa)
-    mean = np.full(2 * n + 1, 0.5 / reach)
-    mean[0] = 1 - n / reach
-    covariance = mean.copy()
-    covariance[0] += 1 - alpha**2 + beta
-    return float(np.sqrt(reach)), mean, covariance
-
-
 @dataclass(frozen=True, eq=False)
 class UnscentedKalmanFilter(NonlinearFilter):
     """2n + 1 sigma points through f and h instead of derivatives; see `NonlinearFilter`.
@@ -165,11 +155,7 @@ class UnscentedKalmanFilter(NonlinearFilter):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not SMALLEST_ALPHA <= self.alpha <= 1:
-            raise EngineError(f"α must lie between {SMALLEST_ALPHA} and 1; smaller ones give weights that only magnify "
-                              "rounding.")
-        if not (np.isfinite(self.beta) and np.isfinite(self.kappa) and self.n + self.kappa > 0):
-            raise EngineError("β and κ must be finite numbers, and κ larger than −n.")
+        check_spread(self.n, self.alpha, self.beta, self.kappa)
 
     @cached_property
     def weights(self) -> tuple[float, np.ndarray, np.ndarray]:
@@ -182,18 +168,12 @@ class UnscentedKalmanFilter(NonlinearFilter):
             factor = np.linalg.cholesky(belief.covariance)
         except np.linalg.LinAlgError:  # semidefinite
             factor = root(belief.covariance)
-        factor = self.weights[0] * factor
-        n, middle = self.n, belief.mean[:, None]
-        points = np.empty((n, 2 * n + 1))
-        points[:, :1] = middle
-        np.add(middle, factor, out=points[:, 1:n + 1])
-        np.subtract(middle, factor, out=points[:, n + 1:])
-        return points
+        return sigma_points(belief.mean, self.weights[0] * factor)
 
     def predict(self, belief: Belief, u: object = ()) -> Belief:
         """Mean and covariance of f over the sigma points, plus Q."""
         later = columns(self.f, self.points(self._fitting(belief)), as_input(u), "f", self.n)
-        mean, away = self._centred(later)
+        mean, away = centred(later, self.weights[1])
         return Belief(mean, symmetric((away * self.weights[2]) @ away.T) + self.Q)
 
     def expected(self, belief: Belief, u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -218,12 +198,6 @@ class UnscentedKalmanFilter(NonlinearFilter):
 
     def _expected(self, points: np.ndarray, middle: np.ndarray,
                   u: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        y, away = self._centred(columns(self.h, points, u, "h", self.p))
+        y, away = centred(columns(self.h, points, u, "h", self.p), self.weights[1])
         weighted = (away * self.weights[2]).T
         return y, symmetric(away @ weighted) + self.R, (points - middle[:, None]) @ weighted
-
-    def _centred(self, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Weighted mean and the columns without it; the mean is taken about the first column, against cancellation."""
-        first = values[:, :1]
-        mean = first[:, 0] + (values - first) @ self.weights[1]
-        return mean, values - mean[:, None]
