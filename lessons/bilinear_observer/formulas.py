@@ -19,58 +19,35 @@ def _shown(M: np.ndarray, digits: int = 4) -> str:
     return matrix(M, digits) if M.size else EMPTY
 
 
+def _is(name: str, left: str, M: np.ndarray, digits: int = 4) -> Formula:
+    """The present entries of a matrix."""
+    return Formula(name, f"{left} = {_shown(M, digits)}")
+
+
 def formulas_of(o: BilinearObserver, L: np.ndarray, plain: BilinearForm, step: int) -> tuple[Formula, ...]:
     """The equations of one step with their present entries; L (1×m) and `plain` are what runs."""
-    if step <= 6:
-        return (_first, _second, _third, _fourth, _fifth, _sixth)[step - 1](o)
-    return _seventh(o, L) if step == 7 else _eighth(plain)
-
-
-def _first(o: BilinearObserver) -> tuple[Formula, ...]:
-    return (
-        Formula("x", r"x = T_1 y + T_2 \mu + T_3 \eta"),
-        Formula("K1", rf"K_1 = K \bar C^R = {_shown(o.K1)}"),
-        Formula("T2", rf"T_2^{{\mathsf T}} = {_shown(o.T[1].T, 3)}"),
-        Formula("T3", rf"T_3^{{\mathsf T}} = {_shown(o.T[2].T, 3)}"),
-        Formula("V2", rf"V_2 = {_shown(o.V[1], 3)}"),
-    )
-
-
-def _second(o: BilinearObserver) -> tuple[Formula, ...]:
     c = o.canonical_Q
-    return (
-        Formula("Q", rf"Q = V_1 {BLOCK}"),
-        Formula("Qn", rf"Q = {_shown(o.Q, 3)}"),
-        Formula("QL", rf"\bar Q^L = {_shown(c.zero_left, 3)}"),
-        Formula("QR", rf"\bar Q^R = {_shown(c.zero_right, 3)}"),
-        Formula("Qs", rf"\tilde Q^{{\mathsf T}} = {_shown(c.summary.T, 3)}"),
-    )
-
-
-def _third(o: BilinearObserver) -> tuple[Formula, ...]:
-    return (
-        Formula("W", ROW),
-        Formula("21", r"W \bar Q^R = 0 \;?"),
-        Formula("right", rf"W = {_shown(o.right, 3)}"),
-        Formula("defect", rf"W \bar Q^R = {_shown(np.zeros_like(o.defect) if o.case != 1 else o.defect, 3)}"),
-    )
-
-
-def _fourth(o: BilinearObserver) -> tuple[Formula, ...]:
-    return (
-        Formula("W", ROW),
-        Formula("22", r"L = W \tilde Q + \pi \bar Q^L"),
-        Formula("base", rf"W \tilde Q = {_shown(base_of(o))}"),
-        Formula("QL", rf"\bar Q^L = {_shown(o.canonical_Q.zero_left, 3)}"),
-    )
-
-
-def _fifth(o: BilinearObserver) -> tuple[Formula, ...]:
-    return (
-        Formula("star", r"A_L = (A^* - B^* \pi^{\mathsf T})^{\mathsf T}"),
-        Formula("A", rf"A^* = {_shown(o.A_star)}"),
-        Formula("B", rf"B^* = {_shown(o.B_star)}"),
-    )
+    match step:
+        case 1:
+            return (Formula("x", r"x = T_1 y + T_2 \mu + T_3 \eta"), _is("K1", r"K_1 = K \bar C^R", o.K1),
+                    _is("T2", r"T_2^{\mathsf T}", o.T[1].T, 3), _is("T3", r"T_3^{\mathsf T}", o.T[2].T, 3), _is("V2", "V_2", o.V[1], 3))
+        case 2:
+            return (Formula("Q", rf"Q = V_1 {BLOCK}"), _is("Qn", "Q", o.Q, 3), _is("QL", r"\bar Q^L", c.zero_left, 3),
+                    _is("QR", r"\bar Q^R", c.zero_right, 3), _is("Qs", r"\tilde Q^{\mathsf T}", c.summary.T, 3))
+        case 3:
+            defect = o.defect if o.case == 1 else np.zeros_like(o.defect)
+            return (Formula("W", ROW), Formula("21", r"W \bar Q^R = 0 \;?"), _is("right", "W", o.right, 3),
+                    _is("defect", r"W \bar Q^R", defect, 3))
+        case 4:
+            return (Formula("W", ROW), Formula("22", r"L = W \tilde Q + \pi \bar Q^L"), _is("base", r"W \tilde Q", base_of(o)),
+                    _is("QL", r"\bar Q^L", c.zero_left, 3))
+        case 5:
+            return (Formula("star", r"A_L = (A^* - B^* \pi^{\mathsf T})^{\mathsf T}"), _is("A", "A^*", o.A_star), _is("B", "B^*", o.B_star))
+        case 6:
+            return _sixth(o)
+        case 7:
+            return _seventh(o, L)
+    return _eighth(plain)
 
 
 def _sixth(o: BilinearObserver) -> tuple[Formula, ...]:
