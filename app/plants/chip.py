@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -165,22 +165,13 @@ MODEL = Model(
     source="Tutorial on output feedback: a processor whose case is measured, its core not",
 )
 
-RUNAWAY = Model(
+RUNAWAY = replace(
+    MODEL,
     id="chip-runaway",
     label=Text("Chip with thermal runaway", "热失控芯片"),
     plant=plant(leakage=LEAKAGE),
-    body=body(),
     x0=(12.0, 6.0),
-    guess=(0.0, 0.0),
-    horizon=15.0,
-    dt=0.03,
     controller_poles=(-1.0, -0.5),
-    observer_poles=(-1.6 - 0.5j, -1.6 + 0.5j),
-    controller_window=Window(-4.0, 1.0, 2.0),
-    observer_window=Window(-4.0, 1.0, 2.0),
     kick=(8.0, 0.0),
-    watched=WATCHED,
-    u_max=60.0,
-    input_unit="W",
     source="Tutorial on output feedback; leakage power added",
 )
