@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import Optimal, Run, Scenario, lqe, observer_gain, simulate
+from app.engine import ErrorParts, Optimal, Run, Scenario, error_parts, lqe, observer_gain, simulate
 from app.knobs import Choice, KnobError, Number, Poles
 from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import MODELS, Model
@@ -19,7 +19,7 @@ from app.words import Text
 from ..toolkit import kicks, matrix, number, on_board, run_knobs
 from .pictures import all_figures
 from .tasks import TASKS, exam
-from .variance import Parts, Ray, growing, parts_of, ray_of
+from .variance import Ray, growing, ray_of
 
 MODEL = MODELS["spring-damper"]
 PLANT = MODEL.plant
@@ -68,7 +68,7 @@ class Trials:
 class Study:
     """Everything about the noise of one design. `quiet` is the error without noise (n_t, 2), `grown` P at each sample."""
 
-    parts: Parts
+    parts: ErrorParts
     kalman: Optimal
     ray: Ray
     quiet: np.ndarray
@@ -88,7 +88,7 @@ def compute(design: Design) -> Outcome:
     W, V = design["w"], design["v"]
     kalman = lqe(PLANT.A, PLANT.B, PLANT.C, [[W]], [[V]])
     poles, L = _observer(design, kalman)
-    parts = parts_of(PLANT, L, W, V)
+    parts = error_parts(PLANT, L, PLANT.B, [[W]], [[V]])
     scenario = scenario_of(design, L)
     run, quiet = simulate(scenario), simulate(replace(scenario, W=None, V=None))
     study = Study(parts, kalman, ray_of(PLANT, poles, SPEEDS, W, V), quiet.e,
@@ -202,8 +202,7 @@ def _with(outcome: Outcome, trials: Trials) -> Outcome:
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The runs go over where only the error that is looked at has changed."""
     old, new = before.extra.trials, after.extra.trials
-    alike = before.design.with_values(watch=after.design["watch"]) == after.design
-    if old is None or not alike or (new is not None and new.count >= old.count):
+    if old is None or not before.design.same_but_for(after.design, ("watch",)) or (new is not None and new.count >= old.count):
         return after
     return _with(after, old)
 

@@ -14,7 +14,6 @@ from app.engine import (
     Plant,
     Run,
     Scenario,
-    chi2_band,
     error_parts,
     growing_error,
     lqe,
@@ -26,11 +25,11 @@ from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigu
 from app.knobs import Choice, Knob, KnobError, Number, Poles
 from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model, Signal
-from app.words import Text, same
+from app.words import Text
 
 from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, noise_units, on_board, run_knobs, stage
 from .lesson import LESSON, POLES, RUNS
-from .pictures import LEVEL, RUNS_TAB, SPEED_TAB
+from .pictures import RUNS_TAB, SPEED_TAB, error_curves, variance_curves
 
 BELIEF = "belief"
 RUNGS = np.logspace(-3, 3, 11)  # beliefs in the process noise, times the truth
@@ -268,30 +267,23 @@ def _error(outcome: Outcome, signal: Signal, run: Run) -> TimeFigure:
     count = len(study.grown)
     e, quiet, spread = signal.of(run.e)[:count], signal.of(study.quiet), 2 * np.sqrt(study.grown)
     inside = 100 * float(np.mean(np.abs(e - quiet) <= spread + 1e-300))
-    return TimeFigure("error", Text(f"error of {signal.name.en}", f"{signal.name.zh}的误差"), run.t[:count], (
-        Curve(Text("error", "误差"), e, "error"), Curve(Text("without noise", "无噪声"), quiet, "reference", "dash", 1.4),
-        Curve(same("+ 2σ"), quiet + spread, "muted", "dot", 1.4), Curve(same("− 2σ"), quiet - spread, "muted", "dot", 1.4)),
-        f"[{signal.unit}]", tab=TIME_TAB, caption=Text(f"{inside:.0f} % of this run lies within 2σ of the noise-free error.",
-                                                       f"本次运行有 {inside:.0f} % 落在无噪声误差的 2σ 之内。"))
+    return TimeFigure("error", Text(f"error of {signal.name.en}", f"{signal.name.zh}的误差"), run.t[:count],
+                      error_curves(e, quiet, spread), f"[{signal.unit}]", tab=TIME_TAB,
+                      caption=Text(f"{inside:.0f} % of this run lies within 2σ of the noise-free error.",
+                                   f"本次运行有 {inside:.0f} % 落在无噪声误差的 2σ 之内。"))
 
 
 def _variance(outcome: Outcome, signal: Signal, run: Run) -> TimeFigure:
     study = outcome.extra
     grown, count = study.grown, study.count or RUNS
-    low, high = chi2_band(1, count, LEVEL)
-    curves = [Curve(Text("Lyapunov", "李雅普诺夫方程"), grown, "reference", "dash"),
-              Curve(Text(f"95 % band, {count} runs", f"95 % 带，{count} 次"), high * grown, "muted", "dot", 1.4),
-              Curve(Text("lower edge", "下沿"), low * grown, "muted", "dot", 1.4)]
+    curves, inside = variance_curves(grown, study.square, count)
     if study.square is None:
         said = Text("No runs yet: press the button under the knobs.", "尚未试验：请按旋钮下方的按钮。")
     else:
-        curves.append(Curve(Text("runs", "试验"), study.square, "error"))
-        inside = 100 * float(np.mean((study.square[1:] >= low * grown[1:]) & (study.square[1:] <= high * grown[1:])))
         said = Text(f"{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants.",
                     f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内。")
     return TimeFigure("variance", Text(f"variance of the error of {signal.name.en}", f"{signal.name.zh}误差的方差"),
-                      run.t[:len(grown)], tuple(curves),
-                      f"[({signal.unit})²]", caption=said, tab=RUNS_TAB)
+                      run.t[:len(grown)], curves, f"[({signal.unit})²]", caption=said, tab=RUNS_TAB)
 
 
 def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:

@@ -124,6 +124,24 @@ def _velocity(outcome: Outcome) -> TimeFigure:
                      f"速度没有测量；其稳态估计的标准差为 {outcome.metrics['velocity_rms']:.2g} m/s。"))
 
 
+def error_curves(e: np.ndarray, quiet: np.ndarray, spread: np.ndarray) -> tuple[Curve, ...]:
+    """The error of a run, its course without noise, and `spread` about that."""
+    return (Curve(Text("error", "误差"), e, "error"), Curve(Text("without noise", "无噪声"), quiet, "reference", "dash", 1.4),
+            Curve(same("+ 2σ"), quiet + spread, "muted", "dot", 1.4), Curve(same("− 2σ"), quiet - spread, "muted", "dot", 1.4))
+
+
+def variance_curves(promised: np.ndarray, tried: np.ndarray | None, count: int) -> tuple[tuple[Curve, ...], float]:
+    """The promised variance and its band over `count` runs, beside what the runs gave; percent of the instants inside, NaN before any."""
+    low, high = chi2_band(1, count, LEVEL)
+    curves = (Curve(Text("Lyapunov", "Lyapunov 方程"), promised, "reference", "dash"),
+              Curve(Text(f"95 % band, {count} runs", f"95 % 带，{count} 次"), high * promised, "muted", "dot", 1.4),
+              Curve(Text("lower edge", "下沿"), low * promised, "muted", "dot", 1.4))
+    if tried is None:
+        return curves, np.nan
+    inside = (tried[1:] >= low * promised[1:]) & (tried[1:] <= high * promised[1:])
+    return (*curves, Curve(Text("runs", "试验"), tried, "error")), 100 * float(np.mean(inside))
+
+
 def _error(outcome: Outcome, i: int) -> TimeFigure:
     run, study = outcome.run, outcome.extra
     assert run is not None
@@ -131,11 +149,7 @@ def _error(outcome: Outcome, i: int) -> TimeFigure:
     inside = 100 * float(np.mean(np.abs(run.e[:, i] - study.quiet[:, i]) <= spread + 1e-12))
     return TimeFigure(
         "error", Text(f"error of the {NAMES[i].en}", f"{NAMES[i].zh}误差"), run.t,
-        (Curve(Text("error", "误差"), run.e[:, i], "error"),
-         Curve(Text("without noise", "无噪声"), study.quiet[:, i], "reference", "dash", 1.4),
-         Curve(same("+ 2σ"), study.quiet[:, i] + spread, "muted", "dot", 1.4),
-         Curve(same("− 2σ"), study.quiet[:, i] - spread, "muted", "dot", 1.4)), f"e [{UNITS[i]}]", window=(-0.2, 0.2),
-        tab=TIME_TAB,
+        error_curves(run.e[:, i], study.quiet[:, i], spread), f"e [{UNITS[i]}]", window=(-0.2, 0.2), tab=TIME_TAB,
         caption=Text(f"{inside:.0f} % of this run lies within 2σ of the noise-free error; 95 % are expected on average.",
                      f"本次运行有 {inside:.0f} % 落在无噪声误差的 2σ 之内；平均应为 95 %。"))
 
@@ -144,19 +158,13 @@ def _variance(outcome: Outcome, i: int) -> TimeFigure:
     run, study = outcome.run, outcome.extra
     assert run is not None
     promised = study.grown[:, i, i]
-    count = PLANNED if study.trials is None else study.trials.count
-    low, high = chi2_band(1, count, LEVEL)
-    curves = [Curve(Text("Lyapunov", "Lyapunov 方程"), promised, "reference", "dash"),
-              Curve(Text(f"95 % band, {count} runs", f"95 % 带，{count} 次"), high * promised, "muted", "dot", 1.4),
-              Curve(Text("lower edge", "下沿"), low * promised, "muted", "dot", 1.4)]
-    if study.trials is None:
+    tried, count = (None, PLANNED) if study.trials is None else (study.trials.square[:, i], study.trials.count)
+    curves, inside = variance_curves(promised, tried, count)
+    if tried is None:
         said = Text("No runs yet: press the button under the knobs.", "尚未试验：请按旋钮下方的按钮。")
     else:
-        tried = study.trials.square[:, i]
-        curves.append(Curve(Text("runs", "试验"), tried, "error"))
-        inside = 100 * float(np.mean((tried[1:] >= low * promised[1:]) & (tried[1:] <= high * promised[1:])))
         said = Text(f"{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants; at the end it is "
                     f"{tried[-1] / promised[-1]:.3f} of the promise.",
                     f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内；末时刻为预言的 {tried[-1] / promised[-1]:.3f} 倍。")
-    return TimeFigure("variance", Text(f"variance of the {NAMES[i].en} error", f"{NAMES[i].zh}误差的方差"), run.t, tuple(curves),
+    return TimeFigure("variance", Text(f"variance of the {NAMES[i].en} error", f"{NAMES[i].zh}误差的方差"), run.t, curves,
                       f"[({UNITS[i]})²]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)

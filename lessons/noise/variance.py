@@ -5,24 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm, solve_continuous_lyapunov, solve_discrete_lyapunov
+from scipy.linalg import expm, solve_discrete_lyapunov
 
-from app.engine import Plant
+from app.engine import ErrorParts, Plant
 
-__all__ = ["Parts", "Ray", "growing", "parts_of", "ray_of"]
-
-
-@dataclass(frozen=True, eq=False)
-class Parts:
-    """Covariances (2×2) of the settled error: what process noise leaves, what sensor noise adds, both together."""
-
-    process: np.ndarray
-    sensor: np.ndarray
-
-    @property
-    def total(self) -> np.ndarray:
-        """P = P_w + P_v: the noises are independent."""
-        return self.process + self.sensor
+__all__ = ["Ray", "growing", "ray_of"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,12 +24,6 @@ class Ray:
     process: np.ndarray
     sensor: np.ndarray
     peak: np.ndarray
-
-
-def parts_of(plant: Plant, L: np.ndarray, W: float, V: float) -> Parts:
-    """F P + P Fᵀ + B W Bᵀ + L V Lᵀ = 0 with F = A − LC stable, one term at a time."""
-    F = plant.A - L @ plant.C
-    return Parts(solve_continuous_lyapunov(F, -W * plant.B @ plant.B.T), solve_continuous_lyapunov(F, -V * L @ L.T))
 
 
 def ray_of(plant: Plant, pattern: tuple[complex, ...], speeds: np.ndarray, W: float, V: float) -> Ray:
@@ -76,7 +57,7 @@ def peak_of(F21: np.ndarray, damping: np.ndarray, square: np.ndarray) -> np.ndar
     return np.abs(F21) * np.exp(alpha * t) / np.sqrt(square)
 
 
-def growing(plant: Plant, L: np.ndarray, parts: Parts, V: float, dt: float, steps: int) -> np.ndarray:
+def growing(plant: Plant, L: np.ndarray, parts: ErrorParts, V: float, dt: float, steps: int) -> np.ndarray:
     """Covariances (steps, 2, 2) of e at 0, dt, … from P(0) = 0, exactly as simulated: v is held over a step.
 
     P_k = P_h − Φᵏ P_h Φᵏᵀ, where P_h is the limit with the sampled sensor noise of covariance V/dt.

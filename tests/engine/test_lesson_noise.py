@@ -9,8 +9,9 @@ from scipy.linalg import expm
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
+from app.engine import error_parts
 from lessons.noise.lesson import LESSON, PLANT, RUNS
-from lessons.noise.variance import parts_of, ray_of
+from lessons.noise.variance import ray_of
 
 W, V = 0.04, 4e-4
 
@@ -58,7 +59,7 @@ def test_the_ray_equals_one_lyapunov_equation_after_another():
         q = np.array(pattern) / np.sqrt(10) * speed
         L = control.place(PLANT.A.T, PLANT.C.T, q).T
         assert np.allclose(ray.process[k] + ray.sensor[k], np.diag(variances_of(L)), rtol=1e-8)
-        parts = parts_of(PLANT, L, W, V)
+        parts = error_parts(PLANT, L, PLANT.B, W, V)
         assert np.allclose(ray.sensor[k], np.diag(parts.sensor), rtol=1e-8)
 
 
