@@ -118,16 +118,17 @@ def compute(design: Design) -> Outcome:
     metrics = _metrics(run, copy) | {
         "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
         "largest_gain": float(np.max(np.abs(L))), "least_trust": least_trust(belief, L_full)}
-    checks = (
-        Check("observer", Text("the observer forgets its wrong start", "观测器能忘掉错误的初值"),
-              metrics["slowest_observer"] < 0, metrics["slowest_observer"]),
-        Check("copy", Text("the copy forgets its wrong start", "开环副本能忘掉错误的初值"),
-              metrics["slowest_copy"] < 0, metrics["slowest_copy"]),
-    )
     return Outcome(
-        design, {"L": L}, {"observer": poles, "copy": own}, metrics, checks, run,
+        design, {"L": L}, {"observer": poles, "copy": own}, metrics, checks_of(metrics), run,
         _boards(design, poles, own, belief.A - L @ belief.C), stage(model, run), _formulas(belief, L, design["trust"]),
         _live(metrics, run, copy), seen)
+
+
+def checks_of(metrics: dict[str, float]) -> tuple[Check, Check]:
+    """Whether the error of the observer and that of the copy die out."""
+    observer, copy = metrics["slowest_observer"], metrics["slowest_copy"]
+    return (Check("observer", Text("the observer forgets its wrong start", "观测器能忘掉错误的初值"), observer < 0, observer),
+            Check("copy", Text("the copy forgets its wrong start", "开环副本能忘掉错误的初值"), copy < 0, copy))
 
 
 def _metrics(run: Run, copy: Run) -> dict[str, float]:

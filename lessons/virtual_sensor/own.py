@@ -10,12 +10,12 @@ import numpy as np
 from app.engine import Plant, Run, Scenario, simulate, sorted_poles
 from app.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
 from app.knobs import Knob, Number, Poles
-from app.lesson import Board, Check, Design, Formula, Lesson, Outcome
+from app.lesson import Board, Design, Formula, Lesson, Outcome
 from app.plants import Model, Signal
 from app.words import Text
 
 from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, number, on_board, run_knobs, sizes, sped, stage
-from .lesson import COPY, ERROR_TAB, LESSON, MOST_TRUST, OBSERVER, TRUE, TRUST_TAB
+from .lesson import COPY, ERROR_TAB, LESSON, MOST_TRUST, OBSERVER, TRUE, TRUST_TAB, checks_of
 
 KNOWN = 0.05  # of the first error: below this a signal counts as known
 FEW, MANY = 13, 41  # points of the locus, for many states and for few
@@ -77,14 +77,8 @@ def compute(model: Model, design: Design) -> Outcome:
         "slowest_observer": float(poles.real.max()), "slowest_copy": float(np.real(belief.poles).max()),
         "largest_gain": float(np.abs(L).max()), "secret_error": _late(error), "copy_secret_error": _late(alone),
         "first_error": float(abs(error[0]))}
-    checks = (
-        Check("observer", Text("the observer forgets its wrong start", "观测器能忘掉错误的初值"),
-              metrics["slowest_observer"] < 0, metrics["slowest_observer"]),
-        Check("copy", Text("the copy forgets its wrong start", "开环副本能忘掉错误的初值"),
-              metrics["slowest_copy"] < 0, metrics["slowest_copy"]),
-    )
     return Outcome(
-        design, {"L": L}, {"observer": poles, "copy": belief.poles}, metrics, checks, run, _boards(model, design, poles, L),
+        design, {"L": L}, {"observer": poles, "copy": belief.poles}, metrics, checks_of(metrics), run, _boards(model, design, poles, L),
         stage(model, run), (
             Formula("observer", r"\dot{\hat x} = A\hat x + Bu + L\,(y - C\hat x)"),
             Formula("L", rf"{gain_words('L', L)},\quad \theta = {number(design['trust'])}"),
