@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any
@@ -39,6 +39,11 @@ class Design:
     def with_values(self, **changes: Any) -> Design:
         """The same design with some values changed; nothing is checked here, `Lesson.apply` does that."""
         return Design(self.lesson, tuple((key, changes.get(key, value)) for key, value in self.values), self.plant)
+
+    def same_but_for(self, other: Design, names: Iterable[str]) -> bool:
+        """Whether the other design differs from this one in the named values at most; names that it has not are passed over."""
+        theirs = dict(other.values)
+        return self.with_values(**{name: theirs[name] for name in names if name in theirs}) == other
 
 
 @dataclass(frozen=True, eq=False)

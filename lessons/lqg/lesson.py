@@ -195,9 +195,7 @@ def _live(s: Study) -> Text:
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The runs go over where only what is looked at has changed."""
     old, new = before.extra.trials, after.extra.trials
-    known = dict(after.design.values)
-    alike = before.design.with_values(**{name: known[name] for name in VIEWS if name in known}) == after.design
-    if old is None or not alike or (new is not None and new.count >= old.count):
+    if old is None or not before.design.same_but_for(after.design, VIEWS) or (new is not None and new.count >= old.count):
         return after
     return with_trials(after, old)
 

@@ -167,7 +167,7 @@ def _costs(five: tuple[Player, ...], sizes: tuple[float, ...], world: World, fou
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """What was measured goes over where only the stage or the test has changed."""
     old, new = before.extra.trials, after.extra.trials
-    alike = before.design.with_values(**{name: after.design[name] for name in ("play", "test", "kick")}) == after.design
+    alike = before.design.same_but_for(after.design, ("play", "test", "kick"))
     if old is None or not alike or (new is not None and new.costs is not None) or (old.costs is None and new is not None):
         return after
     return replace(after, extra=replace(after.extra, trials=old))
