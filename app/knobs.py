@@ -195,7 +195,7 @@ class Track(Knob):
             raise self._refuse(len(pairs), f"at most {MAX_TRACK} changes fit; reset the hand input.",
                                f"最多记录 {MAX_TRACK} 次变化，请重置手动输入。")
         if not all(math.isfinite(t) and t >= 0 and self.low <= v <= self.high for t, v in pairs):
-            raise self._refuse("that", f"times must be ≥ 0 and values within {self.low:g} … {self.high:g}.",
+            raise self._refuse(self.show(pairs), f"times must be ≥ 0 and values within {self.low:g} … {self.high:g}.",
                                f"时间须 ≥ 0，数值须在 {self.low:g} … {self.high:g} 之内。")
         return tuple(sorted(pairs))
 

@@ -11,6 +11,7 @@ from .knobs import KnobError
 from .lesson import Design, Lesson
 from .picture import State
 from .plants.own import canonical, plant_of
+from .sentences import told
 from .words import LANGUAGES, Text
 
 VERSION = 1
@@ -54,7 +55,7 @@ def _with_plant(lesson: Lesson, plant: object) -> Lesson:
     try:
         return lesson.fit(canonical(plant_of(json.dumps(plant))))
     except EngineError as problem:
-        raise KnobError(getattr(problem, "text", Text(str(problem), str(problem)))) from problem
+        raise KnobError(told(problem)) from problem
 
 
 def _plain(lesson: Lesson, design: Design) -> dict[str, object]:

@@ -20,6 +20,7 @@ from .history import History
 from .knobs import KnobError
 from .lesson import Design, Lesson, Outcome
 from .picture import Picture, State, View
+from .sentences import kind_of, told
 from .state import read_tab, write_tab
 from .words import Text
 from .work import Drafts, LongJob
@@ -35,11 +36,6 @@ CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取
 NOT_DONE = Text("That could not be done ({0}); everything stays as it was.", "操作未能完成（{0}），一切保持原样。")
 BROKEN = Text("The lesson could not compute this design ({0}); the last good picture stays. Undo or change a knob.",
               "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
-
-
-def sentence(problem: EngineError | KnobError) -> Text:
-    """What an error says, in both languages where it knows both."""
-    return getattr(problem, "text", None) or Text(str(problem), str(problem))
 
 
 class TabWorker:
@@ -172,7 +168,7 @@ class TabWorker:
         try:
             return lesson.fit(plant)
         except (EngineError, KnobError) as problem:
-            self._view.say(sentence(problem), False)
+            self._view.say(told(problem), False)
             return lesson
 
     def _lesson_for(self, design: Design) -> Lesson:
@@ -200,9 +196,9 @@ class TabWorker:
     def _refuse(self, problem: Exception, command: bool = False) -> None:
         """Say in one sentence why something was not done, and show the last good picture again."""
         if isinstance(problem, (EngineError, KnobError)):
-            text = sentence(problem)
+            text = told(problem)
         else:
-            text = (NOT_DONE if command else BROKEN).format(f"{type(problem).__name__}: {problem}"[:160])
+            text = (NOT_DONE if command else BROKEN).format(kind_of(problem))
         self._view.say(text, True)
         self._resting = True
         self._redraw()

@@ -24,8 +24,14 @@ class Text:
         return self.zh if language == "zh" else self.en
 
     def format(self, *args: object, **kwargs: object) -> Text:
-        """Fill the same values into both sentences."""
-        return Text(self.en.format(*args, **kwargs), self.zh.format(*args, **kwargs))
+        """Fill the same values into both sentences; a value that is itself a Text goes into each in its language."""
+        def filled(words: str, language: str) -> str:
+            return words.format(*(_said(a, language) for a in args), **{k: _said(a, language) for k, a in kwargs.items()})
+        return Text(filled(self.en, "en"), filled(self.zh, "zh"))
+
+
+def _said(value: object, language: str) -> object:
+    return value(language) if isinstance(value, Text) else value
 
 
 def same(words: str) -> Text:

@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 FOLDERS = {"app", "lessons", "tests", "assets", ".ci"}
 RECORDS = ("app.figures", "app.knobs", "app.prose", "app.lesson")
-LOWER = ("app.engine", "app.words", "app.plants")
+LOWER = ("app.engine", "app.words", "app.sentences", "app.plants")
 # what a session is made of
 TAB = ("app.desk", "app.edits", "app.tab", "app.history", "app.picture", "app.state", "app.work", "app.worker")
 ALL = (*LOWER, *RECORDS, *TAB, "app.session", "app.classroom", "app.export", "app.published", "app.view", "lessons")
@@ -23,7 +23,8 @@ MAY_IMPORT = {
     "app": (),
     "app.engine": (),
     "app.words": (),
-    "app.plants": ("app.engine", "app.words"),
+    "app.sentences": ("app.words",),
+    "app.plants": ("app.engine", "app.words", "app.sentences"),
     "app.figures": LOWER,
     "app.knobs": LOWER,
     "app.prose": LOWER,

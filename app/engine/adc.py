@@ -95,7 +95,8 @@ def with_coloured_noise(plain: Filter, noise: AdcNoise) -> Filter:
     the plain one are not. Raises EngineError where the sampling periods differ.
     """
     if plain.dt and abs(plain.dt - noise.dt) > 1e-9 * noise.dt:
-        raise EngineError(f"The filter steps every {plain.dt:g} s but the converter every {noise.dt:g} s.")
+        raise EngineError(f"The filter steps every {plain.dt:g} s but the converter every {noise.dt:g} s; give both "
+                          "the same period.")
     a, each = noise.relaxations
     p = len(plain.C)
     factors = np.tile(a, p)

@@ -45,7 +45,7 @@ class BilinearPlant:
             if matrix.shape != shape:
                 raise ShapeError(f"{name} must be {shape[0]}×{shape[1]}; it is {matrix.shape[0]}×{matrix.shape[1]}.")
         if C.shape[0] >= n:
-            raise EngineError(f"C measures {C.shape[0]} values of {n} states; nothing is left to observe.")
+            raise EngineError(f"C measures {C.shape[0]} values of {n} states, so nothing is left to observe; measure fewer.")
         if canonise(C).rank < C.shape[0]:
             raise EngineError("Rows of C depend on each other; leave out the outputs that repeat others.")
         for key, value in (("A", A), ("B", B), ("F", F), ("C", C)):
@@ -181,7 +181,7 @@ def _coordinates(plant: BilinearPlant, K: np.ndarray) -> _Coordinates:
     c = canonise(plant.C)
     K1 = K @ c.zero_right
     if np.max(np.abs(K1)) <= MET * np.max(np.abs(K)):
-        raise EngineError("K x can be read from y directly; there is nothing to observe.")
+        raise EngineError("K x can be read from y directly, so there is nothing to observe; choose another K.")
     c1 = canonise_right(K1)
     return _Coordinates(c, K1, c1, (c.summary, c.zero_right @ c1.unit_right, c.zero_right @ c1.zero_right))
 
@@ -201,7 +201,7 @@ def bilinear_functional_observer(
     if wanted.shape[1] != plant.n:
         raise ShapeError(f"K must have {plant.n} columns, one for each state; it has {wanted.shape[1]}.")
     if not np.any(wanted):
-        raise EngineError("K is zero, so g = K x is known without an observer.")
+        raise EngineError("K is zero, so g = K x is known without an observer; choose another K.")
     at = _coordinates(plant, wanted)
     q = at.c1.rank
     asked = check_poles(pole if isinstance(pole, Iterable) else [complex(pole)] * q, q)

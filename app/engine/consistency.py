@@ -129,7 +129,7 @@ def nees(x: object, xhat: object, P: object, level: float = 0.95, independent: f
     e = (true - estimate).reshape(-1, *true.shape[-2:])
     P = np.asarray(P, dtype=float)
     if P.ndim == 4 and true.ndim == 2:
-        raise ShapeError("P is given for many runs but x for one.")
+        raise ShapeError("P is given for many runs but x for one; give both for as many.")
     each = _squared(e, _covariances(P, e.shape, "P"), "P")
     if not np.isfinite(each).all():
         raise EngineError("x or x̂ holds NaN or infinity; cut the record where it diverged.")

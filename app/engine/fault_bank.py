@@ -82,7 +82,8 @@ def residual_generator(model: LinearFilter, name: str = "", outputs: Sequence[in
         if known.H is None or known.T is None:
             raise EngineError(known.reason)
         if known.rank_E == len(chosen):
-            raise EngineError("Every output is needed to work out the unknown input; nothing is left to compare.")
+            raise EngineError("Every output is needed to work out the unknown input, and nothing is left to "
+                              "compare; measure more.")
         H, T = known.H, known.T
         N = np.linalg.svd(C @ np.asarray(E, dtype=float))[0][:, known.rank_E:]
     inner = T @ model.A

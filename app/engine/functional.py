@@ -124,7 +124,7 @@ def check_functional(plant: Plant, K: object) -> np.ndarray:
     if wanted.shape[1] != plant.n:
         raise ShapeError(f"K must have {plant.n} columns, one for each state; it has {wanted.shape[1]}.")
     if not np.any(wanted):
-        raise EngineError("K is zero, so K x is known without an observer.")
+        raise EngineError("K is zero, so K x is known without an observer; choose another K.")
     return wanted
 
 
@@ -132,7 +132,8 @@ def check_stable(plant: Plant, poles: Poles) -> None:
     """PoleError unless every pole is stable: Re s < 0, or |s| < 1 for dt > 0 (condition (2a))."""
     for pole in poles:
         if not (abs(pole) < 1 if plant.dt else pole.real < 0):
-            raise PoleError(f"The observer pole {pole_text(pole)} is not stable, so its error would not decay.")
+            raise PoleError(f"The observer pole {pole_text(pole)} is not stable, so its error would not decay; "
+                            "choose a stable one.")
 
 
 def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles, g: np.ndarray, W: object,
@@ -233,7 +234,7 @@ def _given_directions(directions: Any, poles: Poles, p: int) -> np.ndarray:
         if np.max(np.abs(mirrored - g[here].conj())) > MET * np.max(np.abs(g[here])):
             raise EngineError("Directions must be real for real poles and conjugate for conjugate poles.")
         if not np.any(g[here]):
-            raise EngineError("A direction is zero, so its pole would not belong to the observer.")
+            raise EngineError("A direction is zero, so its pole would not belong to the observer; give one that is not zero.")
     return np.array(chosen)
 
 

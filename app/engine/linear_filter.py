@@ -146,7 +146,8 @@ class LinearFilter(ABC):
         elif schedule is None:
             schedule = self.schedule(start, len(y))
         elif schedule.steps != len(y):
-            raise ShapeError(f"The schedule is for {schedule.steps} samples but the record has {len(y)}.")
+            raise ShapeError(f"The schedule is for {schedule.steps} samples but the record has {len(y)}; make one "
+                             "for this record.")
         return Track(*means_along(self.A, self.C, schedule, self._fitting(start).mean, known, push), schedule)
 
     def _goal(self) -> tuple[np.ndarray, np.ndarray] | None:
@@ -161,7 +162,8 @@ class LinearFilter(ABC):
 
     def _fitting(self, belief: Belief) -> Belief:
         if belief.mean.size != self.n:
-            raise ShapeError(f"The belief is about {belief.mean.size} states but the filter has {self.n}.")
+            raise ShapeError(f"The belief is about {belief.mean.size} states but the filter has {self.n}; give both "
+                             "the same number.")
         return belief
 
     def _vector(self, value: object, name: str, size: int) -> np.ndarray:

@@ -107,7 +107,7 @@ class NoisyLoop:
     def covariance(self) -> np.ndarray:
         """Σ of z, N×N: A Σ + Σ Aᵀ + B N Bᵀ = 0, or Σ = A Σ Aᵀ + B N Bᵀ. Raises EngineError for an unstable loop."""
         if not self.stable:
-            raise EngineError("The loop is unstable: its variances grow without bound.")
+            raise EngineError("The loop is unstable: its variances grow without bound; stabilise it first.")
         drive = self.B @ self.noise @ self.B.T
         solved = solve_discrete_lyapunov(self.A, drive) if self.dt else solve_continuous_lyapunov(self.A, -drive)
         return (solved + solved.T) / 2
@@ -143,7 +143,7 @@ class NoisyLoop:
         already, or through which white noise passes straight.
         """
         if self.dt:
-            raise EngineError("This loop is sampled already.")
+            raise EngineError("This loop is sampled already; use it as it is.")
         if np.any(self.D):
             raise EngineError("White noise passes straight through this loop; samples of it have no finite variance.")
         N = len(self.A)

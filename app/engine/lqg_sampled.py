@@ -154,7 +154,7 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
     intensities as in `lqg`. Platform report (003), equations (53)–(59) and section 5.3.2. Raises as `lqg` does.
     """
     if plant.dt:
-        raise EngineError("The plant is sampled already; this samples a continuous one.")
+        raise EngineError("The plant is sampled already; give the continuous one.")
     G = plant.B if G is None else as_matrix(G, "G")
     if G.shape[0] != plant.n:
         raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")

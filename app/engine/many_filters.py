@@ -86,7 +86,8 @@ class ManyFilters(ABC):
 
     def _fitting(self, beliefs: Beliefs) -> Beliefs:
         if len(beliefs.mean) != len(self.Q):
-            raise ShapeError(f"The beliefs are about {len(beliefs.mean)} states but Q is {len(self.Q)}×{len(self.Q)}.")
+            raise ShapeError(f"The beliefs are about {len(beliefs.mean)} states but Q is "
+                             f"{len(self.Q)}×{len(self.Q)}; they must agree.")
         return beliefs
 
 

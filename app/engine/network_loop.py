@@ -24,7 +24,8 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, told: L
     N = n + delay * m
     E = np.eye(n) - M @ C
     if ahead > delay:
-        raise EngineError("The controller cannot predict farther than the delay: no input asked for is under way there.")
+        raise EngineError("The controller cannot predict farther than the delay, where no input asked for is under "
+                          "way; predict less far.")
     u = np.zeros((m, N + n))
     step = np.linalg.matrix_power(A, ahead)
     u[:, :n], u[:, N:] = -K @ step, K @ step @ E

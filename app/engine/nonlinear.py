@@ -101,7 +101,7 @@ class NonlinearFilter(ABC):
 
     def _fitting(self, belief: Belief) -> Belief:
         if belief.mean.size != self.n:
-            raise ShapeError(f"The belief is about {belief.mean.size} states but Q is {self.n}×{self.n}.")
+            raise ShapeError(f"The belief is about {belief.mean.size} states but Q is {self.n}×{self.n}; they must agree.")
         return belief
 
 

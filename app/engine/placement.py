@@ -146,7 +146,8 @@ def _judge(
     A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: Poles, condition: float | None, fixed: Poles
 ) -> Placement:
     if not np.all(np.isfinite(K)):
-        raise PoleError("No finite gain reaches these poles: the plant is too nearly uncontrollable for them.")
+        raise PoleError("No finite gain reaches these poles: the plant is nearly uncontrollable; ask for poles "
+                        "nearer to its own.")
     closed = A - B @ K
     if condition is None:
         reached, X = np.linalg.eig(closed)

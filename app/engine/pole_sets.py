@@ -89,7 +89,7 @@ def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.nda
     """
     first, second = np.asarray(a, dtype=complex).ravel(), np.asarray(b, dtype=complex).ravel()
     if first.size != second.size:
-        raise PoleError(f"A set of {first.size} poles cannot be matched with a set of {second.size}.")
+        raise PoleError(f"A set of {first.size} poles cannot be matched with a set of {second.size}; give equally many.")
     if first.size == 0:
         return np.empty(0, dtype=int), 0.0
     distance = np.abs(first[:, None] - second[None, :])

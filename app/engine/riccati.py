@@ -88,7 +88,7 @@ def _solve(
     try:
         S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None)
     except (np.linalg.LinAlgError, ValueError) as failure:
-        raise RiccatiError("The Riccati equation has no stabilising solution that can be computed.") from failure
+        raise RiccatiError("The Riccati equation has no stabilising solution; change the weights or the plant.") from failure
     S = (S + S.T) / 2
     residual, size, K = evaluate(scaled, S)
     for _ in range(NEWTON_STEPS):

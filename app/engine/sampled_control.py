@@ -59,7 +59,8 @@ def sampled_controller(controller: Plant, dt: float, method: Method = "tustin") 
     """
     if controller.dt:
         if abs(controller.dt - dt) > 1e-9 * dt:
-            raise EngineError(f"The controller runs every {controller.dt:g} s but the loop every {dt:g} s.")
+            raise EngineError(f"The controller runs every {controller.dt:g} s but the loop every {dt:g} s; give both "
+                              "the same period.")
         return _steady(controller.A, controller.B, controller.C, np.asarray(controller.D), dt)
     if not (np.isfinite(dt) and dt > 0):
         raise EngineError("A sampled controller needs a period dt > 0 in seconds.")

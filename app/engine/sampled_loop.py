@@ -103,7 +103,7 @@ class SampledLoop:
         P = F_c P F_cᵀ + jumps + noise. Raises EngineError where the loop is not stable.
         """
         if not self.stable:
-            raise EngineError("This loop is not stable, so it has no stationary covariance.")
+            raise EngineError("This loop is not stable, so it has no stationary covariance; stabilise it first.")
         keep = np.ones(self.n, dtype=bool)
         keep[self.bias] = False
         push = self.jump @ self.jump.T + self.noise_in @ self.reading @ self.noise_in.T

@@ -78,7 +78,7 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
     a, b, c, d = (as_matrix(value, name) for value, name in ((A, "A"), (B, "B"), (C, "C"), (D, "D")))
     n = len(a)
     if a.shape != (n, n) or len(b) != n or c.shape[1] != n or d.shape != (len(c), b.shape[1]):
-        raise ShapeError(f"A, B, C, D do not fit together: {a.shape}, {b.shape}, {c.shape}, {d.shape}.")
+        raise ShapeError(f"A n×n, B n×m, C p×n and D p×m must fit together; they are {a.shape}, {b.shape}, {c.shape}, {d.shape}.")
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     if n == 0:
         return np.tile(d.astype(complex), (len(w), 1, 1))

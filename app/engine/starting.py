@@ -123,7 +123,7 @@ def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[co
     closed = (A - B @ K) * scale / scale[:, None]
     values = np.linalg.eigvals(closed).astype(complex)
     if len(old) > len(values):
-        raise PoleError(f"This plant has {len(values)} poles; {len(old)} cannot be moved.")
+        raise PoleError(f"This plant has {len(values)} poles; {len(old)} cannot be moved; ask for fewer.")
     _, chosen = linear_sum_assignment(np.abs(old[:, None] - values[None, :]))
     inside, outside = values[chosen], np.delete(values, chosen)
 
@@ -154,7 +154,7 @@ def _changed(before: Sequence[complex], after: Sequence[complex]) -> tuple[np.nd
         else:
             old.pop(same)
     if len(old) != len(new):
-        raise PoleError(f"{len(before)} poles stand on the board, but {len(after)} were asked for.")
+        raise PoleError(f"{len(before)} poles stand on the board, but {len(after)} were asked for; give as many.")
     return np.array(old, dtype=complex), np.array(new, dtype=complex)
 
 

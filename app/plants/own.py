@@ -18,6 +18,7 @@ from ..engine.plant import Plant
 from ..engine.scenario import Run, Scenario
 from ..engine.simulate import simulate
 from ..engine.starting import StartingGain, starting_feedback, starting_observer, typical_rate
+from ..sentences import told
 from ..words import Text
 from .model import Model, Signal, Window
 from .own_body import tubes_body
@@ -46,7 +47,13 @@ def read(name: str, data: bytes) -> str:
     try:
         return canonical(read_plant(name, data))
     except EngineError as problem:
-        raise Misfit(Text(str(problem), f"该文件无法使用：{problem}")) from problem
+        raise Misfit(_unusable("该文件", problem)) from problem
+
+
+def _unusable(what: str, problem: EngineError) -> Text:
+    """The sentence of an error; in Chinese it says first what cannot be used."""
+    why = told(problem)
+    return Text(why.en, f"{what}无法使用：{why.zh}")
 
 
 def canonical(plant: Plant) -> str:
@@ -72,7 +79,7 @@ def plant_of(text: str) -> Plant:
     try:
         return from_json(text)
     except EngineError as problem:
-        raise Misfit(Text(str(problem), f"该对象无法使用：{problem}")) from problem
+        raise Misfit(_unusable("该对象", problem)) from problem
 
 
 def without_hold(plant: Plant) -> Plant:
@@ -80,8 +87,10 @@ def without_hold(plant: Plant) -> Plant:
     try:
         return continuous_of(plant)
     except EngineError as problem:
-        raise Misfit(Text(f"{problem} This lesson is about continuous time; the sandbox takes the plant as it is.",
-                          f"本课讲连续时间，而这个采样对象没有对应的同阶连续对象（{problem}）；请在“沙盒”课中使用它。")) from problem
+        why = told(problem)
+        reason = why.zh.rstrip("。")
+        raise Misfit(Text(f"{why.en} This lesson is about continuous time; the sandbox takes the plant as it is.",
+                          f"本课讲连续时间，而这个采样对象没有对应的同阶连续对象（{reason}）；请在“沙盒”课中使用它。")) from problem
 
 
 def label_of(plant: Plant) -> Text:

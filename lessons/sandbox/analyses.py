@@ -37,6 +37,7 @@ from app.engine import (
 )
 from app.knobs import KnobError
 from app.plants import Model
+from app.sentences import told
 from app.words import Text
 
 from ..toolkit import noise_units
@@ -63,7 +64,7 @@ def attempt(analysis: Callable[[], T]) -> T | Refusal:
     try:
         return analysis()
     except (EngineError, KnobError) as problem:
-        return Refusal(getattr(problem, "text", Text(str(problem), f"此项不适用：{problem}")))
+        return Refusal(told(problem))
     except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError):
         return Refusal(Text("Rounding defeats this analysis; choose other units for states or time.",
                             "舍入误差使这项分析失效；请更换状态或时间的单位。"))

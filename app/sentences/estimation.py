@@ -1,0 +1,67 @@
+"""Functional, robust, bilinear and unknown-input observers, and banks of them."""
+
+SENTENCES = (
+    # functional observers
+    ("K x can be read from y directly, so there is nothing to observe; choose another K.",
+     "K x 可由 y 直接得到，无需观测；请另选 K。"),
+    ("K is zero, so K x is known without an observer; choose another K.", "K 为零，K x 无需观测器便已知；请另选 K。"),
+    ("K is zero, so g = K x is known without an observer; choose another K.", "K 为零，g = K x 无需观测器便已知；请另选 K。"),
+    ("The order of the observer must lie between 1 and {}; it is {}.", "观测器阶次必须在 1 与 {} 之间，现为 {}。"),
+    ("With these poles no observer of order {} gives K x (K is missed by {}); raise the order or move the poles.",
+     "在这些极点下，{} 阶观测器都给不出 K x（与 K 相差 {}）；请提高阶次或移动极点。"),
+    ("The observer pole {} is not stable, so its error would not decay; choose a stable one.",
+     "观测器极点 {} 不稳定，误差不会衰减；请取稳定的极点。"),
+    ("W is singular, so it gives no coordinates; change a row of it.", "W 奇异，不能作为坐标；请改变它的某一行。"),
+    ("There must be {} directions, one for each pole.", "应有 {} 个方向，每个极点一个。"),
+    ("Every direction must hold {} finite numbers, one for each output.", "每个方向应含 {} 个有限的数，每个输出一个。"),
+    ("Directions must be real for real poles and conjugate for conjugate poles.", "实极点的方向必须为实，共轭极点的方向必须共轭。"),
+    ("A direction is zero, so its pole would not belong to the observer; give one that is not zero.",
+     "有一个方向为零，对应极点便不属于观测器；请给出非零的方向。"),
+    ("To close the loop K must have {} rows, one for each input; it has {}.", "闭合回路时 K 应有 {} 行，每个输入一行；现有 {} 行。"),
+    ("v(t) must give {} numbers for each time.", "v(t) 在每个时刻应给出 {} 个数。"),
+    ("The input v(t) must be a finite number at all times of the run.", "输入 v(t) 在运行的所有时刻都必须是有限的数。"),
+    # robust observers
+    ("{} perturbations have too many sign patterns; keep to 12.", "{} 个摄动的符号组合过多；请不要超过 12 个。"),
+    ("norm must be 1, 2 or \"inf\".", "norm 只能是 1、2 或 \"inf\"。"),
+    ("max_order must lie between 1 and {}; it is {}.", "max_order 必须在 1 与 {} 之间，现为 {}。"),
+    ("Observers of K x exist up to order {} in this region, but the condition number of [T; C] is beyond {} in all that "
+     "were tried; allow more or widen the region.",
+     "该区域内存在不超过 {} 阶的 K x 观测器，但所试过的 [T; C] 条件数都超过 {}；请放宽条件数或区域。"),
+    ("No observer of K x up to order {} has its poles in this region (K is missed by {} at best); allow a higher order or a "
+     "wider region.",
+     "没有不超过 {} 阶的 K x 观测器能把极点放在该区域内（与 K 至少相差 {}）；请允许更高的阶次或更宽的区域。"),
+    ("A region for the poles is needed.", "需要给出极点区域。"),
+    ("The bounds of a pole region must be finite numbers.", "极点区域的边界必须是有限的数。"),
+    ("A pole region needs re_low ≤ re_high and 0 ≤ im_low ≤ im_high.", "极点区域须满足 re_low ≤ re_high 且 0 ≤ im_low ≤ im_high。"),
+    ("The pole region must lie wholly inside the stable region.", "极点区域必须完全位于稳定区域之内。"),
+    # bilinear observers
+    ("C measures {} values of {} states, so nothing is left to observe; measure fewer.",
+     "C 测量 {} 个量，而状态有 {} 个，没有什么可观测的；请减少测量。"),
+    ("Rows of C depend on each other; leave out the outputs that repeat others.", "C 的各行线性相关；请去掉重复的输出。"),
+    ("x0 must have {} entries and z0 {}; they have {} and {}.", "x0 应有 {} 个元素，z0 应有 {} 个；现分别有 {} 个和 {} 个。"),
+    ("The input u(t) must be a finite number at all times of the run.", "输入 u(t) 在运行的所有时刻都必须是有限的数。"),
+    # unknown inputs and faults
+    ("rank(CE) = {} is less than rank(E) = {}: the unknown input does not reach the outputs at once; measure nearer to where "
+     "it enters.",
+     "rank(CE) = {} 小于 rank(E) = {}：未知输入不能立即反映到输出上；请在更靠近其作用点处测量。"),
+    ("(A, E, C) has an invariant zero at {}, which is not stable: the unknown input can move the state along it without any "
+     "output noticing; measure something more.",
+     "(A, E, C) 在 {} 处有不稳定的不变零点：未知输入可沿它推动状态而输出毫无察觉；请增加测量。"),
+    ("Give {} poles: this observer has {}, and {} stay at the invariant zeros of (A, E, C); you gave {}.",
+     "请给出 {} 个极点：该观测器有 {} 个极点，其中 {} 个停在 (A, E, C) 的不变零点上；你给了 {} 个。"),
+    ("E is zero: there is no unknown input to ignore.", "E 为零：没有需要解耦的未知输入；请给出非零的 E。"),
+    ("Outputs must be different numbers from 0 to {}, at least one of them.", "输出编号应为 0 到 {} 之间互不相同的数，至少一个。"),
+    ("Every output is needed to work out the unknown input, and nothing is left to compare; measure more.",
+     "推算未知输入已用尽全部输出，没有剩余可供比较；请增加测量。"),
+    ("A bank needs at least one residual generator.", "残差发生器组至少要有一个成员。"),
+    ("The members of a bank must have the same number of residuals, to be compared.", "组中各成员的残差个数必须相同，才能比较。"),
+    ("Alarms must be (n_t, members) and signatures (members, faults); they are {} and {}.",
+     "报警应为 (n_t, 成员数)，特征矩阵应为 (成员数, 故障数)；现为 {} 和 {}。"),
+    ("A noncentrality is a sum of squares and cannot be negative.", "非中心参数是平方和，不能为负。"),
+    ("The power must be larger than the false-alarm rate; without a fault it is that rate.",
+     "检出率必须大于误报率；没有故障时它就等于误报率。"),
+    ("A share needs at least one window.", "计算比例至少需要一个窗口。"),
+    ("A χ² statistic needs at least one degree of freedom.", "χ² 统计量至少要有一个自由度。"),
+    ("A residual must be (n_t, …, q) with at least one window of {} samples; it is {}.",
+     "残差应为 (n_t, …, q)，且至少含一个 {} 个采样的窗口；现为 {}。"),
+)

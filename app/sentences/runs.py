@@ -1,0 +1,28 @@
+"""Runs: scenarios, simulation, records, maps over starts."""
+
+SENTENCES = (
+    ("The model has {} inputs and {} outputs but the plant has {} and {}; they must agree.",
+     "模型有 {} 个输入和 {} 个输出，而对象分别有 {} 个和 {} 个；两者必须一致。"),
+    ("Model and plant must both be continuous, or share one sampling period.", "模型与对象必须同为连续，或采样周期相同。"),
+    ("The horizon ({} s) is shorter than one step of {} s; make it longer.", "时长（{} s）短于一步（{} s）；请延长。"),
+    ("{} steps are too many for one run; lengthen dt or shorten the horizon.", "{} 步对一次运行来说太多；请增大 dt 或缩短时长。"),
+    ("fed must be \"applied\" or \"commanded\".", "fed 只能是 \"applied\" 或 \"commanded\"。"),
+    ("State feedback needs a gain for the plant's own states: model and plant differ in order.",
+     "状态反馈需要针对对象自身状态的增益：模型与对象的阶次不同。"),
+    ("u_min must lie below u_max for every input.", "每个输入的 u_min 必须小于 u_max。"),
+    ("The reference must be {}×{}, a row for every grid point; it is {}×{}.", "参考输入应为 {}×{}，每个时间点一行；现为 {}×{}。"),
+    ("Plant and model differ in order, so there is no error e = x − x̂ to compare.",
+     "对象与模型阶次不同，没有误差 e = x − x̂ 可比较；请使两者同阶。"),
+    ("A sampled plant has no time between samples: give impulses at multiples of dt.",
+     "采样对象在采样之间没有定义：请把脉冲放在 dt 的整数倍处。"),
+    ("The horizon must be positive and hold between 1 and {} steps dt.", "时长必须为正，且含 1 到 {} 个步长 dt。"),
+    ("The run must have at least one sample and fit into memory; shorten it.", "运行至少要有一个采样，并能存入内存；请缩短。"),
+    ("The disturbance must be {}×{}; its shape is {}.", "扰动应为 {}×{}，现在形状为 {}。"),
+    ("The start must have {} entries; it has {}.", "初值应有 {} 个元素，现有 {} 个。"),
+    ("A kick must come at a sample of the run.", "冲击必须发生在运行的某个采样时刻。"),
+    ("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer than a run.",
+     "蒙特卡罗至少需要一次运行，以及不少于 8 个采样、不长于一次运行的分段。"),
+    ("A map over e(0) needs a model of the plant's own order.", "关于 e(0) 的图要求模型与对象同阶。"),
+    ("The state indices of the map must lie between 0 and {}.", "图所用的状态编号必须在 0 与 {} 之间。"),
+    ("A map of {} starts is too large; keep it to {}.", "{} 个初态的图太大；请不要超过 {} 个。"),
+)
