@@ -16,12 +16,15 @@ import statistics
 import time
 import warnings
 from collections.abc import Callable
+from functools import partial
 
 import control
 import numpy as np
 from scipy import signal
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm, solve_continuous_are
+from stopwatch import median as patient_median
+from stopwatch import row
 
 from app.engine.batch import march_starts
 from app.engine.plant import Plant
@@ -31,27 +34,7 @@ from app.engine.simulate import simulate
 from app.engine.spectrum import frequency_response
 
 PATIENCE = float(sys.argv[1]) if len(sys.argv) > 1 else 2.0
-
-
-def median(work: Callable[[], object], least: int = 1, patience: float = PATIENCE) -> float:
-    """Median processor seconds of a call (one thread, so a busy machine hardly counts), at least `least` calls."""
-    times: list[float] = []
-    while len(times) < least or sum(times) < patience:
-        began = time.process_time()
-        work()
-        times.append(time.process_time() - began)
-        if len(times) >= 200:
-            break
-    return statistics.median(times)
-
-
-def row(name: str, seconds: float, against: float | None = None, gate: float | None = None) -> None:
-    """One line of the table."""
-    ratio = "" if against is None else f"{against / seconds:9.1f}×"
-    verdict = ""
-    if against is not None and gate is not None:
-        verdict = f"  gate {gate:g}× {'met' if against >= gate * seconds else 'MISSED'}"
-    print(f"{name:56s} {seconds * 1e3:12.3f} ms {ratio}{verdict}", flush=True)
+median = partial(patient_median, patience=PATIENCE)
 
 
 def rig() -> tuple[Plant, np.ndarray, np.ndarray]:
@@ -86,7 +69,7 @@ def linear(plant: Plant, K: np.ndarray, L: np.ndarray) -> None:
     B, z0 = np.vstack([plant.B, plant.B]), np.concatenate([np.ones(n), np.zeros(n)])
     sys_ = control.ss(A, B, np.eye(2 * n), np.zeros((2 * n, 3)))
     Ad, Bd, Cd, Dd, _ = signal.cont2discrete((A, B, np.eye(2 * n), np.zeros((2 * n, 3))), 1e-3)
-    ours = median(lambda: simulate(s), 20)
+    ours = median(lambda: simulate(s), least=20)
     row("linear, 20 states, 10 s at 1 kHz: simulate", ours)
     row("  control.forced_response", peer := median(lambda: control.forced_response(sys_, t, r.T, z0)))
     row("  … ours against it", ours, peer, 30)
@@ -95,7 +78,7 @@ def linear(plant: Plant, K: np.ndarray, L: np.ndarray) -> None:
     row("  scipy.signal.dlsim", peer := median(lambda: signal.dlsim((Ad, Bd, Cd, Dd, 1e-3), r, t, z0)))
     row("  … ours against it", ours, peer)
     short = Scenario(plant, K, L, x0=np.ones(n), horizon=10, dt=0.01)
-    row("linear, 20 states, 1001 points (budget 3 ms)", median(lambda: simulate(short), 20))
+    row("linear, 20 states, 1001 points (budget 3 ms)", median(lambda: simulate(short), least=20))
     free = simulate(Scenario(plant, K, L, x0=np.ones(n), horizon=10, dt=1e-3))
     print(f"  error at the end against expm: {np.abs(free.x[-1] - (expm(A * 10) @ z0)[:n]).max():.1e}")
 
@@ -106,7 +89,7 @@ def saturated(plant: Plant, K: np.ndarray, L: np.ndarray) -> None:
     s = Scenario(plant, K, L, x0=np.ones(n), horizon=10, dt=1e-3, u_min=-40, u_max=40)
     slope, z0 = slope_of(s), np.concatenate([np.ones(n), np.zeros(n)])
     nonlinear = control.nlsys(lambda t, z, u, p: slope(t, z), None, inputs=1, states=2 * n, outputs=2 * n)
-    ours = median(lambda: simulate(s), 3)
+    ours = median(lambda: simulate(s), least=3)
     row("saturated, 20 states, 10 s at 1 kHz: simulate", ours)
     loose = median(lambda: control.input_output_response(nonlinear, t, 0 * t, z0))
     row("  control.input_output_response (its own tolerance)", loose)
@@ -126,7 +109,7 @@ def saturated(plant: Plant, K: np.ndarray, L: np.ndarray) -> None:
     row("  … against input_output_response one by one", batch, 1000 * loose, 1000)
     small = Scenario(Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]]), [[5.0, 4.0]], [[12.0], [37.0]], x0=[0.4, 0],
                      horizon=6, u_min=-1, u_max=1)
-    row("saturated, 4 states, 601 points (budget 15 ms)", median(lambda: simulate(small), 20))
+    row("saturated, 4 states, 601 points (budget 15 ms)", median(lambda: simulate(small), least=20))
     gaps: list[float] = []
 
     def whole_map() -> None:
@@ -143,7 +126,7 @@ def response(plant: Plant) -> None:
     """A 1000-point response of 10 states."""
     omega = np.logspace(-1, 3, 1000)
     sys_ = control.ss(plant.A, plant.B, plant.C, plant.D)
-    ours = median(lambda: frequency_response(plant.A, plant.B, plant.C, plant.D, omega), 20)
+    ours = median(lambda: frequency_response(plant.A, plant.B, plant.C, plant.D, omega), least=20)
     row("response at 1000 frequencies, 4×3", ours)
     row("  control", peer := median(lambda: sys_(1j * omega)))
     row("  … ours against it", ours, peer, 20)

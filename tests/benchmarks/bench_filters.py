@@ -12,12 +12,9 @@ import os
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 
-import statistics
-import time
-from collections.abc import Callable
-
 import control
 import numpy as np
+from stopwatch import median, row
 
 from app.engine.belief import Belief
 from app.engine.compensator import compensator
@@ -30,25 +27,6 @@ from app.engine.square_root import SquareRootFilter
 from app.plants import platform
 
 STEPS = 10_000
-
-
-def median(work: Callable[[], object], patience: float = 1.0) -> float:
-    """Median processor seconds of a call."""
-    times: list[float] = []
-    while not times or sum(times) < patience:
-        began = time.process_time()
-        work()
-        times.append(time.process_time() - began)
-    return statistics.median(times)
-
-
-def row(name: str, seconds: float, against: float | None = None, gate: float | None = None) -> None:
-    """One line of the table."""
-    ratio = "" if against is None else f"{against / seconds:9.1f}×"
-    verdict = ""
-    if against is not None and gate is not None:
-        verdict = f"  gate {gate:g}× {'met' if against >= gate * seconds else 'MISSED'}"
-    print(f"{name:56s} {seconds * 1e3:12.3f} ms {ratio}{verdict}", flush=True)
 
 
 def textbook(filter_: KalmanFilter, start: Belief, y: np.ndarray) -> np.ndarray:
