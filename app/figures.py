@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
 
-from .words import Text, same
+from .words import NO_WORDS, Text
 
 # Okabe–Ito, the same meaning in 3-D, in plots, in SVG and in exports.
 COLOURS = MappingProxyType({
@@ -28,6 +28,9 @@ COLOURS = MappingProxyType({
     "unstable": "#F6D9D9",
 })
 Dash = Literal["solid", "dash", "dot"]
+# the tabs that figures stand in unless a lesson says otherwise
+TIME, SPECTRUM, PLANE = Text("Time", "时间"), Text("Spectrum", "频谱"), Text("Plane", "平面")
+MATRICES, MAP, NUMBERS = Text("Matrices", "矩阵"), Text("Map", "地图"), Text("Numbers", "数值")
 FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
 
 
@@ -53,8 +56,8 @@ class TimeFigure:
     curves: tuple[Curve, ...]
     y_label: str = ""
     log: bool = False
-    caption: Text = field(default_factory=lambda: same(""))
-    tab: Text = field(default_factory=lambda: Text("Time", "时间"))
+    caption: Text = NO_WORDS
+    tab: Text = TIME
     window: tuple[float, float] | None = None  # the least range that the y axis shows
 
 
@@ -67,8 +70,8 @@ class FrequencyFigure:
     f: np.ndarray
     curves: tuple[Curve, ...]
     y_label: str = ""
-    caption: Text = field(default_factory=lambda: same(""))
-    tab: Text = field(default_factory=lambda: Text("Spectrum", "频谱"))
+    caption: Text = NO_WORDS
+    tab: Text = SPECTRUM
     window: tuple[float, float] | None = None
 
 
@@ -80,7 +83,7 @@ class Point:
     y: float
     role: str = "plant"
     mark: Literal["cross", "circle", "bolt", "dot"] = "cross"
-    name: Text = field(default_factory=lambda: same(""))
+    name: Text = NO_WORDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +100,8 @@ class PlaneFigure:
     y_range: tuple[float, float] = (-1.0, 1.0)
     equal: bool = False
     unstable: bool = False  # shade Re s > 0
-    caption: Text = field(default_factory=lambda: same(""))
-    tab: Text = field(default_factory=lambda: Text("Plane", "平面"))
+    caption: Text = NO_WORDS
+    tab: Text = PLANE
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,8 +114,8 @@ class MatrixFigure:
     rows: tuple[str, ...] = ()
     columns: tuple[str, ...] = ()
     blocks: tuple[int, ...] = ()  # a line is drawn before each of these rows and columns
-    caption: Text = field(default_factory=lambda: same(""))
-    tab: Text = field(default_factory=lambda: Text("Matrices", "矩阵"))
+    caption: Text = NO_WORDS
+    tab: Text = MATRICES
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,8 +134,8 @@ class MapFigure:
     x_label: str = ""
     y_label: str = ""
     marked: tuple[float, float] | None = None
-    caption: Text = field(default_factory=lambda: same(""))
-    tab: Text = field(default_factory=lambda: Text("Map", "地图"))
+    caption: Text = NO_WORDS
+    tab: Text = MAP
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,8 +146,8 @@ class TableFigure:
     title: Text
     columns: tuple[Text, ...]
     rows: tuple[tuple[Text | str, ...], ...]
-    caption: Text = field(default_factory=lambda: same(""))
-    tab: Text = field(default_factory=lambda: Text("Numbers", "数值"))
+    caption: Text = NO_WORDS
+    tab: Text = NUMBERS
 
 
 Figure = TimeFigure | FrequencyFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure

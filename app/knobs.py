@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
 
-from .words import Text, same
+from .words import NO_WORDS, Text
 
 MAX_POLES = 30
 MAX_TRACK = 400
@@ -41,7 +41,7 @@ class Knob(ABC):
     symbol: str
     label: Text
     unit: str = ""
-    hint: Text = field(default_factory=lambda: same(""))
+    hint: Text = NO_WORDS
     when: tuple[str, tuple[Any, ...]] | None = field(default=None, kw_only=True)
     group: Text | None = field(default=None, kw_only=True)
     hidden: bool = field(default=False, kw_only=True)  # no widget: set by commands, dragging or the command line

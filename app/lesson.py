@@ -16,7 +16,7 @@ from .knobs import Knob, KnobError
 from .plants.body import Body
 from .plants.model import Model
 from .plants.own import own_model, plant_of, without_hold
-from .words import Text, same
+from .words import NO_WORDS, Text
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Formula:
 
     id: str
     latex: str
-    note: Text = field(default_factory=lambda: same(""))
+    note: Text = NO_WORDS
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class Outcome:
     boards: tuple[Board, ...] = ()
     stage: Stage | None = None
     formulas: tuple[Formula, ...] = ()
-    live: Text = field(default_factory=lambda: same(""))
+    live: Text = NO_WORDS
     extra: Any = None
 
 

@@ -49,3 +49,6 @@ def symbol(name: str) -> str:
         return GREEK[name]
     head = name.rstrip("0123456789")
     return head + name[len(head):].translate(LOWERED) if 1 <= len(head) <= 2 else name
+
+
+NO_WORDS = same("")

@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
-from ..words import Text, same
+from ..words import NO_WORDS, Text
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]  # (w, x, y, z)
@@ -113,7 +113,7 @@ class Body:
     arrows: Callable[[Sequence[float], Sequence[float], float], tuple[Arrow, ...]]
     anchors: Callable[[Sequence[float], float], tuple[Vector, ...]]
     gain: float = 1.0
-    caption: Text = field(default_factory=lambda: same(""))
+    caption: Text = NO_WORDS
     labels: tuple[tuple[str, Vector], ...] = ()
     forces: float = 1.0
 
