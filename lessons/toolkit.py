@@ -273,11 +273,11 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigu
 
 
 def settle_time(t: np.ndarray, size: np.ndarray, share: float = 0.02) -> float | None:
-    """When `size` goes below a share of its peak for good, None if it does not."""
+    """When `size` goes below a share of its peak for good; None if it does not, or only in the last twentieth of the run."""
     above = np.flatnonzero(size > share * float(np.max(size, initial=0.0)))
     if not len(above):
         return 0.0
-    return None if above[-1] >= len(t) - 1 else float(t[above[-1] + 1])
+    return None if above[-1] >= 0.95 * (len(t) - 1) else float(t[above[-1] + 1])
 
 
 def number(value: float, digits: int = 3) -> str:

@@ -142,7 +142,9 @@ def test_a_text_speaks_the_language_asked_for() -> None:
 @pytest.mark.parametrize(("plain", "set_"), [
     ("the rightmost pole is -0.0011 rad/s", "the rightmost pole is −0.0011 rad/s"), ("-2 or (-.5, -3j)", "−2 or (−.5, −3j)"),
     ("最右极点为 -3，增益（-4）", "最右极点为 −3，增益（−4）"),
-    ("1e-05 of 3-4 low-order 2-D <b class=a-1>", "1e-05 of 3-4 low-order 2-D <b class=a-1>"),
+    ("1e-05 of 3-4 low-order 2-D <b class=a-1>", "10⁻⁵ of 3-4 low-order 2-D <b class=a-1>"),
+    ("6.3e+04 nm, 1.2e+02 %, -9.2e-06 at +7.9e−11, 6.7e4", "63000 nm, 120 %, −9.2·10⁻⁶ at +7.9·10⁻¹¹, 67000"),
+    ("1e+05 and 2.50e-03, e-fold, 0x1e5, be2", "10⁵ and 0.00250, e-fold, 0x1e5, be2"),
 ])
-def test_a_hyphen_before_a_number_is_a_minus(plain: str, set_: str) -> None:
+def test_numbers_are_written_with_a_minus_and_powers_of_ten(plain: str, set_: str) -> None:
     assert with_minus(plain) == set_

@@ -210,7 +210,7 @@ class Panel:
             text, waiting = f'<div class="ol-veil">{phrases.VEILED(lang)}</div>', False
         else:
             said = (phrases.SKIPPED(lang) if state.predicted < 0
-                    else phrases.YOU_PREDICTED.format(LETTERS[state.predicted])(lang)) + phrases.SPACE(lang)
+                    else phrases.YOU_PREDICTED.format(LETTERS[state.predicted])(lang)) + ("" if lang == "zh" else " ")
             waiting = not state.revealed
             text = said + (phrases.WATCH_FIRST(lang) if waiting else self._outcome(state.predicted))
         if self._unveil.visible != waiting:

@@ -50,7 +50,6 @@ GHOST = Text("translucent: the estimate", "半透明：估计")
 EXAGGERATED = Text("motion × {0:g}", "运动放大 {0:g} 倍")
 LONGER = Text("forces × {0:g}", "力放大 {0:g} 倍")
 AND = Text(", ", "，")
-SPACE = Text(" ", "")  # between two sentences
 FIXED = Text("bolted", "固定")
 MAP_EMPTY = Text("not computed yet: press the button under the knobs", "尚未计算：请按旋钮下方的按钮")
 ON_STAGE = Text("Drag the crosses on the boards, or type here: (Re, Im).", "可在极点板上拖动叉号，也可在此输入（实部，虚部）。")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+from decimal import Decimal
 from functools import lru_cache
 
 from latex2mathml.converter import convert
@@ -22,9 +23,20 @@ def mathml(latex: str, display: bool = False) -> str:
 MINUS = re.compile(r"(?:(?<=[\s(\[,=≈<>，：（；～…])|^)-(?=\.?\d)")
 
 
+POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+−-]?\d+)(?!\w)")
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def with_minus(words: str) -> str:
-    """Words in which a hyphen that stands for a sign has become a minus: numbers are formatted with hyphens."""
-    return MINUS.sub("−", words)
+    """Words with their numbers as one writes them, −3.1·10⁻⁵ and not -3.1e-05, 1200 and not 1.2e+03."""
+    return MINUS.sub("−", POWER.sub(_written, words) if "e" in words else words)
+
+
+def _written(number: re.Match[str]) -> str:
+    mantissa, power = number[1], int(number[2].replace("−", "-"))
+    if -3 <= power <= 4:
+        return f"{Decimal(f'{mantissa}e{power}'):f}"
+    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + str(power).translate(RAISED)
 
 
 @lru_cache(maxsize=1024)

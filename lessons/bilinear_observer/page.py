@@ -100,10 +100,10 @@ LINES = (
     Line("l2", 7, same("L₂"), "17.68", _entry(1), _swapped(1)),
     Line("l3", 7, same("L₃"), "−18.99", _entry(2), _swapped(2)),
     Line("l4", 7, same("L₄"), "2.29", lambda o: None if o.L is None or o.L.shape[1] < 4 else o.L[:, 3], _swapped(3)),
-    Line("chi-y", 8, Text("χ̇: of y", "χ̇：y 的系数"), "−273.64, −213.93, 408.38, −198.94", _plain("Y"), _same_pole),
+    Line("chi-y", 8, Text("y in χ̇", "χ̇：y 的系数"), "−273.64, −213.93, 408.38, −198.94", _plain("Y"), _same_pole),
     Line("chi-u", 8, Text("χ̇: of u", "χ̇：u 的系数"), "8.85", _plain("B")),
     Line("chi-uy", 8, Text("χ̇: of u y", "χ̇：u y 的系数"), "−44.26, 27.98, −81.33, 36.08", _plain("U")),
-    Line("g", 8, Text("ĝ: of y", "ĝ：y 的系数"), "−11.49, 19.68, −15.99, 13.29", _plain("G_y"), _same_pole),
+    Line("g", 8, Text("y in ĝ", "ĝ：y 的系数"), "−11.49, 19.68, −15.99, 13.29", _plain("G_y"), _same_pole),
 )
 DOUBTED = tuple(line for line in LINES if line.alone is not None)
 OPTIONS = ((NONE, Text("none yet", "暂未选定")), *((line.id, line.name) for line in DOUBTED))

@@ -202,7 +202,7 @@ def _live(m: Mapping[str, float]) -> Text:
                         f"闭合俯仰回路使系统失稳：最右极点 {right} rad/s。")
         return Text(f"The loop is unstable: rightmost pole {right} rad/s.",
                     f"闭环不稳定：最右极点 {right} rad/s。")
-    words = [f"{-v:+.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
+    words = [f"{0.0 - round(v):+.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
     tail = Text(f" C_v keeps a pole at {drift} rad/s.", f" C_v 有极点 {drift} rad/s。") if m["drift"] > 0 else Text("", "")
     return Text(f"Peaks against no control: vertical {words[0]}, horizontal {words[1]}, rotation {words[2]}.{tail.en}",
                 f"峰值与无控制相比：竖直 {words[0]}，水平 {words[1]}，转动 {words[2]}。{tail.zh}")

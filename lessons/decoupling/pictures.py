@@ -53,6 +53,7 @@ def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigu
     noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
     caption = (Text("The loop is unstable: what is drawn is no spectrum.", "闭环不稳定：所画曲线不是真正的频谱。")
                if outcome.metrics["rightmost"] >= 0 else
+               Text("Peak in 0.1–10 Hz as without control.", "0.1～10 Hz 内峰值与无控制时相同。") if abs(gain) < 0.05 else
                Text(f"Peak in 0.1–10 Hz down by {gain:.1f} dB, before sensor noise.",
                     f"0.1～10 Hz 内峰值降低 {gain:.1f} dB（不计传感器噪声）。") if gain >= 0 else
                Text(f"Peak in 0.1–10 Hz up by {-gain:.1f} dB.", f"0.1～10 Hz 内峰值升高 {-gain:.1f} dB。"))
@@ -230,13 +231,13 @@ def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
 
 def _forces(outcome: Outcome) -> TimeFigure:
     run = outcome.extra.shaken
-    u = np.clip(1e3 * run.u, -1e5, 1e5)
+    u, largest = np.clip(1e3 * run.u, -1e7, 1e7), 1e3 * float(np.abs(run.u).max())
     names = (Text("left vertical", "左竖直"), Text("right vertical", "右竖直"), Text("horizontal", "水平"))
     curves = tuple(Curve(n, u[:, j], role, dash)  # type: ignore[arg-type]
                    for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
                                                            strict=True)))
     return TimeFigure("forces", Text("forces on the shaking ground", "地面振动下的控制力"), run.t, curves, "[mN]", tab=FORCE_TAB,
-                      caption=Text(f"Largest force: {float(np.abs(u).max()):.3g} mN.",
-                                   f"最大控制力：{float(np.abs(u).max()):.3g} mN。") if outcome.design["mix"] == NONE else
-                      Text(f"Largest force: {float(np.abs(u).max()):.3g} mN, after the mixing.",
-                           f"最大控制力：{float(np.abs(u).max()):.3g} mN（经混合后）。"))
+                      caption=Text(f"Largest force: {largest:.3g} mN.",
+                                   f"最大控制力：{largest:.3g} mN。") if outcome.design["mix"] == NONE else
+                      Text(f"Largest force: {largest:.3g} mN, after the mixing.",
+                           f"最大控制力：{largest:.3g} mN（经混合后）。"))

@@ -74,9 +74,15 @@ def _input(outcome: Outcome) -> TimeFigure:
     return TimeFigure("input", Text("input asked for and applied", "指令输入与实际输入"), times(outcome),
                       (Curve(Text("asked", "指令"), _steps(s.asked[:, 0]), "second", "dash", 1.6),
                        Curve(Text("applied", "实际"), _steps(s.applied[:, 0]), "force")), f"u [{unit}]" if unit else "u",
-                      tab=TIME_TAB, caption=Text(
-                          f"{lost} inputs lost, {how.en}; the others arrive {int(d['delay'])} samples late.",
-                          f"丢失 {lost} 个输入，{how.zh}；其余的晚 {int(d['delay'])} 个采样周期到达。"))
+                      tab=TIME_TAB, caption=_fate(lost, how, int(d["delay"])))
+
+
+def _fate(lost: int, how: Text, late: int) -> Text:
+    """What became of the inputs."""
+    gone = Text(f"{lost} inputs lost, {how.en}; the others" if lost else "No input is lost; all",
+                f"丢失 {lost} 个输入，{how.zh}；其余的" if lost else "没有丢失输入，全部")
+    when = Text(f"arrive {late} samples late" if late else "arrive at once", f"晚 {late} 个采样周期到达" if late else "立即到达")
+    return Text(f"{gone.en} {when.en}.", f"{gone.zh}{when.zh}。")
 
 
 def _ages(outcome: Outcome) -> TimeFigure:
@@ -228,10 +234,12 @@ def _growth(outcome: Outcome) -> PlaneFigure:
     hold_now, zero_now = growth_now(name, a, stretch, d["loss_u"])
     now = zero_now if d["lost"] == ZERO else hold_now
     top = float(np.clip(np.ceil(2 * max(held.max(), zeroed.max())) / 2, 1.5, 5.0))
-    better = Text("holding is the better stand-in", "保持更好") if hold_now < zero_now else Text("zero is the better stand-in", "置零更好")
+    better = (Text("with nothing lost there is no difference", "没有丢失，二者无差别") if hold_now == zero_now else
+              Text("holding is the better stand-in there", "此处保持更好") if hold_now < zero_now else
+              Text("zero is the better stand-in there", "此处置零更好"))
     words = Text(f"Growth of E‖x‖² per sample under u = −Kx; below 1 it dies out. At {100 * d['loss_u']:.0f} % lost: {now:.3f}; "
-                 f"{better.en} there.",
-                 f"u = −Kx 时 E‖x‖² 每周期的增长倍数；小于 1 则衰减。丢失 {100 * d['loss_u']:.0f} % 时为 {now:.3f}；此处{better.zh}。")
+                 f"{better.en}.",
+                 f"u = −Kx 时 E‖x‖² 每周期的增长倍数；小于 1 则衰减。丢失 {100 * d['loss_u']:.0f} % 时为 {now:.3f}；{better.zh}。")
     return PlaneFigure("growth", Text("inputs lost: hold or zero", "输入丢包：保持还是置零"),
                        (Curve(Text("hold the last input", "保持上一个输入"), held, "force", x=INPUT_LOSSES),
                         Curve(Text("zero", "置零"), zeroed, "disturbance", "dash", x=INPUT_LOSSES),

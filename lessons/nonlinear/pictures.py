@@ -130,7 +130,8 @@ def _verdicts(outcome: Outcome) -> TableFigure:
     fell = (Text(f" The pole fell in {s.fallen} of {s.runs} runs; they count until then.",
                  f"{s.runs} 次中摆杆倒下 {s.fallen} 次；倒下之前仍计入统计。") if s.case.id == PENDULUM else same(""))
     lost = sum(s.lost.values())
-    gone = Text(f" Given up: {lost}.", f"放弃 {lost} 次。") if lost else same("")
+    gone = (Text(f" Filters given up because their covariance broke down: {lost}.", f"因协方差失效而中止的滤波共 {lost} 次。")
+            if lost else same(""))
     few = (Text("Few runs say little about rare failures; the button tries many.", "次数少，看不出罕见的失败；请按按钮多次试验。")
            if s.runs < 50 else
            Text("In 99 %: runs whose NEES ends below the 99 % point of χ².",
@@ -199,8 +200,9 @@ def _second_law(outcome: Outcome) -> PlaneFigure:
         x = np.linspace(-12, 12, 97)
         factor = np.exp(-d["weakening"] * 1e-3 * x / LENGTH)
         low, high = 100 * (np.exp(-d["weakening"] * 0.002 / LENGTH) - 1), 100 * (np.exp(d["weakening"] * 0.002 / LENGTH) - 1)
-        return _plane("law2", Text("force constant of a coil", "线圈的力常数"), "d [mm]", "", x, factor, np.ones_like(x), None,
-                      Text(f"2 mm apart or together change the force by −{-low:.0f} % or +{high:.0f} %.",
+        return _plane("law2", Text("force constant of a coil", "线圈的力常数"), "d [mm]", "k(d)/k(0)", x, factor, np.ones_like(x), None,
+                      Text("The coil is as strong at any gap.", "线圈出力与间隙无关。") if high < 0.5 else
+                      Text(f"The gap opening or closing by 2 mm changes the force by −{-low:.0f} % or +{high:.0f} %.",
                            f"间隙张开或合拢 2 mm，出力变化 −{-low:.0f} % 或 +{high:.0f} %。"), (0.0, 3.0))
     if s.case.id == PENDULUM:
         k, angle = cart_pendulum.Parameters(), np.linspace(-90, 90, 91)

@@ -56,6 +56,8 @@ def _error(outcome: Outcome) -> TimeFigure:
     same_plant = np.array_equal(story.true.e_u, story.model.e_u)
     caption = (Text("Plant and model agree: e_u dies out like the observer's poles, whatever v does.",
                     "对象与模型一致：不论 v 如何，e_u 都按观测器极点衰减。") if same_plant else
+               Text("With the true plant the loop is unstable, and e_u grows with it; on the model it dies out.",
+                    "对真实对象，闭环不稳定，e_u 随之增大；在模型上则衰减到零。") if outcome.metrics["slowest_loop"] >= 0 else
                Text(f"With the true plant e_u keeps an amplitude of {late:.2g}; on the model it dies out.",
                     f"对真实对象，e_u 最终保持 {late:.2g} 的幅度；在模型上则衰减到零。"))
     return TimeFigure("e_u", Text("error of the input, û − Kx in the paper's sign", "输入的误差（论文记号 û − Kx）"), t,
@@ -260,5 +262,5 @@ def _slips(outcome: Outcome) -> TableFigure:
     wrong = (not gaps.met) + (printed != true) + (claimed != free_columns())
     return TableFigure("slips", Text("lines of the paper against the engine", "论文中的几行与引擎对照"),
                        (Text("line", "内容"), Text("as read", "读作"), Text("engine", "引擎")), rows, tab=PAPER_TAB,
-                       caption=Text(f"Example 2, s = −4, −3. {wrong} of the three readings disagree.",
+                       caption=Text(f"Example 2, s = −4, −3. Readings that disagree: {wrong} of 3.",
                                     f"例 2，s = −4、−3。三处读法中有 {wrong} 处不符。"))

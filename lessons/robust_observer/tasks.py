@@ -52,7 +52,7 @@ def _remark(outcome: Outcome) -> Verdict:
 def _sizes(outcome: Outcome) -> Verdict:
     d = outcome.design
     if d["example"] != TWO:
-        return Verdict(False, Text("Take Example 2: the lines to be checked are its.", "请选例 2：要检查的是它的各行。"))
+        return Verdict(False, Text("Take Example 2: its lines are the ones to check.", "请选例 2：要检查的是它的各行。"))
     printed, true = PRINTED_SIZES[d["line"]], true_size(d["line"])
     if printed == true:
         return Verdict(False, Text(f"{LINES[d['line']]} is printed {true[0]}×{true[1]}, and that is right; look at another line.",

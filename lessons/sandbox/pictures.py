@@ -243,7 +243,7 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
                       caption=Text(f"This record: mean {test.mean:.3g}, band {test.mean_band[0]:.3g} … {test.mean_band[1]:.3g}: {said[0]}. "
                                    f"On average: {found.expected:.3g}.",
                                    f"本次记录：均值 {test.mean:.3g}，范围 {test.mean_band[0]:.3g} … {test.mean_band[1]:.3g}：{said[1]}。"
-                                   f"平均应为 {found.expected:.3g}。"))
+                                   f"这样的滤波器平均为 {found.expected:.3g}。"))
 
 
 def gain_figure(found: Trial | Refusal) -> TimeFigure:

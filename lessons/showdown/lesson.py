@@ -16,7 +16,7 @@ from app.prose import read_prose
 from app.words import Text
 
 from ..toolkit import number, run_knobs
-from .pictures import all_figures
+from .pictures import SHORT, all_figures
 from .players import DT, LQE, NAMES, OPEN, ORDER, OWN, PUBLISHED, RECURSIVE, Player, players
 from .tasks import TASKS, exam
 from .trials import Trials, carry, try_out
@@ -192,13 +192,14 @@ def _formulas(design: Design, m: Match) -> tuple[Formula, ...]:
 
 
 def _live(design: Design, m: Match) -> Text:
-    unstable = [player.name for player, s in zip(m.five, m.spectra, strict=True) if not s.stable]
+    unstable = [name for name, s in zip(SHORT, m.spectra, strict=True) if not s.stable]
     if unstable:
         return Text(f"Unstable in this world: {', '.join(n.en for n in unstable)}.",
                     f"在此条件下不稳定：{'、'.join(n.zh for n in unstable)}。")
     best = [_best(m.rms[1:, j]) for j in range(3)]
-    return Text(f"Least RMS velocity: vertical {NAMES[best[0]].en}; rotation {NAMES[best[1]].en}; horizontal {NAMES[best[2]].en}.",
-                f"速度均方根最小者：竖直 {NAMES[best[0]].zh}；转动 {NAMES[best[1]].zh}；水平 {NAMES[best[2]].zh}。")
+    return Text(f"Least RMS velocity: {SHORT[best[0]].en} vertically, {SHORT[best[1]].en} in rotation, "
+                f"{SHORT[best[2]].en} horizontally.",
+                f"速度均方根最小者：竖直 {SHORT[best[0]].zh}，转动 {SHORT[best[1]].zh}，水平 {SHORT[best[2]].zh}。")
 
 
 def _best(rms: np.ndarray) -> int:

@@ -100,9 +100,11 @@ def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
         said = Text("The controller on the stage does not hold this loop.", "场景中的控制器不能使回路稳定。")
     else:
         before, now = (float(m.spectra[k].density[:, column].max()) for k in (0, i))
-        down = f"{10 * np.log10(before / now):.1f} dB"
-        said = Text(f"{NAMES[i].en}: the highest point is {down} lower than without control.",
-                    f"{NAMES[i].zh}：最高点比无控制时低 {down}。")
+        gain = 10 * np.log10(before / now)
+        en, zh = ("lower", "低") if gain >= 0 else ("higher", "高")
+        said = (Text("On the stage is the platform without control.", "场景中是无控制的平台。") if i == 0 else
+                Text(f"{NAMES[i].en}: the highest point is {abs(gain):.1f} dB {en} than without control.",
+                     f"{NAMES[i].zh}：最高点比无控制时{zh} {abs(gain):.1f} dB。"))
     return FrequencyFigure(f"sensor_{key}", Text(f"true velocity at {name.en}", f"真实速度：{name.zh}"), m.f, tuple(curves),
                            "[(µm/s)²/Hz]", said, SENSOR_TAB, _window(curves))
 
@@ -126,7 +128,7 @@ def _gain(outcome: Outcome) -> TimeFigure:
         en += f" Settled, its loop differs from the steady LQE's by at most {apart:.2f} dB."
         zh += f" 稳定之后，其回路与稳态 LQE 的谱最多相差 {apart:.2f} dB。"
     if m.trials is not None and m.trials.learning is not None:
-        first, last = ("/".join(f"{100 * v:.2g}" for v in m.trials.learning[k]) for k in (0, -1))
+        first, last = (" / ".join(f"{100 * v:.2g}" for v in m.trials.learning[k]) for k in (0, -1))
         count = len(m.trials.learning)
         en += f" On one seed (vertical/rotation/horizontal) the runs are {first} % apart in second 1, {last} % in second {count}."
         zh += f" 同一随机种子下（竖直/转动/水平），两次运行在第 1 秒相差 {first} %，第 {count} 秒相差 {last} %。"
@@ -160,6 +162,13 @@ def _recovery(measured: Any, j: int) -> Text:
     return Text("not in 12 s", "12 s 内未恢复") if after is None else same(f"{after:.2g} s")
 
 
+RUNAWAY = Text("This loop is unstable: its run is held where it leaves every bound.", "该回路不稳定：运行在越出界限处停住。")
+
+
+def _held(outcome: Outcome) -> bool:
+    return outcome.extra.spectra[ORDER.index(outcome.design["play"])].stable
+
+
 def _stage_velocity(outcome: Outcome) -> TimeFigure:
     m = outcome.extra
     t, x, _ = m.run
@@ -169,7 +178,8 @@ def _stage_velocity(outcome: Outcome) -> TimeFigure:
     return TimeFigure("stage_velocity", Text("vertical velocity of the run on the stage", "场景中运行的竖直速度"), t,
                       (Curve(Text("with the controller", "有控制"), v),
                        Curve(Text("without control", "无控制"), ghost, "estimate", "dash", 1.6)), "v [µm/s]",
-                      caption=Text(f"Test at 0.4 s. After 1 s: {sizes[0]:.3g} µm/s RMS, {sizes[1]:.3g} µm/s without control.",
+                      caption=RUNAWAY if not _held(outcome) else
+                      Text(f"Test at 0.4 s. After 1 s: {sizes[0]:.3g} µm/s RMS, {sizes[1]:.3g} µm/s without control.",
                                    f"0.4 s 时施加试验。1 s 之后均方根 {sizes[0]:.3g} µm/s，无控制时 {sizes[1]:.3g} µm/s。"),
                       tab=RUN_TAB, window=(-500.0, 500.0))
 
@@ -180,7 +190,8 @@ def _stage_force(outcome: Outcome) -> TimeFigure:
     return TimeFigure("stage_force", Text("coil commands of this run", "这次运行的线圈指令"), t,
                       (Curve(Text("left vertical u1", "左竖直 u1"), 1e3 * u[:, 0], "force", "solid", 1.6),
                        Curve(Text("horizontal u3", "水平 u3"), 1e3 * u[:, 2], "disturbance", "solid", 1.0)), "u [mN]",
-                      caption=Text(f"Largest command {peak:.3g} mN.", f"最大指令 {peak:.3g} mN。"), tab=RUN_TAB,
+                      caption=RUNAWAY if not _held(outcome) else Text(f"Largest command {peak:.3g} mN.", f"最大指令 {peak:.3g} mN。"),
+                      tab=RUN_TAB,
                       window=(-20.0, 20.0))
 
 

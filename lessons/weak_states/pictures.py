@@ -101,13 +101,12 @@ def _staircase(outcome: Outcome) -> PlaneFigure:
     points = [Point(float(index[k]), float(values[k]), "error", "dot") for k in (2 * pair, 2 * pair + 1)]
     ratio = s.hankel[:-1] / s.hankel[1:]
     widest = int(np.argmax(ratio))
+    after = same("") if widest == 7 else Text(f"; after 8 it is {ratio[7]:.0f}", f"；第 8 个之后为 {ratio[7]:.0f} 倍")
     return PlaneFigure(
         "staircase", Text("Hankel singular values", "Hankel 奇异值"), tuple(curves), tuple(points), "i", "log₁₀ σ",
         (0.3, STATES + 0.7), (floor, 4.0), tab=HANKEL_TAB,
-        caption=Text(f"The widest gap, a factor of {ratio[widest]:.0f}, lies after {widest + 1}; after 8 it is {ratio[7]:.0f}. "
-                     "Dots: the pair on the stage.",
-                     f"最大的落差在第 {widest + 1} 个之后，为 {ratio[widest]:.0f} 倍；第 8 个之后为 {ratio[7]:.0f} 倍。"
-                     "圆点：场景中的那一对。"))
+        caption=Text(f"The widest gap, a factor of {ratio[widest]:.0f}, lies after {widest + 1}{after.en}. Dots: the pair on the stage.",
+                     f"最大的落差在第 {widest + 1} 个之后，为 {ratio[widest]:.0f} 倍{after.zh}。圆点：场景中的那一对。"))
 
 
 def _error(outcome: Outcome) -> FrequencyFigure:

@@ -27,7 +27,7 @@ def _face(outcome: Outcome) -> Verdict:
     if held != [k != pair for k in range(len(held))]:
         return Verdict(False, Text(f"A model of {order} states holds {sum(held)} of the five motions; it should lack this one alone.",
                                    f"{order} 阶模型保留了五种运动中的 {sum(held)} 种；应当只缺这一种。"))
-    return Verdict(True, Text(f"Of σ = {show(s.hankel[2 * pair])}: the masses swing at {motion.frequency:.3g} Hz and the ghost's stand "
+    return Verdict(True, Text(f"σ = {show(s.hankel[2 * pair])}: the masses swing at {motion.frequency:.3g} Hz and the ghost's stand "
                               "still.", f"σ = {show(s.hankel[2 * pair])}：测试质量以 {motion.frequency:.3g} Hz 摆动，虚影中的却静止不动。"))
 
 
@@ -37,8 +37,9 @@ def _wider(outcome: Outcome) -> Verdict:
         return Verdict(False, Text(f"{c.order} states err by {show(c.peak)}; at most {SMALL} is allowed.",
                                    f"{c.order} 个状态的误差为 {show(c.peak)}，不得超过 {SMALL}。"))
     if c.order > 1 and cut(s, c.order - 1).peak <= SMALL:
-        return Verdict(False, Text(f"{c.order} states err by {show(c.peak)}: right, but fewer states still do.",
-                                   f"{c.order} 个状态的误差为 {show(c.peak)}：符合要求，但还可以更少。"))
+        size = show(c.peak) if c.order < STATES else "0"
+        return Verdict(False, Text(f"{c.order} states err by {size}: good enough, but fewer states will do as well.",
+                                   f"{c.order} 个状态的误差为 {size}：符合要求，但还可以更少。"))
     if compared.extra is None or compared.extra > 1e-3:
         return Verdict(False, Text("The model will do, but the LQG designed on it costs more than 0.1 % extra on ten states.",
                                    "模型可以，但据此设计的 LQG 用在十状态平台上，代价增加超过 0.1 %。"))

@@ -178,3 +178,16 @@ def test_no_line_is_drawn_for_a_loop_that_is_open() -> None:
     figures = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.start()))}
     rotation = figures["controllers"].curves[2]
     assert "open" in rotation.name.en and rotation.y.max() < axis_range(figures["controllers"])[0]
+
+
+def test_the_largest_force_is_that_of_the_run_and_not_that_of_the_axis() -> None:
+    found = outcome(horizontal="poles")
+    said = next(f.caption.en for f in LESSON.figures(found) if f.id == "forces")
+    largest = 1e3 * float(np.abs(found.extra.shaken.u).max())
+    assert float(said.split(": ")[1].split(" mN")[0]) == pytest.approx(largest, rel=0.01) and largest > 1e5
+
+
+def test_an_open_loop_neither_lifts_nor_lowers_its_peak() -> None:
+    found = outcome(vertical="open")
+    assert "as without control" in next(f.caption.en for f in LESSON.figures(found) if f.id == "spectrum-vertical")
+    assert "vertical +0 dB" in found.live.en

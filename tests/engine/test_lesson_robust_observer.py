@@ -295,3 +295,9 @@ def test_the_exams_answer_is_the_engines_J(seed):
     wrong = type(w)(w.A, w.C, n["a"] * w.alpha, n["b"] * w.beta, n["c"] * w.gamma)
     o = functional_observer(EXAMPLE_1.plant, EXAMPLE_1.K, 1, [n["s"]], wrong=wrong, norm=1)
     assert pytest.approx(item.answer) == o.J
+
+
+def test_no_steady_amplitude_is_told_of_a_loop_that_is_unstable() -> None:
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"a1": -0.5}))
+    said = next(f.caption.en for f in LESSON.figures(outcome) if f.id == "e_u")
+    assert outcome.metrics["slowest_loop"] > 0 and "grows" in said and "amplitude" not in said
