@@ -134,12 +134,15 @@ class Chart:
             "padding": (10, 14, 0, 0),
         }
 
-    def show(self, figure: Figure, resting: bool, horizon: float) -> None:
-        """Draw the figure's present data."""
+    def show_curves(self, figure: Figure, resting: bool, horizon: float) -> None:
+        """Draw present data over time or frequency; `show_words` draws the rest."""
         before, self._figure = self._figure, figure
         if isinstance(figure, (TimeFigure, FrequencyFigure)):
             self._show_plot(figure, before, resting, on_the_clock(figure, horizon))
-        elif self._html is not None:
+
+    def show_words(self, figure: Figure) -> None:
+        """Write the caption, and draw what is not over time or frequency."""
+        if self._html is not None:
             content = draw(figure, self._language)
             if content != self._html.content:
                 self._html.content = content

@@ -87,36 +87,37 @@ class Screen:
         self._picture = None
 
     def show(self, picture: Picture) -> None:
-        """Show what changed since the last picture: first panels and plots, then the stage.
+        """Show what changed since the last picture: first the curves, then the stage at its time, then all that is read.
 
         A browser draws a batch that touches only panels at once; one that touches the scene waits for a frame.
         """
         before, self._picture = self._picture, picture
+        anew = before is None or before.outcome is not picture.outcome
+        stale = anew or (before is not None and picture.resting and not before.resting)
+        charts = [(self._charts[f.id], f) for f in picture.figures if f.id in self._charts] if stale else []
+        with self._client.atomic():
+            for chart, figure in charts:
+                chart.show_curves(figure, picture.resting, picture.horizon)
+        self._client.flush()
+        time.sleep(APART)
+        with self._client.atomic():
+            if anew:
+                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, aspect_of(self._client.camera)))
+            for board in picture.outcome.boards:
+                self._board(board, picture).show(board)
+            self._landscape(picture)
+            self._show_map(picture)
+            self._stage.pose(picture.state.t)
+        self._client.flush()
         with self._client.atomic():
             if self._panel is not None:
                 self._panel.show(picture)
             if self._transport is not None:
                 self._transport.show(picture)
             self._show_style(picture)
-            self._show_charts(picture, before)
+            for chart, figure in charts:
+                chart.show_words(figure)
         self._client.flush()
-        time.sleep(APART)
-        with self._client.atomic():
-            if before is None or before.outcome is not picture.outcome:
-                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, aspect_of(self._client.camera)))
-            for board in picture.outcome.boards:
-                self._board(board, picture).show(board)
-            self._landscape(picture)
-            self._show_map(picture)
-        self._client.flush()
-
-    def _show_charts(self, picture: Picture, before: Picture | None) -> None:
-        changed = before is None or before.outcome is not picture.outcome
-        if not changed and (before is None or before.resting or not picture.resting):
-            return
-        for figure in picture.figures:
-            if figure.id in self._charts:
-                self._charts[figure.id].show(figure, picture.resting, picture.horizon)
 
     def pose(self, t: float) -> None:
         """Stage and cursors at time t."""

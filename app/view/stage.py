@@ -56,6 +56,7 @@ class StageView:
         self._clouds: list[viser.IcosphereHandle] = []
         self._names: list[viser.LabelHandle] = []
         self._stage: Stage | None = None
+        self._posed: tuple[Stage, int] | None = None
         self._preset, self._aspect = "all", 1.0
 
     def furnish(self) -> None:
@@ -97,7 +98,7 @@ class StageView:
 
     def build(self, stage: Stage | None, language: str, size: float = 1.0) -> None:
         """Put a plant on the stage, instead of the last one."""
-        self._last, self._solid, self._ghost = {}, {}, {}
+        self._last, self._solid, self._ghost, self._posed = {}, {}, {}, None
         self._forces = self._errors = None
         self._clouds, self._names = [], []
         self._stage, self._body = stage, stage.body if stage is not None else None
@@ -152,18 +153,21 @@ class StageView:
         stage, body = self._stage, self._body
         if stage is None or body is None:
             return
-        index = min(int(np.searchsorted(stage.t, t + 1e-9, side="right")) - 1, len(stage.t) - 1)
-        x = stage.x[max(index, 0)].tolist()
+        index = max(0, min(int(np.searchsorted(stage.t, t + 1e-9, side="right")) - 1, len(stage.t) - 1))
+        if self._posed is not None and self._posed[0] is stage and self._posed[1] == index:
+            return
+        self._posed = stage, index
+        x = stage.x[index].tolist()
         self._place(self._solid, "", body.pose(x, body.gain))
         if stage.xhat is not None and self._ghost:
-            xhat = stage.xhat[max(index, 0)].tolist()
+            xhat = stage.xhat[index].tolist()
             self._place(self._ghost, "ghost ", body.pose(xhat, body.gain), INSIDE)
             believed = body.anchors(xhat, body.gain)
             self._join(body.anchors(x, body.gain), believed)
             if stage.spread is not None:
-                self._cloud(believed, float(stage.spread[max(index, 0)]))
+                self._cloud(believed, float(stage.spread[index]))
         if stage.u is not None and self._forces is not None:
-            arrows = body.arrows(x, stage.u[max(index, 0)].tolist(), body.gain)
+            arrows = body.arrows(x, stage.u[index].tolist(), body.gain)
             seen = [(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > SHORTEST]
             self._draw(self._forces, _segments(seen))
 
