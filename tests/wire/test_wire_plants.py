@@ -56,6 +56,7 @@ def test_a_mat_file_is_taken_too_and_the_dropdown_leads_back(enter: Enter, newes
 
 def test_an_upload_is_seen_by_its_own_tab_alone_and_survives_a_reload(enter: Enter, newest: Newest, server: LabServer) -> None:
     other = enter()
+    other.settle()
     tab = enter()
     first, second = (server.sessions[i] for i in sorted(server.sessions))
     send_file(tab, "motor.json", MOTOR)
