@@ -17,6 +17,7 @@ OUTPUTS, ALIKE = "outputs", "alike"
 PRESSED = ((OUTPUTS, Text("the four outputs", "四个输出")), (ALIKE, Text("every balanced state alike", "所有平衡状态一视同仁")))
 EQUAL = 1e10  # weight of each balanced state where all count alike
 PAIRS = STATES // 2
+SLOWEST = 1e-9  # rad/s: a pole no farther left is on the axis to rounding, and its variance is not to be told
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +25,7 @@ class Loop:
     """One design on a balanced model, closed around the ten states: gains by pair (5,), densities, cost, force.
 
     densities (n_f, 4) of the outputs in (m/s)²/Hz, cost of the average xᵀQx + uᵀRu, force: rms of all coils in N. None of
-    the three where the loop is unstable. rightmost: real part of the slowest pole.
+    the three where the loop is unstable or on the edge. rightmost: real part of the slowest pole.
     """
 
     design: Lqg
@@ -78,7 +79,7 @@ def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
     K, L = by_pair(design.K), by_pair(design.L.T)
     loop = _closed(s, design.controller, weights)
     rightmost = float(loop.poles.real.max())
-    if not loop.stable:
+    if rightmost > -SLOWEST:
         return Loop(design, K, L, rightmost, None, None, None)
     paid = weights.Q(s.plant) if pressed == OUTPUTS else EQUAL * s.balanced.left.T @ s.balanced.left
     spent = loop.cost(paid, weights.R)
