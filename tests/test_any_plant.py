@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from test_lessons import boards_of, check_figures, check_mathml, complete, contents, every_lesson, numbers_of, others
+from lesson_checks import boards_of, check_figures, check_mathml, complete, contents, every_lesson, numbers_of, others
 
 from app.cli import main
 from app.engine import EngineError, Plant, from_json, load_plant, to_json, to_mat

@@ -1,45 +1,16 @@
-"""Pole placement: laws, published gains, requests that must be refused, dragging."""
-
-from collections import Counter
+"""Pole placement: laws and published gains."""
 
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from mpmath import mp
+from pole_requests import POSITION, SPRING, random_pair, random_poles, same_polynomial
 
-from app.engine.errors import EngineError, PoleError, ShapeError
-from app.engine.placement import match_poles, move_pole, observer_gain, place
-from app.engine.pole_sets import check_poles
-
-SPRING = np.array([[0.0, 1.0], [-1.0, -0.5]])
-POSITION = np.array([[1.0, 0.0]])
-
-
-def random_pair(seed, n, m):
-    rng = np.random.default_rng(seed)
-    return rng.standard_normal((n, n)), rng.standard_normal((n, m))
-
-
-def random_poles(seed, n, pairs):
-    """Distinct poles between −6 and −1, the first 2·pairs of them complex."""
-    rng = np.random.default_rng(seed)
-    real = -1 - 5 * (np.arange(n - 2 * pairs) + rng.uniform(0.2, 0.8, n - 2 * pairs)) / max(1, n - 2 * pairs)
-    upper = -rng.uniform(1, 4, pairs) + 1j * (1 + 1.5 * np.arange(pairs) + rng.uniform(0, 0.5, pairs))
-    return np.concatenate([upper, upper.conj(), real])
-
-
-def same_polynomial(closed, poles, tolerance):
-    """det(sI − closed) = ∏(s − pole) on a circle round the spectrum, relative."""
-    radius = 2 * np.abs(poles).max()
-    for s in radius * np.exp(1j * np.pi * (np.arange(5) + 0.5) / 5):
-        value = np.linalg.det(s * np.eye(len(poles)) - closed)
-        assert abs(value / np.prod(s - np.asarray(poles)) - 1) < tolerance
+from app.engine.placement import observer_gain, place
 
 
 # --- published numbers ---------------------------------------------------------------------------------------------
-
-
 def test_spring_damper_double_pole_with_one_output():
     placed = observer_gain(SPRING, POSITION, [-1, -1])
     np.testing.assert_allclose(placed.gain, [[1.5], [-0.75]], rtol=0, atol=1e-14)
@@ -96,8 +67,6 @@ def test_one_input_agrees_with_ackermann_in_fifty_digits(seed):
 
 
 # --- laws ----------------------------------------------------------------------------------------------------------
-
-
 @settings(max_examples=60, deadline=None)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 8), m=st.integers(1, 4), pairs=st.integers(0, 2))
 def test_the_poles_asked_for_are_reached(seed, n, m, pairs):
@@ -222,164 +191,3 @@ def test_repeated_pairs_forbidden_by_rosenbrock_are_still_reached():
     placed = place(A, B, poles)
     same_polynomial(A - B @ placed.gain, poles, 1e-10)
     assert placed.condition == np.inf
-
-
-# --- uncontrollable modes --------------------------------------------------------------------------------------------
-
-
-def hidden_mode(seed, mode):
-    """Four states, the last a mode at `mode` that the input does not reach, in coordinates that hide the fact."""
-    rng = np.random.default_rng(seed)
-    A = rng.standard_normal((4, 4))
-    A[3] = [0, 0, 0, mode]
-    B = np.vstack([rng.standard_normal((3, 2)), np.zeros((1, 2))])
-    T = np.linalg.qr(rng.standard_normal((4, 4)))[0]
-    return T @ A @ T.T, T @ B
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_an_uncontrollable_mode_is_kept_and_the_others_are_moved(seed):
-    A, B = hidden_mode(seed, 2.0)
-    placed = place(A, B, [-1 + 1j, 2, -1 - 1j, -3])
-    np.testing.assert_allclose(placed.fixed, [2.0], atol=1e-10)
-    assert placed.error < 1e-8
-    with pytest.raises(PoleError, match=r"mode at 2 is uncontrollable: no K can move it, so keep 2 among"):
-        place(A, B, [-1, -2, -3, -4])
-    with pytest.raises(PoleError, match=r"mode at 2 is unobservable: no L can move it, so keep 2 among"):
-        observer_gain(A.T, B.T, [-1, -2, -3, -4])
-
-
-def test_no_input_at_all_leaves_every_pole_fixed():
-    placed = place(np.diag([-1.0, -2.0]), np.zeros((2, 1)), [-2, -1])
-    np.testing.assert_array_equal(placed.gain, [[0, 0]])
-    assert sorted(placed.fixed.real) == [-2, -1]
-
-
-def test_an_uncontrollable_pair_is_named():
-    A = np.zeros((3, 3))
-    A[:2, :2], A[2, 2] = [[0, 1], [-4, 0]], 1
-    with pytest.raises(PoleError, match=r"mode at 0 [-+] 2j is uncontrollable"):
-        place(A, [[0], [0], [1]], [-1, -2, -3])
-
-
-# --- bad requests ----------------------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("poles", "sentence"),
-    [
-        ([-1], "2 poles are needed"),
-        ([-1, -2, -3], "2 poles are needed"),
-        ([-1 + 1j, -2], "lacks its conjugate -1 - 1j"),
-        ([-1 - 1j, -2], "lacks its conjugate -1 \\+ 1j"),
-        ([-1 + 1j, -1 - 1.1j], "lacks its conjugate"),
-        ([np.nan, -1], "NaN or infinite"),
-        ([-np.inf, -1], "NaN or infinite"),
-        ([-1e30, -1], "slower"),
-        (["fast", -1], "must be numbers"),
-        (None, "must be numbers"),
-    ],
-)
-def test_requests_without_an_answer_are_refused_with_a_sentence(poles, sentence):
-    with pytest.raises(PoleError, match=sentence):
-        place(SPRING, [[0], [1]], poles)
-
-
-def test_matrices_that_do_not_fit_are_refused():
-    with pytest.raises(ShapeError):
-        place(SPRING, [[1], [2], [3]], [-1, -2])
-    with pytest.raises(ShapeError):
-        place([[1, 2, 3]], [[1]], [-1])
-    with pytest.raises(EngineError):
-        place([[np.nan, 1], [0, 0]], [[0], [1]], [-1, -2])
-
-
-def test_rounding_in_a_pair_is_forgiven_and_made_exact():
-    asked = check_poles([-1 + 1j, -1 - 1j * (1 + 1e-13)], 2)
-    assert asked[1] == asked[0].conjugate()
-
-
-# --- matching --------------------------------------------------------------------------------------------------------
-
-
-def test_matching_respects_multiplicity_where_sorting_fails():
-    a = np.array([-1 + 1j, -1 - 1j, -1 + 0.5j, -1 - 0.5j])
-    b = np.array([-1.0000001 + 0.5j, -0.9999999 + 1j, -1 - 0.5j, -1.0000001 - 1j])
-    order, distance = match_poles(a, b)
-    assert distance < 2e-7
-    np.testing.assert_allclose(b[order], a, atol=2e-7)
-    assert match_poles([-1, -1, -2], [-1, -2, -2])[1] == 1.0
-    with pytest.raises(PoleError):
-        match_poles([1], [1, 2])
-
-
-# --- dragging --------------------------------------------------------------------------------------------------------
-
-
-def test_a_pair_moves_together():
-    assert move_pole((-1 + 2j, -3, -1 - 2j), 0, -2 + 5j, 0.1) == (-2 + 5j, -3, -2 - 5j)
-    assert move_pole((-1 + 2j, -3, -1 - 2j), 2, -2 - 5j, 0.1) == (-2 + 5j, -3, -2 - 5j)
-
-
-def test_a_pair_dragged_to_the_axis_becomes_real():
-    assert move_pole((-1 + 2j, -1 - 2j), 0, -2 + 0.05j, 0.1) == (-2, -2)
-
-
-def test_a_real_pole_dragged_off_the_axis_takes_the_nearest_one_along():
-    assert move_pole((-1, -5, -2), 0, -1.2 + 1j, 0.1) == (-1.2 + 1j, -5, -1.2 - 1j)
-    assert move_pole((-1, -5, -2), 0, -1.2 + 1j, 0.1, fixed=(2,)) == (-1.2 + 1j, -1.2 - 1j, -2)
-
-
-def test_a_lone_real_pole_stays_on_the_axis():
-    assert move_pole((-1, -2 + 1j, -2 - 1j), 0, -3 + 4j, 0.1) == (-3, -2 + 1j, -2 - 1j)
-
-
-def test_fixed_poles_do_not_move():
-    assert move_pole((-1, 2), 1, -3, 0.1, fixed=(1,)) == (-1, 2)
-    assert move_pole((-1 + 1j, -1 - 1j), 0, -3, 0.1, fixed=(1,)) == (-1 + 1j, -1 - 1j)
-
-
-@pytest.mark.parametrize(("index", "to"), [(2, -1), (-1, -1), (0, np.nan), (0, complex(0, np.inf))])
-def test_senseless_moves_are_refused(index, to):
-    with pytest.raises(PoleError):
-        move_pole((-1, -2), index, to, 0.1)
-
-
-@settings(max_examples=200, deadline=None)
-@given(
-    moves=st.lists(st.tuples(st.integers(0, 4), st.floats(-9, 1), st.floats(-5, 5)), max_size=12),
-    snap=st.sampled_from([0.0, 0.2]),
-)
-def test_any_sequence_of_moves_keeps_the_set_closed_under_conjugation(moves, snap):
-    poles = (-1, -2 + 1j, -2 - 1j, -2 + 1j, -2 - 1j)
-    for index, real, imag in moves:
-        poles = move_pole(poles, index, complex(real, imag), snap)
-    np.testing.assert_array_equal(check_poles(poles, 5), poles)
-    assert Counter(np.conj(poles).tolist()) == Counter(poles)
-
-
-def largest_step_of_the_gain(seed, m, count):
-    """max ‖ΔK‖/‖K‖ while a pair is dragged by 0.45 in `count` steps: six states, m inputs."""
-    A, B = random_pair(seed, 6, m)
-    gains = []
-    for t in np.linspace(0, 0.2, count + 1):
-        poles = move_pole((-1 + 2j, -1 - 2j, -2, -3, -4, -5), 0, -1 - t + 1j * (2 + 2 * t), 0.1)
-        gains.append(place(A, B, poles).gain)
-    return np.linalg.norm(np.diff(gains, axis=0), axis=(1, 2)).max() / np.linalg.norm(gains[0])
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_with_one_input_halving_the_step_of_the_hand_halves_the_step_of_the_gain(seed):
-    assert largest_step_of_the_gain(seed, 1, 40) == pytest.approx(largest_step_of_the_gain(seed, 1, 20) / 2, rel=0.05)
-
-
-@pytest.mark.parametrize(("m", "bound"), [(2, 0.05), (3, 0.01)])
-def test_with_several_inputs_the_gain_follows_a_dragged_pole(m, bound):
-    """Sixty small steps of the hand are small steps of K; two minima may change places, hence the median."""
-    assert np.median([largest_step_of_the_gain(seed, m, 60) for seed in range(8, 15)]) < bound
-
-
-def test_the_same_request_always_gives_the_same_gain():
-    A, B = random_pair(3, 6, 3)
-    poles = random_poles(3, 6, 2)
-    np.testing.assert_array_equal(place(A, B, poles).gain, place(A.copy(), B.copy(), list(poles)).gain)
