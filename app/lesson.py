@@ -69,6 +69,15 @@ class Board:
     disc: bool = False  # discrete time: stable is inside the unit circle
     landscape: np.ndarray | None = None  # matrix whose |det(sI − M)|⁻¹ is drawn in front, if any
 
+    def hold(self, s: complex) -> complex:
+        """The point of the window that is nearest to s: a pole beyond the board's edge stands on the edge."""
+        return complex(min(max(s.real, self.re_low), self.re_high), min(max(s.imag, -self.im_high), self.im_high))
+
+    @property
+    def held(self) -> tuple[complex, ...]:
+        """The poles where they stand on the board and can be dragged from."""
+        return tuple(map(self.hold, self.poles))
+
 
 @dataclass(frozen=True, eq=False)
 class Stage:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -181,20 +180,19 @@ def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: 
         return knob if chosen or len(design[knob]) == len(poles) else None
     return (
         Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"),
-              design["controller_poles"] if chosen else on_board(controller, c), grip("controller_poles", controller),
+              design["controller_poles"] if chosen else listed(controller), grip("controller_poles", controller),
               bolts(model.controller, c) if chosen else (), role="plant", side="left", re_low=c.re_low, re_high=c.re_high,
               im_high=c.im_high, also=take, disc=bool(model.plant.dt)),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
-              design["observer_poles"] if chosen else on_board(observer, o), grip("observer_poles", observer),
+              design["observer_poles"] if chosen else listed(observer), grip("observer_poles", observer),
               bolts(model.observer, o) if chosen else (), role="estimate", side="right", re_low=o.re_low,
               re_high=o.re_high, im_high=o.im_high, also=take, disc=bool(model.plant.dt), landscape=error_matrix),
     )
 
 
-def on_board(poles: np.ndarray, window: Any) -> tuple[complex, ...]:
-    """Poles for a board: one beyond its edge is drawn on the edge."""
-    return tuple(complex(min(max(p.real, window.re_low), window.re_high),
-                         min(max(p.imag, -window.im_high), window.im_high)) for p in poles)
+def listed(poles: Iterable[complex]) -> tuple[complex, ...]:
+    """Poles of an array as a board takes them."""
+    return tuple(complex(p) for p in poles)
 
 
 def kicks(design: Design, model: Model) -> tuple[tuple[float, tuple[float, ...]], ...]:
@@ -219,15 +217,16 @@ def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, .
         figures.append(TimeFigure(
             f"state{i}", signal.name, run.t,
             (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
-            _axis_name(signal), tab=TIME_TAB,
+            axis_name(signal), tab=TIME_TAB,
             caption=_agreement(gap, float(np.max(np.abs(true), initial=0.0)), signal.unit)))
     return tuple(figures)
 
 
-def _axis_name(signal: Signal) -> str:
+def axis_name(signal: Signal) -> str:
     """The symbol at the end of a signal's name with its unit, or the unit alone."""
     last = signal.name.en.split()[-1]
-    return f"{last} [{signal.unit}]" if len(last) <= 2 else f"[{signal.unit}]"
+    unit = f"[{signal.unit}]" if signal.unit else ""
+    return f"{last} {unit}".strip() if len(last) <= 2 else unit
 
 
 def _agreement(gap: float, size: float, unit: str) -> Text:
@@ -243,7 +242,7 @@ def error_figure(run: Run, promised: np.ndarray | None = None) -> TimeFigure:
     size = np.linalg.norm(run.e, axis=1)
     curves = [Curve(Text("‖e‖", "‖e‖"), size, "error")]
     if promised is not None:
-        curves.append(Curve(Text("promised by A − LC", "A − LC 的预言"), np.linalg.norm(promised, axis=1), "reference",
+        curves.append(Curve(Text("promised by A − LC", "按 A − LC 的理论值"), np.linalg.norm(promised, axis=1), "reference",
                             "dash", 1.6))
     small = settle_time(run.t, size)
     caption = (Text(f"The error stays below 2 % of its peak after {small:.2f} s.", f"{small:.2f} s 之后误差一直小于峰值的 2 %。")
@@ -321,6 +320,7 @@ def pole_words(poles: Sequence[complex]) -> str:
 
 __all__ = [
     "EngineError",
+    "axis_name",
     "bolts",
     "by_hand",
     "error_figure",
@@ -331,10 +331,10 @@ __all__ = [
     "injection",
     "input_figure",
     "kicks",
+    "listed",
     "matrix",
     "method_knobs",
     "number",
-    "on_board",
     "pole_boards",
     "pole_knobs",
     "pole_words",

@@ -71,12 +71,12 @@ def opens(lesson: Lesson, plant: str) -> None:
     for name, values in numbers_of(outcome):
         assert np.all(np.isfinite(values)), name
     for board in outcome.boards:
-        for pole in (*board.poles, *board.fixed):
+        for pole in (*board.held, *board.fixed):
             assert board.re_low <= pole.real <= board.re_high and abs(pole.imag) <= board.im_high
         if board.knob is not None:
             knob = fitted.knob(board.knob)
             assert isinstance(knob, Poles) and (board.re_low, board.re_high, board.im_high) == (knob.re_low, knob.re_high, knob.im_high)
-            fitted.apply(outcome.design, {board.knob: board.poles, **dict(board.also)})
+            fitted.apply(outcome.design, {board.knob: board.held, **dict(board.also)})
 
 
 @adaptable

@@ -58,10 +58,10 @@ def test_boards_are_dragged_through_knobs_that_hold_poles(lesson: Lesson) -> Non
             knob = lesson.knob(board.knob)
             assert isinstance(knob, Poles)
             assert (board.re_low, board.re_high, board.im_high) == (knob.re_low, knob.re_high, knob.im_high)
-            dragged[board.knob] = board.poles
+            dragged[board.knob] = board.held
         after = lesson.apply(outcome.design, dragged)  # what a drag posts is valid
         shown(after)
-        for pole in (*board.poles, *board.fixed):
+        for pole in (*board.held, *board.fixed):
             assert board.re_low <= pole.real <= board.re_high and abs(pole.imag) <= board.im_high
 
 

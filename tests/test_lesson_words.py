@@ -20,9 +20,10 @@ from lesson_checks import (
 )
 
 from app.engine import EngineError
-from app.figures import TableFigure, tabs
+from app.figures import FrequencyFigure, PlaneFigure, TableFigure, TimeFigure, tabs
 from app.lesson import Lesson
 from app.prose import Prose
+from app.view import phrases
 from app.view.prose import mathml
 from app.words import LANGUAGES, Text
 
@@ -44,6 +45,18 @@ def test_knobs_speak_both_languages(lesson: Lesson) -> None:
 @every_lesson
 def test_every_visible_knob_has_a_hint(lesson: Lesson) -> None:
     assert not [k.name for k in lesson.knobs if not k.hidden and not k.hint.en.strip()]
+
+
+@every_lesson
+def test_every_chart_names_its_vertical_axis(lesson: Lesson) -> None:
+    for values in ({}, *(task.solution for task in lesson.tasks)):
+        _, figures = shown(lesson.apply(lesson.start(), values))
+        assert not [f.id for f in figures if isinstance(f, (TimeFigure, FrequencyFigure, PlaneFigure)) and f.curves and not f.y_label]
+
+
+@every_lesson
+def test_no_knob_is_named_like_the_choice_of_the_plant_above_it(lesson: Lesson) -> None:
+    assert not [k.name for k in lesson.knobs if k.label in (phrases.PLANT, phrases.LESSON)]
 
 
 @every_lesson

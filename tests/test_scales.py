@@ -5,14 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.figures import Curve, FrequencyFigure, PlaneFigure, TimeFigure
+from app.figures import Curve, FrequencyFigure, TimeFigure
 from app.plants import platform
 from app.plants.body import with_longer_arrows
-from app.plants.examples import example
-from app.plants.own import own_model, plant_of
 from app.view.charts import decades, on_the_clock
-from app.view.pane import SIZE
-from app.view.svg import draw
 from app.view.transport import step_of
 from app.words import Text, same
 
@@ -56,13 +52,3 @@ def test_how_much_longer_arrows_are_is_the_bodys_to_say() -> None:
 def test_chinese_sentences_that_are_joined_have_no_space_between_them() -> None:
     assert Text("One. Two.", "一。 二。").zh == "一。二。"
     assert Text("{}. {}.", "{} {}").format("a", "b").zh == "a b"
-
-
-def test_the_unit_circle_of_a_sampled_plant_is_a_circle_on_its_boards() -> None:
-    model = own_model(plant_of(example("pendulum")))
-    for window in (model.controller_window, model.observer_window):
-        assert (window.re_high - window.re_low) / (2 * window.im_high) == pytest.approx(SIZE[0] / SIZE[1], rel=0.01)
-
-
-def test_a_plane_with_nothing_in_it_has_no_axes() -> None:
-    assert "<line" not in draw(PlaneFigure("p", same("recovery")), "en") and "recovery" in draw(PlaneFigure("p", same("recovery")), "en")

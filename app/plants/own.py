@@ -27,7 +27,6 @@ __all__ = ["Misfit", "canonical", "label_of", "own_model", "plant_of", "read", "
 
 SAMPLES = 400  # of a run
 LONGEST_NAME, LONGEST_UNIT, LONGEST_TITLE = 18, 10, 40
-BOARD_SHAPE = 1.28  # width over height of a pole board: a window of this shape keeps the unit circle a circle
 ON_BOARD = 10  # most poles on one board
 SPREAD = 25.0  # poles faster than this many typical rates are left off the board
 ALLOWED = frozenset(" .,-+/()°·²³⁻¹µ%_")
@@ -166,8 +165,7 @@ def _window(shown: list[complex], bolted: np.ndarray) -> Window:
 
 def _disc_window(shown: list[complex]) -> Window:
     reach = max(1.25, 1.15 * max((max(abs(p.real), abs(p.imag)) for p in shown), default=1.0))
-    tall = _round(reach)
-    return Window(-BOARD_SHAPE * tall, BOARD_SHAPE * tall, tall)
+    return Window(-_round(reach), _round(reach), _round(reach))
 
 
 def _grid(plant: Plant, K: StartingGain, L: StartingGain) -> tuple[float, float]:

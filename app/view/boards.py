@@ -61,6 +61,7 @@ class BoardView:
     def local(self, s: complex, lift: float = 0.0) -> tuple[float, float, float]:
         """Where s lies on the board, in the board's own frame."""
         b = self._board
+        s = b.hold(s)
         x = ((s.real - b.re_low) / (b.re_high - b.re_low) - 0.5) * WIDTH
         return x, -0.05 - lift, s.imag / b.im_high * HEIGHT / 2
 
@@ -130,7 +131,7 @@ class BoardView:
                 label.visible = named
             if not named:
                 continue
-            text = pole_name(pole)
+            text = pole_name(pole, board)
             if label.text != text:
                 label.text = text
             x, y, z = self.local(pole, 0.1)
@@ -162,7 +163,7 @@ class BoardView:
                 f"{self._root}/bolt{i}", head, head_faces, color=INK, flat_shading=True, cast_shadow=False,
                 position=self.local(pole, 0.0)))
             x, y, z = self.local(pole, 0.06)
-            text = f"{phrases.FIXED(self._language)} {pole_name(pole)}"
+            text = f"{phrases.FIXED(self._language)} {pole_name(pole, board)}"
             at = free_place(x, z - 0.02, self._half(text), self._bolted, [], below=True)
             self._bolted.append(at)
             self._stems.append(self._scene.add_label(f"{self._root}/bolted{i}", text, position=(at.x, y, at.z),
@@ -186,7 +187,7 @@ class BoardView:
             if board.knob is None:
                 return
             if event.phase == "start" or self._grabbed is None:
-                self._grabbed = (index, board.poles)
+                self._grabbed = (index, board.held)
                 self._grip += 1
             origin, poles = self._grabbed
             to = self.s_at(event.end_position)
@@ -249,7 +250,9 @@ def holds(board: Board, s: complex) -> bool:
     return board.re_low <= s.real <= board.re_high and abs(s.imag) <= board.im_high
 
 
-def pole_name(pole: complex) -> str:
-    """−4 ± 5j, or −2."""
+def pole_name(pole: complex, board: Board) -> str:
+    """−4 ± 5j, or −2; with an arrow towards where it really lies if that is beyond the board's edge."""
     real = f"{pole.real:.3g}".replace("-", "−")
-    return real if pole.imag == 0 else f"{real} ± {abs(pole.imag):.3g}j"
+    name = real if pole.imag == 0 else f"{real} ± {abs(pole.imag):.3g}j"
+    left, right, above = pole.real < board.re_low, pole.real > board.re_high, abs(pole.imag) > board.im_high
+    return f"← {name}" if left else f"{name} →" if right else f"{name} ↑" if above else name

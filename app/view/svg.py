@@ -78,8 +78,6 @@ def _number(value: float) -> str:
 
 
 def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
-    if not figure.curves and not figure.points:
-        return "", TOP  # no axes round nothing: the caption says why
     axes = _Axes(figure.x_range, figure.y_range, figure.equal)
     out = []
     if figure.unstable and axes.x[1] > 0:

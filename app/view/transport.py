@@ -30,7 +30,7 @@ class Transport:
     def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[SetKnobs | Do], None]) -> None:
         lang = picture.state.language
         self._lang = lang
-        self._count, self._rate, self._playing = 0, picture.rate, picture.state.playing
+        self._count, self._rate = 0, picture.rate
         self._caption = self._words(picture)
         self._horizon = picture.horizon or 0.01
         panel = gui.add_panel()
@@ -70,7 +70,7 @@ class Transport:
 
     def show(self, picture: Picture) -> None:
         """Play or pause on the first button, the speed, the length of the run, what is on the stage."""
-        options, self._playing = self._options(picture), picture.state.playing
+        options = self._options(picture)
         if self._row.options != options:
             self._row.options = options
         words, longest = self._words(picture), picture.horizon or self._horizon
@@ -84,10 +84,10 @@ class Transport:
             self._write(picture.state.t)
 
     def pose(self, t: float, horizon: float) -> None:
-        """The clock at every pose, the slider now and then while it plays."""
+        """The clock at every pose, the slider now and then."""
         self._clock.content = clock(t, horizon, self._rate, self._caption)
         self._count += 1
-        if not self._playing or self._count % WRITE_EVERY == 0 or t >= horizon:
+        if self._count % WRITE_EVERY == 0 or t >= horizon:
             self._write(t)
 
     def _write(self, t: float) -> None:

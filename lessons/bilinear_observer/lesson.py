@@ -16,7 +16,7 @@ from app.plants.model import Window
 from app.prose import read_prose
 from app.words import Text, same
 
-from ..toolkit import on_board, run_knobs, settle_time
+from ..toolkit import listed, run_knobs, settle_time
 from .formulas import formulas_of
 from .page import OPTIONS, pole_of, words
 from .pictures import FORM_NAMES, all_figures
@@ -136,11 +136,11 @@ def _checks(o: BilinearObserver, metrics: dict[str, float]) -> tuple[Check, ...]
 
 def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Board]:
     paper = design["problem"] == PAPER
-    seen = on_board(np.array([complex(pole)]), OBSERVER_WINDOW)
+    seen = listed(np.array([complex(pole)]))
     title = (Text("observer pole  A* − B*π", "观测器极点  A* − B*π") if o.case == 3
              else Text("observer pole  (V₂ − LV₁)AT₂", "观测器极点  (V₂ − LV₁)AT₂"))
     return (
-        Board("plant", Text("the plant's poles at u = 0  eig(A)", "u = 0 时对象的极点  eig(A)"), on_board(PLANT_POLES, PLANT_WINDOW),
+        Board("plant", Text("the plant's poles at u = 0  eig(A)", "u = 0 时对象的极点  eig(A)"), listed(PLANT_POLES),
               side="left", re_low=PLANT_WINDOW.re_low, re_high=PLANT_WINDOW.re_high, im_high=PLANT_WINDOW.im_high),
         Board("observer", title, seen if paper else (), "pole" if paper else None, fixed=() if paper or o.case == 1 else seen,
               role="estimate", side="right", re_low=OBSERVER_WINDOW.re_low, re_high=OBSERVER_WINDOW.re_high,

@@ -15,7 +15,7 @@ from app.plants import Model, Window
 from app.prose import read_prose
 from app.words import Text, same
 
-from ..toolkit import BY_POLES, BY_WEIGHTS, WEIGHTS, gain_words, kicks, on_board, run_knobs, stage
+from ..toolkit import BY_POLES, BY_WEIGHTS, WEIGHTS, gain_words, kicks, listed, run_knobs, stage
 from .pictures import all_figures
 from .tasks import TASKS
 from .twins import MODEL, TINY, Setting, gains_of, gap, turned, twins_of
@@ -100,7 +100,7 @@ def _boards(here: Setting, design: Design, left: np.ndarray, right: np.ndarray, 
     by_hand, window = design["method"] == BY_POLES, here.window
 
     def board(name: str, title: str, poles: np.ndarray, role: str, side: str) -> Board:
-        return Board(name, same(title), design["poles"] if by_hand else on_board(poles, window), "poles" if can else None, role=role,
+        return Board(name, same(title), design["poles"] if by_hand else listed(poles), "poles" if can else None, role=role,
                      side=side, re_low=window.re_low, re_high=window.re_high, im_high=window.im_high, also=also if can else (),
                      landscape=error_matrix if side == "right" else None)
     return (board("controller", "(A, B, K)   eig(A − BK)", left, "plant", "left"),

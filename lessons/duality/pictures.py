@@ -6,7 +6,7 @@ import numpy as np
 
 from app.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure, nice
 from app.lesson import Outcome
-from app.words import Text, same
+from app.words import Text, same, symbol
 
 from ..toolkit import error_figure, input_figure, pole_words, state_figures
 from .twins import Setting, Twins, weights_of
@@ -44,7 +44,7 @@ def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
 
 
 def _riccati_table(here: Setting, outcome: Outcome, twins: Twins) -> TableFigure:
-    rows = [(f"P{i + 1}{j + 1}", _entry(float(twins.P[i, j])), _entry(float(twins.S_dual[i, j])),
+    rows = [(symbol(f"P{i + 1}{j + 1}"), _entry(float(twins.P[i, j])), _entry(float(twins.S_dual[i, j])),
              f"{abs(twins.P[i, j] - twins.S_dual[i, j]):.0e}") for i, j in np.ndindex(twins.P.shape) if i <= j][:MOST_ROWS]
     Q, R, W, V = weights_of(here, outcome.design)
     slow = twins.slowest
@@ -65,7 +65,7 @@ def _pairing(twins: Twins, relative: float) -> TimeFigure:
         (Curve(Text("‖e(t)‖", "‖e(t)‖"), np.linalg.norm(twins.e, axis=1), "error"),
          Curve(Text("‖x_d(T − t)‖", "‖x_d(T − t)‖"), np.linalg.norm(twins.z, axis=1), "second", "dash"),
          Curve(Text("x_d(T − t)ᵀ e(t)", "x_d(T − t)ᵀ e(t)"), twins.pairing, "reference", "solid", 2.6)),
-        "", window=(-0.5, 1.5), tab=TWINS_TAB,
+        "‖e‖, ‖x_d‖, x_dᵀe", window=(-0.5, 1.5), tab=TWINS_TAB,
         caption=Text(f"The product stays at {value} to {relative:.0e} of the size of its factors.",
                      f"乘积恒为 {value}，相对其因子的变化为 {relative:.0e}。"))
 

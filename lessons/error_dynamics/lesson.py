@@ -23,8 +23,8 @@ from ..toolkit import (
     bolts,
     gain_words,
     kicks,
+    listed,
     matrix,
-    on_board,
     run_knobs,
     settle_time,
     stage,
@@ -178,9 +178,9 @@ def _metrics(run: Run, quiet: Run) -> dict[str, float]:
 
 def _boards(here: Setting, design: Design, poles: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
     window, own = here.model.observer_window, here.model.plant.poles
-    shown = design["observer_poles"] if design["method"] == POLES else on_board(poles, window)
+    shown = design["observer_poles"] if design["method"] == POLES else listed(poles)
     return (
-        Board("plant", here.whose, on_board(own, window), side="left", re_low=window.re_low, re_high=window.re_high,
+        Board("plant", here.whose, listed(own), side="left", re_low=window.re_low, re_high=window.re_high,
               im_high=window.im_high),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), shown, "observer_poles",
               bolts(here.model.observer, window), role="estimate", side="right", re_low=window.re_low, re_high=window.re_high,
@@ -240,8 +240,8 @@ def _size(outcome: Outcome, run: Run, quiet: Run) -> TimeFigure:
     said = (Text(f"The error stays below 2 % of its peak after {after:.2f} s.", f"{after:.2f} s 之后误差一直小于峰值的 2 %。")
             if after <= run.scenario.horizon else Text("The error does not settle within this run.", "误差在本次运行中没有衰减下来。"))
     return TimeFigure("error", Text("size of the error", "误差的大小"), run.t, (
-        Curve(Text("with this force", "有这个力"), np.linalg.norm(run.e, axis=1), "error"),
-        Curve(Text("without force", "没有力"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),
+        Curve(Text("with this input", "有这个输入"), np.linalg.norm(run.e, axis=1), "error"),
+        Curve(Text("without input", "没有输入"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),
         "‖e‖", log=True, tab=ERROR_TAB, window=(1e-6, 1.0), caption=said)
 
 
@@ -251,21 +251,21 @@ def _components(here: Setting, outcome: Outcome, run: Run, quiet: Run) -> TimeFi
     for (name, unit), signal, dash in zip(here.parts, here.model.watched, dashes, strict=False):
         units.append(unit)
         curves += [Curve(name, signal.of(run.e), "error", dash),  # type: ignore[arg-type]
-                   Curve(Text(f"{name.en} without force", f"{name.zh}（无力）"), _beside(signal.of(quiet.e), len(run.t)),
+                   Curve(Text(f"{name.en} without input", f"{name.zh}（无输入）"), _beside(signal.of(quiet.e), len(run.t)),
                          "reference", "dot", 1.4)]
     title = (Text("error in position e₁ and velocity e₂", "位置误差 e₁ 与速度误差 e₂") if here.notes else
              Text("error in two signals", "两个信号的误差"))
     calm = (-1.0, 1.0) if here.notes else None
     return TimeFigure("components", title, run.t, tuple(curves), f"e [{', '.join(units)}]", tab=ERROR_TAB, window=calm, caption=Text(
-        f"Largest gap between the curves and their twins without force: {m['error_moved']:.1e}.",
-        f"两组曲线与各自无力时的曲线最大相差 {m['error_moved']:.1e}。"))
+        f"Largest gap between the curves and their twins without input: {m['error_moved']:.1e}.",
+        f"两组曲线与各自无输入时的曲线最大相差 {m['error_moved']:.1e}。"))
 
 
 def _proof(here: Setting, outcome: Outcome, run: Run, quiet: Run) -> TableFigure:
     if outcome.metrics["state_moved"] <= NOTHING:
-        said = Text("no force acts, so nothing parts.", "现在没有力，所以什么都没有分开。")
+        said = Text("no input acts, so nothing parts.", "现在没有输入，所以什么都没有分开。")
     elif _left_alone(outcome.metrics):
-        said = Text("the positions part, the errors do not.", "位置分开了，误差没有。")
+        said = Text("the outputs part, the errors do not.", "输出分开了，误差没有。")
     else:
         said = Text("here the errors part as well.", "这里连误差也分开了。")
     last, signal = min(len(run.t), len(quiet.t)) - 1, here.model.watched[0]
@@ -273,17 +273,21 @@ def _proof(here: Setting, outcome: Outcome, run: Run, quiet: Run) -> TableFigure
     q, q0, e, e0 = (signal.of(x) for x in (run.x, quiet.x, run.e, quiet.e))
     clock = 1 if here.horizon >= 5 else 1 - math.floor(math.log10(here.horizon))
     rows = tuple((f"{run.t[k]:.{clock}f}", _digits(q[k], 4), _digits(q0[k], 4), _digits(e[k], 6),
-                  _digits(e0[k], 6), f"{abs(e[k] - e0[k]):.0e}".replace("-", "−")) for k in at)
+                  _digits(e0[k], 6), _order(abs(e[k] - e0[k]))) for k in at)
     name = "q" if here.notes else "y₁"
     return TableFigure("proof", Text("the proof in numbers", "用数字证明"), (
-        same("t [s]"), Text(f"{name}, force", f"{name}，有力"), Text(f"{name}, none", f"{name}，无力"), Text("e₁, force", "e₁，有力"),
-        Text("e₁, none", "e₁，无力"), Text("gap in e₁", "e₁ 之差")), rows, tab=ERROR_TAB, caption=Text(
-            f"Two runs from one start, with this force and with none: {said.en}",
-            f"同一初值的两次运行，一次有力，一次无力：{said.zh}"))
+        same("t [s]"), Text(f"{name}, input", f"{name}，有输入"), Text(f"{name}, none", f"{name}，无输入"), Text("e₁, input", "e₁，有输入"),
+        Text("e₁, none", "e₁，无输入"), Text("gap in e₁", "e₁ 之差")), rows, tab=ERROR_TAB, caption=Text(
+            f"Two runs from one start, with this input and with none: {said.en}",
+            f"同一初值的两次运行，一次有输入，一次无输入：{said.zh}"))
 
 
 def _digits(value: float, places: int) -> str:
     return f"{round(float(value), places) + 0.0:.{places}f}".replace("-", "−")  # + 0.0: no minus before a zero
+
+
+def _order(value: float) -> str:
+    return f"{value:.0e}".replace("-", "−") if value else "0"
 
 
 def _left_alone(m: Mapping[str, float]) -> bool:

@@ -13,7 +13,7 @@ from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stag
 from app.prose import read_prose
 from app.words import Text
 
-from ..toolkit import matrix, number, on_board, run_knobs
+from ..toolkit import listed, matrix, number, run_knobs
 from .bank import COUNT, DT, HORIZON, MODEL, PLACES, guard
 from .body import BODY
 from .diagnosis import ENERGY, MEAN
@@ -118,7 +118,7 @@ def _boards(s: Study) -> tuple[Board, Board]:
     return (
         Board("deck", Text("deck: poles ×, zero ○", "平台：极点 ×，零点 ○"), tuple(MODEL.plant.poles),
               zeros=() if zeros is None else tuple(complex(z) for z in zeros), side="left", re_low=-6.0, re_high=2.0, im_high=12.0),
-        Board("member", Text("poles of the quiet member", "安静成员的极点"), on_board(lively, w),
+        Board("member", Text("poles of the quiet member", "安静成员的极点"), listed(lively),
               role="estimate", side="right", re_low=w.re_low, re_high=w.re_high, im_high=w.im_high),
     )
 

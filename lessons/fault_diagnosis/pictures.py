@@ -186,7 +186,7 @@ def _rates(s: Study) -> PlaneFigure:
     else:
         said = Text("Press the button: healthy runs are drawn and their alarms counted.", "请按按钮：抽取无故障的运行并统计报警。")
     return PlaneFigure("rates", Text("false alarms, measured over designed", "误报率：实测 / 设计"), tuple(curves), tuple(points),
-                       "k", "α̂/α", (0.0, 8.0), (0.0, top), caption=said, tab=RATE_TAB)
+                       "", "α̂ / α", (0.0, 8.0), (0.0, top), caption=said, tab=RATE_TAB)
 
 
 def _counts(s: Study) -> TableFigure:

@@ -34,7 +34,7 @@ def _poles(name: str, symbol: str, label: Text, default: tuple[complex, ...], ro
 SLOW, QUICK = (-0.9 - 1.2j, -0.9 + 1.2j), (-1.5 - 3j, -1.5 + 3j)
 CALM, FAST = (-2.5 - 2j, -2.5 + 2j), (-3.5 - 4j, -3.5 + 4j)
 KNOBS = (
-    Choice("plant", "", Text("plant", "对象"), default="unseen-unstable",
+    Choice("plant", "", Text("setup", "装置"), default="unseen-unstable",
            options=tuple((case.id, case.label) for case in CASES.values()),
            hint=Text("What holds the two blocks, where the sensor looks, and where the force acts.",
                      "滑块由什么支承，传感器看哪里，力作用在哪里。")),

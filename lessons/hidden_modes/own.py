@@ -170,7 +170,7 @@ def _parts(here: Setting, name: str, title: Text, run: Run, values: np.ndarray) 
     rest = np.linalg.norm(values, axis=1)
     grown = weak[-1] / max(weak[0], 1e-300)
     return TimeFigure(name, title, run.t, (Curve(Text("weakest mode", "最弱的模态"), weak, "error"),
-                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), "", log=True, tab=ERROR_TAB,
+                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), "‖e‖", log=True, tab=ERROR_TAB,
                       caption=Text(f"From start to end the weakest mode's part changes by a factor of {grown:.2g}.",
                                    f"自始至终，最弱模态的份量变为 {grown:.2g} 倍。")
                       if weak[0] > 1e-12 * rest[0] else

@@ -10,7 +10,7 @@ import numpy as np
 from app.engine import Mode, Run
 from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson import Check, Outcome
-from app.words import Text, same
+from app.words import Text, same, symbol
 
 from ..toolkit import ERROR_TAB, TIME_TAB, input_figure, pole_words
 from .cases import CASES, COMMON, RELATIVE, Case
@@ -65,19 +65,19 @@ def _fixed(bolts: tuple[complex, ...], what: str, gain: str) -> Text:
                 f"不论 {gain} 取什么，{what} 的同步部分都按 e^({rate} t) 变化。")
 
 
-def _parts(name: str, title: Text, run: Run, values: np.ndarray, caption: Text) -> TimeFigure:
+def _parts(name: str, what: str, title: Text, run: Run, values: np.ndarray, caption: Text) -> TimeFigure:
     common, relative = (np.linalg.norm(values @ part.T, axis=1) for part in (COMMON, RELATIVE))
     return TimeFigure(
         name, title, run.t,
         (Curve(Text("both blocks together", "两块同步"), common, "error"),
-         Curve(Text("one against the other", "两块相对"), relative, "second", "dash")), "", log=True,
+         Curve(Text("one against the other", "两块相对"), relative, "second", "dash")), f"‖{what}‖", log=True,
         window=(1e-3, 1.0), caption=caption, tab=ERROR_TAB)
 
 
 def _error_parts(run: Run, case: Case) -> TimeFigure:
     caption = (_fixed(case.unseen, "e", "L") if case.unseen
                else Text("L moves both parts of e.", "e 的两部分都由 L 支配。"))
-    return _parts("error_parts", Text("estimation error e, in two parts", "估计误差 e 的两个部分"), run, run.e, caption)
+    return _parts("error_parts", "e", Text("estimation error e, in two parts", "估计误差 e 的两个部分"), run, run.e, caption)
 
 
 def _state_parts(run: Run, case: Case) -> TimeFigure:
@@ -88,7 +88,7 @@ def _state_parts(run: Run, case: Case) -> TimeFigure:
                        "K 本可支配两部分，但它依据的是 x̂：x 的同步部分只能跟着 e 的同步部分走。")
     else:
         caption = Text("K moves both parts of x.", "x 的两部分都由 K 支配。")
-    return _parts("state_parts", Text("plant state x, in two parts", "对象状态 x 的两个部分"), run, run.x, caption)
+    return _parts("state_parts", "x", Text("plant state x, in two parts", "对象状态 x 的两个部分"), run, run.x, caption)
 
 
 def _bar(mode: Mode) -> str:
@@ -153,8 +153,8 @@ def blocks_of(case: Case) -> MatrixFigure:
         block = Text("the sensor sees it, and its row in the column of u is empty", "传感器看得见它，但它在 u 这一列是空的")
     else:
         block = same("")
-    caption = (Text(f"z₁ … z{shown} are reached and seen. The last block is the hidden motion: {block.en}.",
-                    f"z₁ … z{shown} 既可达又可见；最后一块就是隐藏的运动：{block.zh}。") if block.en
+    caption = (Text(f"z₁ … {symbol(f'z{shown}')} are reached and seen. The last block is the hidden motion: {block.en}.",
+                    f"z₁ … {symbol(f'z{shown}')} 既可达又可见；最后一块就是隐藏的运动：{block.zh}。") if block.en
                else Text("One block: every state is reached and seen.", "只有一块：所有状态既可达又可见。"))
     return MatrixFigure("decomposed", Text("Kalman decomposition", "卡尔曼分解"), whole,
                         (*numbered("z", n), *numbered("y", p)), (*numbered("z", n), *numbered("u", m)), (*edges, n),

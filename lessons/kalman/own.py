@@ -211,9 +211,10 @@ def _squares(outcome: Outcome, name: str, title: Text, dof: int, which: int) -> 
     who = Text("One run", "单次运行") if trials is None else Text(f"Mean of {count} runs", f"{count} 次运行的平均")
     n = len(t)
     return TimeFigure(name, title, t, (
-        Curve(who, np.maximum(shown, 1e-4), "error", width=1.4), Curve(same(f"{dof}"), np.full(n, float(dof)), "reference", "dash", 1.4),
+        Curve(Text(who.en.lower(), who.zh), np.maximum(shown, 1e-4), "error", width=1.4),
+        Curve(Text(f"expected, {dof}", f"期望值 {dof}"), np.full(n, float(dof)), "reference", "dash", 1.4),
         Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),
-        Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), "", log=True, window=(0.05 * dof, 20.0 * dof),
+        Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), name.upper(), log=True, window=(0.05 * dof, 20.0 * dof),
         tab=TEST_TAB,
         caption=Text(f"{who.en}: once settled, {inside:.0f} % of the samples lie in the χ² band [{low:.3g}, {high:.3g}].",
                      f"{who.zh}：稳定之后 {inside:.0f} % 的采样在 χ² 带 [{low:.3g}, {high:.3g}] 内。"))

@@ -144,7 +144,7 @@ def _forms(outcome: Outcome) -> TimeFigure:
                  f"从一开始就用稳态增益时，简短形式最多偏差 {m['short_gap']:.1e}；Joseph 形式对任何增益都正确。"))
     return TimeFigure("forms", Text("two updates of P, distance to the right one", "P 的两种更新：与正确值的距离"), _time(outcome)[:STEPS],
                       (Curve(Text("short form", "简短形式"), np.maximum(f.short, 1e-12), "error"),
-                       Curve(Text("Joseph's form", "Joseph 形式"), np.maximum(f.joseph, 1e-12), "force", "dash")), "", log=True,
+                       Curve(Text("Joseph's form", "Joseph 形式"), np.maximum(f.joseph, 1e-12), "force", "dash")), "‖ΔP‖ / ‖P‖", log=True,
                       window=(1e-9, 1.0), caption=said, tab=GAIN_TAB)
 
 
@@ -182,11 +182,11 @@ def _squares(outcome: Outcome, name: str, title: Text, dof: int, values: np.ndar
     inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
     who = Text("One run", "单次运行") if trials is None else Text(f"Mean of {count} runs", f"{count} 次运行的平均")
     return TimeFigure(name, title, _time(outcome),
-                      (Curve(who, np.maximum(shown, 1e-3), "error", width=1.4),
-                       Curve(same(f"{dof}"), np.full(n, float(dof)), "reference", "dash", 1.4),
+                      (Curve(Text(who.en.lower(), who.zh), np.maximum(shown, 1e-3), "error", width=1.4),
+                       Curve(Text(f"expected, {dof}", f"期望值 {dof}"), np.full(n, float(dof)), "reference", "dash", 1.4),
                        Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),
-                       Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), "", log=True, window=(0.1, 100.0),
-                      tab=TEST_TAB,
+                       Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)),
+                      name.upper(), log=True, window=(0.1, 100.0), tab=TEST_TAB,
                       caption=Text(f"{who.en}: after 2 s, {inside:.0f} % of the samples lie in the χ² band [{low:.3g}, {high:.3g}].",
                                    f"{who.zh}：2 s 以后 {inside:.0f} % 的采样在 χ² 带 [{low:.3g}, {high:.3g}] 内。"))
 
@@ -248,5 +248,5 @@ def _colour(outcome: Outcome) -> FrequencyFigure:
         said = Text(said.en + " The converter's noise is carried as 16 states.", said.zh + "ADC 噪声由 16 个状态承担。")
     return FrequencyFigure("colour", Text("spectrum of the innovation of VL", "VL 新息的频谱"), f,
                            (Curve(Text("seen", "实测"), np.maximum(seen.density[1:], 1e-9), "error"),
-                            Curve(Text("promised by S", "S 的预言"), np.full(len(f), promised), "reference", "dash", 1.4)),
+                            Curve(Text("promised by S", "S 给出的值"), np.full(len(f), promised), "reference", "dash", 1.4)),
                            "(mm/s)²/Hz", window=(1e-2, 10.0), caption=said, tab=SPECTRUM_TAB)

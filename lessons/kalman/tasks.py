@@ -73,7 +73,7 @@ def _report(o: Outcome) -> Verdict:
         return Verdict(False, Text("The right line; now show it with a filter that no test finds out.",
                                    "选对了；请用一个不会被识破的滤波器来证明。"))
     return Verdict(True, Text(f"Tuned, and yet the innovations have {e.over_R:.2f} R over all records; S promised {e.S_over_R:.2f} R.",
-                              f"已调好，对全体记录新息方差却是 R 的 {e.over_R:.2f} 倍；S 预言 {e.S_over_R:.2f} 倍。"))
+                              f"已调好，对全体记录新息方差却是 R 的 {e.over_R:.2f} 倍；按 S 应为 {e.S_over_R:.2f} 倍。"))
 
 
 def exam(seed: int) -> ExamItem:

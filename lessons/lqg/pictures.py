@@ -9,7 +9,7 @@ from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, Tabl
 from app.lesson import Outcome
 from app.words import Text, same
 
-from ..toolkit import TIME_TAB
+from ..toolkit import TIME_TAB, axis_name
 from .loops import Robustness
 from .rules import rules_figure
 
@@ -246,7 +246,7 @@ def _run(outcome: Outcome) -> tuple[TimeFigure, ...]:
         figures.append(TimeFigure(
             f"state{i}", signal.name, run.t,
             (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
-            f"[{signal.unit}]" if signal.unit else "", tab=TIME_TAB,
+            axis_name(signal), tab=TIME_TAB,
             caption=Text(f"In the last tenth of the run at most {f'{late:.2g} {signal.unit}'.strip()}.",
                          f"最后十分之一时间内不超过 {f'{late:.2g} {signal.unit}'.strip()}。")))
     size = run.error(s.case)

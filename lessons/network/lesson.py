@@ -24,7 +24,7 @@ MOST_FINE = 12
 SENSOR, ACTUATOR = Text("From the sensor", "传感器一侧"), Text("To the actuator", "执行器一侧")
 
 KNOBS = (
-    Choice("case", "", Text("plant", "对象"), default=SCALAR, options=tuple((name, kind.label) for name, kind in KINDS.items()),
+    Choice("case", "", Text("case", "算例"), default=SCALAR, options=tuple((name, kind.label) for name, kind in KINDS.items()),
            hint=Text("Four that run away by themselves, and the deck, which does not.", "四个会自行发散的对象，以及不会发散的平台。")),
     Number("a", "a", Text("growth per sample a", "每周期增长倍数 a"), low=1.01, high=2.0, default=1.2, step=0.01, when=("case", (SCALAR,)),
            hint=Text("x⁺ = a x + u + w: left alone, x is multiplied by a every sample.",

@@ -90,7 +90,7 @@ def _ages(outcome: Outcome) -> TimeFigure:
     return TimeFigure("age", Text("age of the newest packet", "最新数据包的年龄"), times(outcome),
                       (Curve(Text("measurement", "测量"), _steps(sensor).astype(float), "estimate"),
                        Curve(Text("input", "输入"), _steps(actuator).astype(float), "force", "dash", 1.6)),
-                      "", tab=TIME_TAB, window=(0.0, 4.0),
+                      "k − k₀", tab=TIME_TAB, window=(0.0, 4.0),
                       caption=Text(f"In samples. Oldest measurement in use: {int(sensor.max())}; oldest input: {int(actuator.max())}.",
                                    f"以采样数计。用过的最旧测量：{int(sensor.max())}；最旧输入：{int(actuator.max())}。"))
 

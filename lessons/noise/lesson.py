@@ -16,7 +16,7 @@ from app.plants.spring_damper import STAGE
 from app.prose import read_prose
 from app.words import Text
 
-from ..toolkit import kicks, matrix, number, on_board, run_knobs
+from ..toolkit import kicks, listed, matrix, number, run_knobs
 from .pictures import all_figures
 from .tasks import TASKS, exam
 from .variance import Ray, growing, ray_of
@@ -137,21 +137,13 @@ def _metrics(design: Design, study: Study, poles: tuple[complex, ...], L: np.nda
 
 
 def _boards(poles: tuple[complex, ...], kalman: Optimal, error: np.ndarray) -> tuple[Board, Board]:
-    window = _Window()
     return (
-        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), on_board(kalman.poles, window), side="left",
+        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), listed(kalman.poles), side="left",
               re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
-              on_board(np.asarray(poles), window), "observer_poles", role="estimate", side="right", re_low=RE_LOW,
+              listed(poles), "observer_poles", role="estimate", side="right", re_low=RE_LOW,
               re_high=RE_HIGH, im_high=IM_HIGH, also=(("method", POLES),), landscape=error),
     )
-
-
-@dataclass(frozen=True)
-class _Window:
-    re_low: float = RE_LOW
-    re_high: float = RE_HIGH
-    im_high: float = IM_HIGH
 
 
 def _stage(run: Run, study: Study) -> Stage:

@@ -27,7 +27,7 @@ from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model, Signal
 from app.words import Text
 
-from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, noise_units, on_board, run_knobs, stage
+from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, noise_units, run_knobs, stage
 from .lesson import LESSON, POLES, RUNS
 from .pictures import RUNS_TAB, SPEED_TAB, error_curves, variance_curves
 
@@ -145,10 +145,10 @@ def compute(model: Model, design: Design) -> Outcome:
     by_hand = design["method"] == POLES
     kalman = np.linalg.eigvals(plant.A - ladder.gains[len(RUNGS) // 2] @ plant.C)
     boards = (
-        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), on_board(np.sort_complex(kalman), window), side="left",
+        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), listed(np.sort_complex(kalman)), side="left",
               re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
-              design["observer_poles"] if by_hand else on_board(poles, window),
+              design["observer_poles"] if by_hand else listed(poles),
               "observer_poles" if by_hand or len(poles) == len(model.observer_poles) else None,
               bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
               re_high=window.re_high, im_high=window.im_high, also=(("method", POLES),), landscape=plant.A - L @ plant.C))

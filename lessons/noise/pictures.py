@@ -165,6 +165,6 @@ def _variance(outcome: Outcome, i: int) -> TimeFigure:
     else:
         said = Text(f"{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants; at the end it is "
                     f"{tried[-1] / promised[-1]:.3f} of the promise.",
-                    f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内；末时刻为预言的 {tried[-1] / promised[-1]:.3f} 倍。")
+                    f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内；末时刻为理论值的 {tried[-1] / promised[-1]:.3f} 倍。")
     return TimeFigure("variance", Text(f"variance of the {NAMES[i].en} error", f"{NAMES[i].zh}误差的方差"), run.t, curves,
                       f"[({UNITS[i]})²]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)

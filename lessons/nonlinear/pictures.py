@@ -90,11 +90,10 @@ def _squares(outcome: Outcome, id: str, title: Text, dof: int, values: dict[str,
     curves = [Curve(name_of(n), np.clip(values[n], FLOOR, CEILING), role, dash) for n, role, dash in LOOKS]  # type: ignore[arg-type]
     curves += [Curve(Text("95 % band", "95 % 带"), np.full(len(s.t), band[1]), "muted", "dot", 1.4),
                Curve(Text("lower edge", "下沿"), np.full(len(s.t), band[0]), "muted", "dot", 1.4)]
-    found = [(n.upper(), *(100 * share for share in shares(values[n], band))) for n in FILTERS]
-    listed = [f"{name} {inside:.0f} / {above:.0f} %" for name, inside, above in found]
-    return TimeFigure(id, title, s.t, tuple(curves), "", log=True, window=(0.1, 1e3), tab=CONSISTENCY_TAB,
-                      caption=Text(f"Mean of {s.runs} runs; samples inside [{band[0]:.3g}, {band[1]:.3g}] / above it: {', '.join(listed)}.",
-                                   f"{s.runs} 次运行的平均；落在 [{band[0]:.3g}, {band[1]:.3g}] 之内 / 之上的采样：{'，'.join(listed)}。"))
+    inside = [f"{n.upper()} {100 * shares(values[n], band)[0]:.0f} %" for n in FILTERS]
+    return TimeFigure(id, title, s.t, tuple(curves), id.upper(), log=True, window=(0.1, 1e3), tab=CONSISTENCY_TAB,
+                      caption=Text(f"Mean of {s.runs} runs; samples inside [{band[0]:.3g}, {band[1]:.3g}]: {', '.join(inside)}.",
+                                   f"{s.runs} 次运行的平均；落在 [{band[0]:.3g}, {band[1]:.3g}] 内的采样：{'，'.join(inside)}。"))
 
 
 def _nees(outcome: Outcome) -> TimeFigure:

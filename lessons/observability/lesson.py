@@ -47,7 +47,7 @@ def _rows(name: str, plants: tuple[str, ...], high: int) -> Number:
 
 
 KNOBS = (
-    Choice("plant", "", Text("plant", "对象"), default=DECK, options=tuple((c.id, c.label) for c in CASES.values()),
+    Choice("plant", "", Text("case", "算例"), default=DECK, options=tuple((c.id, c.label) for c in CASES.values()),
            hint=Text("The platform's deck, the example of the notes, and two plants that are hard to judge.",
                      "平台台面、讲义的例子，以及两个不好判断的对象。")),
     _on("left_on", "left sensor, vertical", "左传感器（竖直）", True),

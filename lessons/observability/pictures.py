@@ -37,7 +37,7 @@ def _matrix(found: Found) -> MatrixFigure:
     built, plant = found.rebuilt, found.sensed.plant
     names = tuple(("C" if k == 0 else "CA" if k == 1 else f"CA^{k}") for k in range(built.rows) for _ in range(plant.p))
     return MatrixFigure(
-        "matrix", Text("observability matrix, row by row", "可观测性矩阵，逐行构造"), built.matrix, names,
+        "matrix", Text("observability matrix, row by row", "能观性矩阵，逐行构造"), built.matrix, names,
         plant.state_names, tab=MATRIX_TAB,
         caption=Text(f"{built.rows} of {plant.n} block rows built: rank {built.rank} of {plant.n} at this tolerance.",
                      f"已构造 {built.rows}/{plant.n} 个块行：在此容差下秩为 {built.rank}/{plant.n}。"))
@@ -51,7 +51,7 @@ def _sizes(found: Found, rtol: float) -> PlaneFigure:
                    for k, d in enumerate(levels))
     line = Curve(Text("tolerance τ", "容差 τ"), np.full(2, np.log10(rtol)), "reference", "dash", 1.6, np.array([0.5, n + 0.5]))
     lost = len(levels) - built.rank
-    caption = (Text(f"{lost} of {len(levels)} count as zero; the smallest is {10 ** levels[-1]:.1g} of the largest.",
+    caption = (Text(f"{lost} of {len(levels)} count as zero; the smallest is {10 ** levels[-1]:.1g} times the largest.",
                     f"{len(levels)} 个中有 {lost} 个按零计；最小的是最大的 {10 ** levels[-1]:.1g} 倍。")
                if built.sizes[0] > 0 else Text("No sensor is on: O is zero.", "没有开启任何传感器：O 为零。"))
     return PlaneFigure(
@@ -69,7 +69,7 @@ def _start(found: Found) -> TableFigure:
     true, guess = shown(case, found.start, every), shown(case, built.guess, every)
     table = tuple((unit(case, i), _value(true[i]), _value(guess[i]),
                    Text("fixed", "已定") if built.share[i] > 1 - 1e-6 else
-                   Text("open", "未定") if built.share[i] < 1e-6 else Text("partly", "部分"))
+                   Text("not yet", "未定") if built.share[i] < 1e-6 else Text("partly", "部分"))
                   for i in every[:MOST_STATES])
     gap = float(np.linalg.norm(built.guess - found.start) / np.linalg.norm(found.start))
     left = n - built.rank
@@ -114,7 +114,8 @@ def _halves(found: Found) -> TimeFigure:
     curves = tuple(Curve(Text(f"axis {i + 1}", f"第 {i + 1} 轴"), halves[:, i], role)
                    for i, role in zip(kept, roles, strict=False))
     return TimeFigure(
-        "halves", Text("half axes of the ellipsoid, start = 1", "椭球的半轴（起初为 1）"), s.t, curves, "", log=True, window=(1e-3, 1.0),
+        "halves", Text("half axes of the ellipsoid, start = 1", "椭球的半轴（起初为 1）"), s.t, curves,
+        "σ(t) / σ(0)", log=True, window=(1e-3, 1.0),
         tab=CLOUD_TAB,
         caption=Text(f"{found.belief.known} of {n} axes have shrunk to a tenth. An axis that stays at 1 was not heard at all.",
                      f"{n} 根半轴中有 {found.belief.known} 根缩到十分之一；停在 1 的半轴完全没有被听到。"))

@@ -16,7 +16,7 @@ from app.plants.duan import push
 from app.prose import read_prose
 from app.words import Text, same
 
-from ..toolkit import matrix, number, on_board, pole_words
+from ..toolkit import listed, matrix, number, pole_words
 from .loops import (
     CASES,
     DT,
@@ -163,7 +163,7 @@ def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
 def _boards(design: Design, knob: str, loop: np.ndarray) -> tuple[Board, Board]:
     return (
         Board("loop", Text("poles of the loop with the true plant", "真实对象闭环的极点"),
-              on_board(loop, Board("w", same(""), (), re_low=LOOP_LOW, re_high=LOOP_HIGH, im_high=LOOP_IM)),
+              listed(loop),
               role="plant", side="left", re_low=LOOP_LOW, re_high=LOOP_HIGH, im_high=LOOP_IM),
         Board("observer", Text("observer poles  eig F", "观测器极点  eig F"), design[knob], knob, role="estimate",
               side="right", re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),

@@ -149,8 +149,7 @@ def _plane(design: Design, story: Story) -> PlaneFigure:
     a, b, c = (design[name] for name in ("region_low", "region_high", "region_tall"))
     lines = (Curve(Text("region of RLO", "RLO 区域"), np.array([-c, -c, c, c, -c]), "reference", "dot", 1.6, np.array([a, b, b, a, a])),)
     outside = int(np.count_nonzero((story.true.poles.real < low) | (np.abs(story.true.poles.imag) > tall)))
-    far = Text(f", {outside} of them on the edge", f"，其中 {outside} 个画在边缘") if outside else Text("", "")
     return PlaneFigure("plane", Text("poles of the loop and of the observer", "闭环与观测器的极点"), lines, tuple(points), "Re s", "Im s",
                        (low, high), (-tall, tall), unstable=True, tab=LOOP_TAB,
-                       caption=Text(f"Dots: loop with the true plant{far.en}. Crosses: observer. Circles: RLO.",
-                                    f"圆点：真实对象的闭环{far.zh}。叉号：观测器。圆圈：RLO。"))
+                       caption=Text(f"Dots: loop with the true plant, {outside} of them on the edge. Crosses: observer. Circles: RLO.",
+                                    f"圆点：真实对象的闭环，其中 {outside} 个画在边缘。叉号：观测器。圆圈：RLO。"))

@@ -236,9 +236,10 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
     if test.verdict != "consistent" and abs(found.expected / outputs - 1) < RIGHT:
         said = ("outside it by chance, as one record in twenty is", "偶然落在范围之外，二十次记录中约有一次如此")
     return TimeFigure("nis", title, found.t, (Curve(Text("NIS", "NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
-                                              Curve(same(f"{outputs}"), np.full(n, float(outputs)), "reference", "dash", 1.4),
+                                              Curve(Text(f"expected, {outputs}", f"期望值 {outputs}"), np.full(n, float(outputs)),
+                                                    "reference", "dash", 1.4),
                                               Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),
-                                              Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), "", log=True,
+                                              Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), "NIS", log=True,
                       window=(0.01, 100.0), tab=NOISE_TAB,
                       caption=Text(f"This record: mean {test.mean:.3g}, band {test.mean_band[0]:.3g} … {test.mean_band[1]:.3g}: {said[0]}. "
                                    f"On average: {found.expected:.3g}.",

@@ -200,8 +200,8 @@ def _position_words(outcome: Outcome) -> Text:
 def _error_words(outcome: Outcome) -> Text:
     meter = outcome.metrics["separation_meter"]
     if meter < EXACT:
-        return Text("The error keeps its promise, clipped or not.", "无论是否限幅，误差都与预言一致。")
-    return Text(f"The error leaves its promise; separation meter {amount(meter)}.", f"误差偏离预言；分离度量 {amount(meter)}。")
+        return Text("The error keeps its promise, clipped or not.", "无论是否限幅，误差都与理论值一致。")
+    return Text(f"The error leaves its promise; separation meter {amount(meter)}.", f"误差偏离理论值；分离度量 {amount(meter)}。")
 
 
 # --- the map -------------------------------------------------------------------------------------------------------

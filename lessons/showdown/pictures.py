@@ -307,7 +307,7 @@ def _costs(outcome: Outcome) -> TableFigure:
         said = NOT_YET
     else:
         rows = tuple(
-            (Text(f"{name.en} {size:.3g}\N{NO-BREAK SPACE}{unit}", f"{name.zh} {size:.3g}\N{NO-BREAK SPACE}{unit}"),
+            (Text(f"{name.en} {size:.3g} {unit}", f"{name.zh} {size:.3g} {unit}"),
              *(_cells(np.round(cost[k], 1) + 0.0, not np.isnan(cost[k, 0]), "+.1f") for k in shown))
             for (name, unit), size, cost in zip(SWITCHES, trials.sizes, trials.costs, strict=True))
         said = Text("Change of the suppression in dB by one switch alone: vertical, rotation, horizontal. A knob at rest counts "

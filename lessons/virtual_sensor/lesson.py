@@ -16,7 +16,7 @@ from app.plants import MODELS, Model, chip
 from app.prose import read_prose
 from app.words import Text
 
-from ..toolkit import TIME_TAB, kicks, matrix, number, on_board, run_knobs, stage
+from ..toolkit import TIME_TAB, kicks, listed, matrix, number, run_knobs, stage
 from .tasks import HORIZON, RUNAWAY, TAME, exam, feel_the_core, lucky_copy, tame_the_runaway, wrong_fan
 
 WINDOW = MODELS[TAME].observer_window
@@ -88,6 +88,18 @@ def _poles_of(A: np.ndarray) -> np.ndarray:
     return np.stack([half - root, half + root], axis=-1)
 
 
+def _trusts(model: Plant, L: np.ndarray) -> np.ndarray:
+    """Values of θ for the paths of both poles, crowded where they meet on the real axis and part from it.
+
+    There the discriminant of det(sI − A + θLC), a parabola in θ, is zero.
+    """
+    at = [np.trace(M) ** 2 - 4 * np.linalg.det(M) for M in (model.A - theta * (L @ model.C) for theta in (0.0, 1.0, 2.0))]
+    meet = np.roots([(at[2] - 2 * at[1] + at[0]) / 2, (4 * at[1] - at[2] - 3 * at[0]) / 2, at[0]])
+    near = np.concatenate([[0.0], *(sign * np.geomspace(1e-5, 0.03, 12) for sign in (-1, 1))])
+    close = (meet.real[np.abs(meet.imag) < 1e-9][:, None] + near).ravel()
+    return np.unique(np.concatenate([np.linspace(0.0, MOST_TRUST, 81), close[(close > 0) & (close < MOST_TRUST)]]))
+
+
 def least_trust(model: Plant, L: np.ndarray) -> float:
     """The θ above which A − θLC is stable, given that it is so at θ = 1; 0 if the plant is stable by itself.
 
@@ -113,7 +125,7 @@ def compute(design: Design) -> Outcome:
         impulses=kicks(design, model), seed=int(design["seed"]))
     run, copy = simulate(watched), simulate(replace(watched, L=None))
     poles, own = np.sort_complex(_poles_of(belief.A - L @ belief.C)), belief.poles
-    trusts = np.linspace(0.0, MOST_TRUST, 81)
+    trusts = _trusts(belief, L_full)
     seen = Seen(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)))
     metrics = _metrics(run, copy) | {
         "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
@@ -150,10 +162,10 @@ def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:
 
 
 def _boards(design: Design, poles: np.ndarray, own: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
-    shown = on_board(poles, WINDOW)
+    shown = listed(poles)
     by_hand = design["observer_poles"] if design["trust"] == 1.0 else shown
     return (
-        Board("copy", Text("the copy's poles  eig(A)", "开环副本的极点  eig(A)"), on_board(own, WINDOW), role="second",
+        Board("copy", Text("the copy's poles  eig(A)", "开环副本的极点  eig(A)"), listed(own), role="second",
               side="left", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), by_hand, "observer_poles",
               role="estimate", side="right", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high,

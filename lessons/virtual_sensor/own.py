@@ -14,7 +14,7 @@ from app.lesson import Board, Design, Formula, Lesson, Outcome
 from app.plants import Model, Signal
 from app.words import Text
 
-from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, number, on_board, run_knobs, sizes, sped, stage
+from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, number, run_knobs, sizes, sped, stage
 from .lesson import COPY, ERROR_TAB, LESSON, MOST_TRUST, OBSERVER, TRUE, TRUST_TAB, checks_of
 
 KNOWN = 0.05  # of the first error: below this a signal counts as known
@@ -104,10 +104,10 @@ def _boards(model: Model, design: Design, poles: np.ndarray, L: np.ndarray) -> t
     by_hand = design["trust"] == 1.0
     whole = len(poles) == len(model.observer_poles)
     return (
-        Board("copy", Text("the copy's poles  eig(A)", "开环副本的极点  eig(A)"), on_board(plant.poles, window), role="second",
+        Board("copy", Text("the copy's poles  eig(A)", "开环副本的极点  eig(A)"), listed(plant.poles), role="second",
               side="left", re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
         Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
-              design["observer_poles"] if by_hand else on_board(poles, window), "observer_poles" if by_hand or whole else None,
+              design["observer_poles"] if by_hand else listed(poles), "observer_poles" if by_hand or whole else None,
               bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
               re_high=window.re_high, im_high=window.im_high, also=(("trust", 1.0),), landscape=plant.A - L @ plant.C),
     )
