@@ -140,6 +140,7 @@ class Session(TabWorker):
         lesson = self._lessons[self._lesson.id].fit(plant)
         self._adopt(lesson.start(), None)
         self._change(playing=False, t=0.0)
+        self._view.pose(0.0)
 
     def _do_predict(self, index: Any) -> None:
         options = self._lesson.words[self._state.language].options

@@ -23,7 +23,8 @@ SHEET = """
 .ol-table{width:100%%;border-collapse:collapse;font-size:calc(.8rem*var(--mantine-scale))}.ol-table caption{font-weight:600;padding:.3rem}
 .ol-table td,.ol-table th{padding:.15rem .4rem;text-align:right;border-top:1px solid #e8ebf0}
 [data-dock-tab]{padding-inline:.6em!important}
-.ol-table th{word-break:keep-all}
+.ol-table th{word-break:keep-all}.ol-table tr>:last-child{padding-right:.7rem}
+.ol-table:has(th:nth-child(5)){font-size:calc(.8rem*min(var(--mantine-scale),1.24))}
 .ol-keys td{text-align:left}.ol-table td:first-child,.ol-table th:first-child{text-align:left}
 .uplot .u-legend{font-size:.78em;margin-top:-.4em}
 .uplot .u-legend .ol-x{display:none}

@@ -228,3 +228,13 @@ def test_the_example_plants_pass_the_gate_of_a_strangers_file(name: str) -> None
     file = EXAMPLES[name].file
     tab.do("upload", (file, (ASSETS / file).read_bytes()))
     assert tab.picture.design.plant == example(name)
+
+
+def test_a_new_plant_stands_at_the_start_of_its_run_on_the_stage_too() -> None:
+    tab = tab_of()
+    tab.do("predict", 0)
+    tab.clock.advance(0.3)
+    tab.do("seek", 0.3)
+    tab.do("upload", file_of(SMALL))
+    assert tab.shown.state.t == 0.0 and not tab.shown.state.playing
+    assert tab.view.of("pose")[-1] == 0.0
