@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from .words import NO_WORDS, Text
+from .words import NO_WORDS, Text, wording
 
 # Okabe–Ito, the same meaning in 3-D, in plots, in SVG and in exports.
 COLOURS = MappingProxyType({
@@ -54,7 +54,7 @@ class TimeFigure:
     title: Text
     t: np.ndarray
     curves: tuple[Curve, ...]
-    y_label: str = ""
+    y_label: Text | str = ""
     log: bool = False
     caption: Text = NO_WORDS
     tab: Text = TIME
@@ -69,7 +69,7 @@ class FrequencyFigure:
     title: Text
     f: np.ndarray
     curves: tuple[Curve, ...]
-    y_label: str = ""
+    y_label: Text | str = ""
     caption: Text = NO_WORDS
     tab: Text = SPECTRUM
     window: tuple[float, float] | None = None
@@ -94,8 +94,8 @@ class PlaneFigure:
     title: Text
     curves: tuple[Curve, ...] = ()
     points: tuple[Point, ...] = ()
-    x_label: str = ""
-    y_label: str = ""
+    x_label: Text | str = ""
+    y_label: Text | str = ""
     x_range: tuple[float, float] = (-1.0, 1.0)
     y_range: tuple[float, float] = (-1.0, 1.0)
     equal: bool = False
@@ -111,8 +111,8 @@ class MatrixFigure:
     id: str
     title: Text
     matrix: np.ndarray
-    rows: tuple[str, ...] = ()
-    columns: tuple[str, ...] = ()
+    rows: tuple[Text | str, ...] = ()
+    columns: tuple[Text | str, ...] = ()
     blocks: tuple[int, ...] = ()  # a line is drawn before each of these rows and columns
     caption: Text = NO_WORDS
     tab: Text = MATRICES
@@ -131,8 +131,8 @@ class MapFigure:
     y: np.ndarray
     values: np.ndarray
     categories: tuple[tuple[Text, str], ...]
-    x_label: str = ""
-    y_label: str = ""
+    x_label: Text | str = ""
+    y_label: Text | str = ""
     marked: tuple[float, float] | None = None
     caption: Text = NO_WORDS
     tab: Text = MAP
@@ -214,14 +214,19 @@ def columns(figure: Figure) -> tuple[list[str], np.ndarray]:
     if isinstance(figure, PlaneFigure):
         rows = [(float(p.x), float(p.y)) for p in figure.points]
         rows += [(float(a), float(b)) for c in figure.curves for a, b in zip(_xs(c), c.y, strict=True)]
-        return [figure.x_label or "x", figure.y_label or "y"], np.array(rows, dtype=float).reshape(-1, 2)
+        return [*_axes(figure)], np.array(rows, dtype=float).reshape(-1, 2)
     if isinstance(figure, MatrixFigure):
-        return [*(figure.columns or map(str, range(figure.matrix.shape[1])))], np.asarray(figure.matrix, dtype=float)
+        named = figure.columns or map(str, range(figure.matrix.shape[1]))
+        return [wording(name, "en") for name in named], np.asarray(figure.matrix, dtype=float)
     if isinstance(figure, MapFigure):
         x, y = np.meshgrid(figure.x, figure.y)
-        return [figure.x_label or "x", figure.y_label or "y", "category"], np.column_stack(
+        return [*_axes(figure), "category"], np.column_stack(
             [x.ravel(), y.ravel(), figure.values.ravel()])
     return [c.en for c in figure.columns], np.empty((0, len(figure.columns)))
+
+
+def _axes(figure: PlaneFigure | MapFigure) -> tuple[str, str]:
+    return wording(figure.x_label, "en") or "x", wording(figure.y_label, "en") or "y"
 
 
 def _xs(curve: Curve) -> np.ndarray:

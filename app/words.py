@@ -34,6 +34,11 @@ def _said(value: object, language: str) -> object:
     return value(language) if isinstance(value, Text) else value
 
 
+def wording(words: Text | str, language: str) -> str:
+    """A label in one language; a plain string, such as a symbol with its unit, reads the same in both."""
+    return words if isinstance(words, str) else words(language)
+
+
 def same(words: str) -> Text:
     """A name, a symbol or a number that reads the same in both languages."""
     return Text(words, words)

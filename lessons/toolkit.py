@@ -27,6 +27,7 @@ from app.figures import Curve, TimeFigure
 from app.knobs import Choice, KnobError, Number, Poles
 from app.lesson import Board, Design, Lesson, Stage, Task
 from app.plants.model import Model, Signal, Window
+from app.plants.names import called
 from app.words import Text, same, symbol
 
 MOST_ENTRIES = 24  # of a matrix that is written out
@@ -257,7 +258,8 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigu
     for j, name in enumerate(run.scenario.plant.input_names):
         role = ("force", "disturbance", "second")[j % 3]
         applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
-        shown = Text(f"input {name}", f"输入 {name}") if model.controller is not None else INPUTS.get(name, same(symbol(name)))
+        shown = (Text("input {}", "输入 {}").format(called(model.plant, name)) if model.controller is not None else
+                 INPUTS.get(name, same(symbol(name))))
         curves.append(Curve(shown, applied, role))
         if not np.array_equal(applied, asked):
             curves.append(Curve(Text(f"{shown.en} asked", f"{shown.zh} 指令"), asked, role, "dash", 1.6))

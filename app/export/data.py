@@ -13,6 +13,7 @@ import numpy as np
 
 from ..figures import Curve, Figure, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, TimeFigure
 from ..lesson import Design, Outcome
+from ..words import wording
 
 __all__ = ["HEADER", "csv_rows", "plain", "run_record", "save_csv"]
 
@@ -82,8 +83,8 @@ def _distinct(names: list[str]) -> list[str]:
 def _matrix(figure: MatrixFigure) -> Iterator[Row]:
     matrix = np.asarray(figure.matrix, dtype=float)
     for (i, j), entry in np.ndenumerate(matrix):
-        row = figure.rows[i] if figure.rows else str(i)
-        column = figure.columns[j] if figure.columns else str(j)
+        row = wording(figure.rows[i], "en") if figure.rows else str(i)
+        column = wording(figure.columns[j], "en") if figure.columns else str(j)
         yield figure.id, "matrix", f"{row}, {column}", float(j), float(i), float(entry)
 
 

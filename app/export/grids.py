@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
 from ..figures import COLOURS, MatrixFigure, TableFigure, finite
-from ..words import symbol
+from ..words import symbol, wording
 from .style import INK, RULE, SMALL, words
 from .wrap import width
 
@@ -29,14 +29,14 @@ def shade(matrix: np.ndarray) -> np.ndarray:
 
 def draw_matrix(axes: Axes, figure: MatrixFigure, language: str) -> None:
     """Magnitudes of a matrix, with lines between its blocks."""
-    del language  # names of states are symbols
     matrix = np.asarray(figure.matrix, dtype=float)
     rows, columns = matrix.shape
     axes.imshow(shade(matrix), interpolation="nearest", aspect="equal")
     axes.tick_params(length=0, top=False, bottom=False, labeltop=True, labelbottom=False, labelsize=_fit(max(matrix.shape)))
-    turn = 90 if columns > 6 or max(map(len, figure.columns), default=0) > 5 else 0
-    axes.set_xticks(range(columns) if figure.columns else [], [words(symbol(n)) for n in figure.columns], rotation=turn)
-    axes.set_yticks(range(rows) if figure.rows else [], [words(symbol(n)) for n in figure.rows])
+    across, down = ([symbol(wording(name, language)) for name in names] for names in (figure.columns, figure.rows))
+    turn = 90 if columns > 6 or max(map(len, across), default=0) > 5 else 0
+    axes.set_xticks(range(columns) if across else [], [words(n) for n in across], rotation=turn)
+    axes.set_yticks(range(rows) if down else [], [words(n) for n in down])
     for spine in axes.spines.values():
         spine.set_visible(True)
     for edge in np.arange(0.5, max(rows, columns) - 1):

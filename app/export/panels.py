@@ -13,6 +13,7 @@ from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from scipy.ndimage import distance_transform_cdt
 
 from ..figures import COLOURS, FLOOR, Curve, FrequencyFigure, MapFigure, PlaneFigure, TimeFigure, axis_range, finite
+from ..words import wording
 from .labels import label_curves
 from .style import GRID, INK, RULE, SMALL, pen, words
 
@@ -59,7 +60,7 @@ def _curves(axes: Axes, figure: TimeFigure | FrequencyFigure, x: np.ndarray, log
         if low < 0 < high:
             axes.axhline(0.0, color=GRID, linewidth=0.6, zorder=0)
     axes.set_ylim(low, high)
-    axes.set_ylabel(words(figure.y_label))
+    axes.set_ylabel(words(wording(figure.y_label, language)))
     lines = [_plot(axes, curve, x, np.maximum(np.abs(finite(curve.y)), FLOOR) if log else finite(curve.y),
                    language, figure.curves[:k]) for k, curve in enumerate(figure.curves)]
     label_curves(axes, lines)
@@ -78,8 +79,8 @@ def draw_plane(axes: Axes, figure: PlaneFigure, language: str) -> None:
     x_range, y_range = _equal(axes, figure) if figure.equal else (figure.x_range, figure.y_range)
     axes.set_xlim(*x_range)
     axes.set_ylim(*y_range)
-    axes.set_xlabel(words(figure.x_label))
-    axes.set_ylabel(words(figure.y_label))
+    axes.set_xlabel(words(wording(figure.x_label, language)))
+    axes.set_ylabel(words(wording(figure.y_label, language)))
     for draw, (low, high) in ((axes.axvline, x_range), (axes.axhline, y_range)):
         if low < 0 < high:
             draw(0.0, color=RULE, linewidth=0.5, zorder=0.5)
@@ -122,8 +123,8 @@ def draw_map(axes: Axes, figure: MapFigure, language: str) -> None:
         image[values == k] = 1 - MAP_STRENGTH * (1 - np.array(to_rgb(COLOURS[role])))
     extent = (*_edges(figure.x), *_edges(figure.y))
     axes.imshow(image, origin="lower", extent=extent, interpolation="nearest", aspect="auto", zorder=0)
-    axes.set_xlabel(words(figure.x_label))
-    axes.set_ylabel(words(figure.y_label))
+    axes.set_xlabel(words(wording(figure.x_label, language)))
+    axes.set_ylabel(words(wording(figure.y_label, language)))
     if figure.marked is not None:
         axes.plot(*figure.marked, linestyle="none", color=COLOURS["reference"], clip_on=False, zorder=5, label="_",
                   **MARKS["circle"])

@@ -114,7 +114,7 @@ class Body:
     anchors: Callable[[Sequence[float], float], tuple[Vector, ...]]
     gain: float = 1.0
     caption: Text = NO_WORDS
-    labels: tuple[tuple[str, Vector], ...] = ()
+    labels: tuple[tuple[Text | str, Vector], ...] = ()
     forces: float = 1.0
 
 

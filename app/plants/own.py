@@ -21,16 +21,16 @@ from ..engine.starting import StartingGain, starting_feedback, starting_observer
 from ..sentences import told
 from ..words import Text
 from .model import Model, Signal, Window
+from .names import called, title_of
 from .own_body import tubes_body
 
-__all__ = ["Misfit", "canonical", "label_of", "own_model", "plant_of", "read", "without_hold"]
+__all__ = ["Misfit", "canonical", "own_model", "plant_of", "read", "without_hold"]
 
 SAMPLES = 400  # of a run
 LONGEST_NAME, LONGEST_UNIT, LONGEST_TITLE = 18, 10, 40
 ON_BOARD = 10  # most poles on one board
 SPREAD = 25.0  # poles faster than this many typical rates are left off the board
 ALLOWED = frozenset(" .,-+/()°·²³⁻¹µ%_")
-UNNAMED = Text("your plant", "你的对象")
 
 
 class Misfit(EngineError):
@@ -93,11 +93,6 @@ def without_hold(plant: Plant) -> Plant:
                           f"本课讲连续时间，而这个采样对象没有对应的同阶连续对象（{reason}）；请在“沙盒”课中使用它。")) from problem
 
 
-def label_of(plant: Plant) -> Text:
-    """What the plant is called."""
-    return Text(plant.name, plant.name) if plant.name else UNNAMED
-
-
 # --- the model ---------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class _Board:
@@ -122,8 +117,9 @@ def own_model(plant: Plant) -> Model:
     strongest = float(asked.max()) if asked.max() > 0 else 1.0
     alone = _measured_alone(plant)
     return Model(
-        id="own", label=label_of(plant), plant=plant,
-        body=tubes_body(plant.state_names, full.tolist(), tuple(alone), np.where(asked > 0, asked, 1.0).tolist()),
+        id="own", label=title_of(plant), plant=plant,
+        body=tubes_body([called(plant, name) for name in plant.state_names], full.tolist(), tuple(alone),
+                        np.where(asked > 0, asked, 1.0).tolist()),
         x0=tuple(x0.tolist()), guess=(0.0,) * plant.n, horizon=horizon, dt=dt,
         controller_poles=left.poles, observer_poles=right.poles, controller_window=left.window,
         observer_window=right.window, kick=_kick(plant, x0), watched=_watched(plant, alone),
@@ -218,10 +214,10 @@ def _measured_alone(plant: Plant) -> dict[int, int]:
 
 def _watched(plant: Plant, alone: dict[int, int]) -> tuple[Signal, ...]:
     """An output first, then states that nothing measures by itself, then the rest."""
-    outputs = [Signal(Text(f"output {name}", f"输出 {name}"), tuple(row.tolist()), plant.unit(name))
+    outputs = [Signal(Text("output {}", "输出 {}").format(called(plant, name)), tuple(row.tolist()), plant.unit(name))
                for name, row in zip(plant.output_names, plant.C, strict=True)]
     unit = np.eye(plant.n)
-    states = [Signal(Text(f"state {name}", f"状态 {name}"), tuple(unit[i].tolist()), plant.unit(name))
+    states = [Signal(Text("state {}", "状态 {}").format(called(plant, name)), tuple(unit[i].tolist()), plant.unit(name))
               for i, name in enumerate(plant.state_names)]
     hidden = [signal for i, signal in enumerate(states) if i not in alone]
     seen = [signal for i, signal in enumerate(states) if i in alone]

@@ -39,7 +39,7 @@ def rows_of(count: int) -> tuple[int, ...]:
     return tuple(count // rows + (1 if i < count % rows else 0) for i in range(rows))
 
 
-def tubes_body(names: Sequence[str], full: Sequence[float], measured: Sequence[int], strongest: Sequence[float]) -> Body:
+def tubes_body(names: Sequence[Text | str], full: Sequence[float], measured: Sequence[int], strongest: Sequence[float]) -> Body:
     """Tubes for states called `names`; a state of size `full` is drawn at about the end of its tube.
 
     `measured`: states that an output reads alone. `strongest`: per input the value whose arrow is longest.

@@ -21,6 +21,7 @@ from ..figures import (
     finite,
     thin,
 )
+from ..words import wording
 from .prose import with_minus
 from .svg import draw
 
@@ -120,7 +121,7 @@ class Chart:
         font = f"{size}px sans-serif"
         look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
                 "ticks": {"stroke": "#c9ced6", "width": 1}}
-        vertical: dict[str, Any] = {**look, "label": figure.y_label, "labelSize": size + 6, "size": 4 * size + 8}
+        vertical: dict[str, Any] = {**look, "label": wording(figure.y_label, self._language), "labelSize": size + 6, "size": 4 * size + 8}
         if logarithmic:
             vertical["splits"], vertical["values"] = decades(*self._range)
         horizontal: dict[str, Any] = {**look, "label": "t [s]" if time else "f [Hz]", "labelSize": size + 6,

@@ -9,6 +9,7 @@ import numpy as np
 import viser
 
 from ..figures import COLOURS, MapFigure
+from ..words import wording
 from . import phrases
 from .stage import rgb
 from .ticks import ticks
@@ -46,7 +47,8 @@ class MapBoard:
 
     def _name(self, figure: MapFigure) -> str:
         empty = bool(np.all(figure.values < 0))
-        tail = phrases.MAP_EMPTY(self._language) if empty else f"→  {figure.x_label}   ↑  {figure.y_label}"
+        across, up = wording(figure.x_label, self._language), wording(figure.y_label, self._language)
+        tail = phrases.MAP_EMPTY(self._language) if empty else f"→  {across}   ↑  {up}"
         return f"{figure.title(self._language)}   {tail}"
 
     def _paint(self, figure: MapFigure) -> None:

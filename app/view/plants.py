@@ -10,7 +10,8 @@ import viser
 from ..edits import Do, SetKnobs
 from ..picture import Picture
 from ..plants.examples import EXAMPLES, example
-from ..plants.own import label_of, plant_of
+from ..plants.names import title_of
+from ..plants.own import plant_of
 from ..session import YOURS
 from ..words import Text
 from . import phrases
@@ -22,7 +23,7 @@ OWN, FIRST = "", next(iter(EXAMPLES))  # what a lesson shows by itself; one abou
 @lru_cache(maxsize=64)
 def named(plant: str) -> Text:
     """What a plant in its canonical text is called."""
-    return label_of(plant_of(plant))
+    return title_of(plant_of(plant))
 
 
 class PlantRow:

@@ -12,6 +12,7 @@ import viser
 from ..figures import COLOURS
 from ..lesson import Stage
 from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Spring, Vector
+from ..words import wording
 from . import phrases
 from .meshes import helix
 
@@ -118,7 +119,7 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         self._factor(body, language, size)
-        self._names = [self._scene.add_label(f"/name/{i}", words, position=place, anchor="top-center",
+        self._names = [self._scene.add_label(f"/name/{i}", wording(words, language), position=place, anchor="top-center",
                                              font_screen_scale=0.75 * size) for i, (words, place) in enumerate(body.labels)]
 
     def _factor(self, body: Body, language: str, size: float) -> None:

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ..figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
-from ..words import symbol
+from ..words import symbol, wording
 from .lettering import DASHES, Box, beside, key, width
 from .prose import with_minus
 from .ticks import ticks
@@ -24,7 +24,7 @@ def draw(figure: Figure, language: str) -> str:
     if isinstance(figure, PlaneFigure):
         return _svg(_plane(figure, language), figure.title(language), figure.id)
     if isinstance(figure, MatrixFigure):
-        return _svg(_matrix(figure), figure.title(language), figure.id)
+        return _svg(_matrix(figure, language), figure.title(language), figure.id)
     if isinstance(figure, MapFigure):
         return _svg(_map(figure, language), figure.title(language), figure.id)
     if isinstance(figure, TableFigure):
@@ -84,7 +84,7 @@ def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
         left, _ = axes.at(max(0.0, axes.x[0]), 0)
         out.append(f'<rect x="{left:.1f}" y="{TOP}" width="{W - RIGHT - left:.1f}" height="{H - TOP - BOTTOM}" '
                    f'fill="{COLOURS["unstable"]}"/>')
-    out.append(axes.draw(figure.x_label, figure.y_label))
+    out.append(axes.draw(wording(figure.x_label, language), wording(figure.y_label, language)))
     out.append(f'<clipPath id="clip-{figure.id}"><rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" '
                f'height="{H - TOP - BOTTOM}"/></clipPath><g clip-path="url(#clip-{figure.id})">')
     drawn = []
@@ -133,13 +133,13 @@ def _mark(x: float, y: float, colour: str, mark: str) -> str:
     }[mark]
 
 
-def _matrix(figure: MatrixFigure) -> tuple[str, float]:
+def _matrix(figure: MatrixFigure, language: str) -> tuple[str, float]:
     """Cells shaded by the logarithm of their magnitude, with the entries where they fit; exact zeros stay white."""
     m = np.asarray(figure.matrix, dtype=float)
     rows, cols = m.shape
     left, wide = 44, (W - 44 - 8) / cols
     high = min(wide, TALLEST_CELL)
-    heads, top = _heads([symbol(name) for name in figure.columns], left, wide)
+    heads, top = _heads([symbol(wording(name, language)) for name in figure.columns], left, wide)
     top_value = float(np.max(np.abs(m))) or 1.0
     out = []
     for i in range(rows):
@@ -154,7 +154,7 @@ def _matrix(figure: MatrixFigure) -> tuple[str, float]:
                 ink = "#fff" if depth > 0.6 else "#1c2430" if depth else "#8a8f98"
                 out.append(f'<text x="{x + wide / 2:.1f}" y="{y + high / 2 + 4:.1f}" text-anchor="middle" '
                            f'font-size="{_fitting(entry, wide - 4):.1f}" fill="{ink}">{entry}</text>')
-    for i, name in enumerate(map(symbol, figure.rows)):
+    for i, name in enumerate(symbol(wording(row, language)) for row in figure.rows):
         size = min(_fitting(name, left - 6), high * 0.7)
         out.append(f'<text x="{left - 4}" y="{top + (i + 0.5) * high + 0.35 * size:.1f}" text-anchor="end" '
                    f'font-size="{size:.1f}">{html.escape(name)}</text>')
@@ -199,7 +199,7 @@ def _map(figure: MapFigure, language: str) -> tuple[str, float]:
             x1, y1 = axes.at(float(figure.x[j]) + dx / 2, float(figure.y[i]) - dy / 2)
             path.append(f"M{x0:.1f} {y0:.1f}H{x1:.1f}V{y1:.1f}H{x0:.1f}z")
         out.append(f'<path d="{"".join(path)}" fill="{COLOURS[role]}" fill-opacity="0.75"/>')
-    out.append(axes.draw(figure.x_label, figure.y_label))
+    out.append(axes.draw(wording(figure.x_label, language), wording(figure.y_label, language)))
     if figure.marked is not None:
         out.append(_mark(*axes.at(*figure.marked), COLOURS["reference"], "circle"))
     words, more = key([(name(language), COLOURS[role], "solid") for name, role in figure.categories], W, H, patches=True)

@@ -75,7 +75,7 @@ def _dominance(outcome: Outcome) -> FrequencyFigure:
               Curve(Text("into horizontal", "进入水平通道"), np.clip(rows[:, 1], 1e-4, 1e3), "estimate", "dash"),
               Curve(Text("equal to the diagonal", "与对角元相等"), np.ones(len(CHANNELS)), "reference", "dot", 1.4)]
     return FrequencyFigure("dominance", Text("off the diagonal over on it, by row", "各行非对角元与对角元之比"), CHANNELS,
-                           tuple(curves), "|off| / |on|", tab=CHANNEL_TAB, window=(1e-3, 1e2),
+                           tuple(curves), Text("|off-diagonal| / |diagonal|", "|非对角元| / |对角元|"), tab=CHANNEL_TAB, window=(1e-3, 1e2),
                            caption=Text(f"Dominance is lost on {100 * lost:.0f} % of the decades from 0.1 to 10 Hz; vertical "
                                         "is decoupled exactly.",
                                         f"0.1～10 Hz（对数刻度）内有 {100 * lost:.0f} % 失去对角占优；竖直通道完全解耦。"))

@@ -11,6 +11,7 @@ from app.engine import controllability, observability
 from app.knobs import Choice, Knob, KnobError, Number, Poles
 from app.lesson import Lesson
 from app.plants import Model, Window
+from app.plants.names import with_unit
 from app.words import Text
 
 from ..toolkit import BY_POLES, BY_WEIGHTS, run_knobs, sizes
@@ -39,7 +40,7 @@ def setting_of(model: Model) -> Setting:
     """Weights in units of the start, the outputs near it and the natural input; the ellipses of the first two states."""
     plant = model.plant
     size = np.array([abs(v) or 1.0 for v in model.x0])
-    axes = [f"{name} [{plant.unit(name)}]" if plant.unit(name) else name for name in plant.state_names]
+    axes = [with_unit(plant, name) for name in plant.state_names]
     pair = (0, min(1, plant.n - 1))
     c, o = model.controller_window, model.observer_window
     window = Window(min(c.re_low, o.re_low), max(c.re_high, o.re_high), max(c.im_high, o.im_high))

@@ -79,7 +79,7 @@ def _ellipse(W: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
 
 
 def _plane(name: str, title: Text, caption: Text, own: np.ndarray, twin: np.ndarray, legend: tuple[Text, Text],
-           half: float, axes: tuple[str, str]) -> PlaneFigure:
+           half: float, axes: tuple[Text | str, Text | str]) -> PlaneFigure:
     (x, y, *_), (xt, yt, *_) = _ellipse(own), _ellipse(twin)
     return PlaneFigure(
         name, title, (Curve(legend[0], y, "plant", "solid", 3.4, x), Curve(legend[1], yt, "estimate", "dash", 1.8, xt)),

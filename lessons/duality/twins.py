@@ -11,6 +11,7 @@ import numpy as np
 from app.engine import Plant, Scenario, lqe, lqr, observer_gain, place, reachability_gramian, simulate
 from app.lesson import Design
 from app.plants import MODELS, Model, Window
+from app.words import Text
 
 from ..toolkit import BY_POLES
 from .proofs import filter_riccati, observer_by_polynomial, output_energy
@@ -34,7 +35,7 @@ class Setting:
     W: np.ndarray
     V: np.ndarray
     pair: tuple[int, int]
-    axes: tuple[str, str]
+    axes: tuple[Text | str, Text | str]
     window: Window
     mirror: bool = False
 

@@ -11,6 +11,7 @@ from app.engine import typical_rate
 from app.knobs import Choice, Knob, Number, Poles, Track
 from app.lesson import Lesson
 from app.plants import Model
+from app.plants.names import called
 from app.words import Text
 
 from ..toolkit import injection, run_knobs
@@ -22,7 +23,8 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     window, pace, size = model.observer_window, typical_rate(model.plant) / (2 * np.pi), model.u_max
     name = model.plant.input_names[0]
     return (
-        Choice("input", "u", Text(f"input {name}", f"输入 {name}"), default="sine", options=KNOBS[0].options,  # type: ignore[attr-defined]
+        Choice("input", "u", Text("input {}", "输入 {}").format(called(model.plant, name)), default="sine",
+               options=KNOBS[0].options,  # type: ignore[attr-defined]
                hint=Text("The plant and the observer get the same input.", "对象和观测器得到同一个输入。")),
         Number("amplitude", r"u_0", Text("amplitude", "幅值"), model.input_unit, low=0.0, high=5 * size, default=size,
                when=("input", ("step", "sine", "square", "random")),

@@ -22,6 +22,7 @@ from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFi
 from app.knobs import Knob, Number
 from app.lesson import Check, Design, Formula, Lesson, Outcome
 from app.plants import Model
+from app.plants.names import called
 from app.words import Text
 
 from ..toolkit import (
@@ -149,7 +150,8 @@ def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
 
 def _measured(here: Setting, run: Run) -> TimeFigure:
     name = here.model.plant.output_names[0]
-    return TimeFigure("measured", Text(f"what sensor {name} says", f"传感器 {name} 的读数"), run.t,
+    said = Text("what sensor {} says", "传感器 {} 的读数").format(called(here.model.plant, name))
+    return TimeFigure("measured", said, run.t,
                       (Curve(Text("measured y", "测量值 y"), run.y[:, 0]),
                        Curve(Text("predicted ŷ", "预测值 ŷ"), run.yhat[:, 0], "estimate", "dash")), f"[{here.model.plant.unit(name)}]",
                       tab=TIME_TAB, caption=Text(f"At the end they differ by {abs(run.y[-1, 0] - run.yhat[-1, 0]):.2g}.",

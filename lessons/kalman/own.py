@@ -13,6 +13,7 @@ from app.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure
 from app.knobs import Choice, Knob, KnobError, Number
 from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model, Signal
+from app.plants.names import called, with_unit
 from app.words import Text, same
 
 from ..toolkit import TIME_TAB, gain_words, noise_units, number, run_knobs
@@ -131,7 +132,7 @@ def _step(model: Model, outcome: Outcome) -> TableFigure:
 
     def digits(value: float) -> str:
         return f"{value:.4g}".replace("-", "−")
-    rows = tuple((f"{name} [{plant.unit(name)}]" if plant.unit(name) else name, digits(study.found.run.x[k, i]), digits(mean[i]),
+    rows = tuple((with_unit(plant, name), digits(study.found.run.x[k, i]), digits(mean[i]),
                   digits(float(np.sqrt(max(P[i, i], 0.0))))) for i, name in enumerate(plant.state_names[:MOST_STATES]))
     return TableFigure("step", Text(f"sample {k}", f"第 {k} 个采样"),
                        (Text("state", "状态"), Text("true", "真实"), Text("estimate", "估计"), same("σ")), rows, tab=STEP_TAB,
@@ -183,7 +184,7 @@ def _innovation(model: Model, outcome: Outcome) -> TimeFigure:
     found, name = outcome.extra.found, model.plant.output_names[0]
     nu, spread = found.track.innovations[:, 0], 2 * np.sqrt(found.track.S[:, 0, 0])
     inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
-    return TimeFigure("innovation", Text(f"innovation of {name}", f"{name} 的新息"), found.run.t, (
+    return TimeFigure("innovation", Text("innovation of {}", "{} 的新息").format(called(model.plant, name)), found.run.t, (
         Curve(same("ν"), nu, "error", width=1.4), Curve(same("+ 2√S"), spread, "muted", "dot", 1.4),
         Curve(same("− 2√S"), -spread, "muted", "dot", 1.4)), f"ν [{model.plant.unit(name)}]", tab=INNOVATION_TAB,
         caption=Text(f"Once settled, {inside:.0f} % within 2√S.", f"稳定之后 {inside:.0f} % 在 2√S 之内。"))
@@ -193,13 +194,13 @@ def _correlation(model: Model, outcome: Outcome) -> PlaneFigure:
     w = outcome.extra.test.whiteness
     lags = np.arange(1, len(w.correlation) + 1, dtype=float)
     roles, ends = ("estimate", "second", "disturbance", "plant"), np.array([lags[0], lags[-1]])
-    curves = [Curve(same(name), w.correlation[:, i], roles[i % 4], "solid", 1.8, lags)
+    curves = [Curve(called(model.plant, name), w.correlation[:, i], roles[i % 4], "solid", 1.8, lags)
               for i, name in enumerate(model.plant.output_names[:4])]
     curves += [Curve(Text("band", "带"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
     said = (Text(f"White as far as one can tell: p = {w.p_value:.2g}.", f"看不出颜色：p = {w.p_value:.2g}。") if w.white else
             Text(f"Coloured: p = {w.p_value:.1e}; each sample foretells the next.", f"有色：p = {w.p_value:.1e}；前一个新息能预示后一个。"))
-    return PlaneFigure("correlation", Text("autocorrelation of the innovations", "新息的自相关"), tuple(curves), (), "lag [samples]", "r",
-                       (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
+    return PlaneFigure("correlation", Text("autocorrelation of the innovations", "新息的自相关"), tuple(curves), (),
+                       Text("lag [samples]", "滞后 [采样]"), "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
 
 def _squares(outcome: Outcome, name: str, title: Text, dof: int, which: int) -> TimeFigure:

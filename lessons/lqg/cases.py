@@ -12,6 +12,7 @@ from app.engine import NoisyLoop, Plant, noisy_loop, typical_rate
 from app.lesson import Design
 from app.plants import MODELS, doyle, platform_lqg
 from app.plants.model import Model
+from app.plants.names import called
 from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_y
 from app.words import Text
 
@@ -151,7 +152,7 @@ def case_of(model: Model) -> Case:
     low, high = max(slow, rate * 1e-3) / 40, min(fast, rate * 1e3) * 2
     shown = min(plant.p, 3)
     weighed = plant.C / size[:, None]
-    names = tuple(Text(f"output {n}", f"输出 {n}") for n in plant.output_names[:shown])
+    names = tuple(Text("output {}", "输出 {}").format(called(plant, n)) for n in plant.output_names[:shown])
     dt = model.horizon / 200
     return Case(model.id, model.label, model, plant, G, weighed.T @ weighed, np.eye(plant.m) / model.u_max**2,
                 np.eye(G.shape[1]) * model.u_max**2 / rate, np.diag((SHARE * size) ** 2) / rate,

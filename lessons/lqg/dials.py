@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.knobs import Choice, Number
+from app.plants.names import called
 from app.words import Text, same
 
 from ..toolkit import run_knobs
@@ -64,7 +65,7 @@ def _of_paper(when: When) -> tuple[Number, ...]:
 
 
 def _for_all(case: Case, report: When) -> tuple[Choice | Number, ...]:
-    inputs = tuple((str(i + 1), same(name)) for i, name in enumerate(case.plant.input_names))
+    inputs = tuple((str(i + 1), called(case.plant, name)) for i, name in enumerate(case.plant.input_names))
     cut = () if len(inputs) < 2 else (Choice(
         "cut", "", Text("loop cut at", "断开的输入"), default="1", options=inputs, when=report,
         hint=Text("Nyquist and margins: this input is cut, the others stay closed.",

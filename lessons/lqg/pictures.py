@@ -7,6 +7,7 @@ import numpy as np
 from app.engine import ChannelMargins
 from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, finite
 from app.lesson import Outcome
+from app.plants.names import called
 from app.words import Text, same
 
 from ..toolkit import TIME_TAB, axis_name
@@ -103,14 +104,14 @@ def _spectrum_words(outcome: Outcome, i: int) -> Text:
 def _input(outcome: Outcome) -> FrequencyFigure:
     s = outcome.extra
     case, square = s.case, s.case.input_scale**2
-    names = case.plant.input_names
+    names = [called(case.plant, name) for name in case.plant.input_names]
     curves: list[Curve] = []
     if s.asked is not None:
         ground, sensors = s.asked
         for j in range(min(len(names), 3)):
-            curves.append(Curve(same(names[j]), finite(square * (ground + sensors)[:, j], TOO_MUCH), ROLES[j],
+            curves.append(Curve(names[j], finite(square * (ground + sensors)[:, j], TOO_MUCH), ROLES[j],
                                 "dash" if j == 1 else "solid"))
-        curves.append(Curve(Text(f"{names[-1]}, sensors' part", f"{names[-1]} 中测量噪声的部分"),
+        curves.append(Curve(Text("{}, sensors' part", "{} 中测量噪声的部分").format(names[-1]),
                             finite(square * sensors[:, -1], TOO_MUCH), "estimate", "dot", 1.6))
         share = 100 * outcome.metrics.get("sensor_share", 0.0)
         said = Text(f"The sensors' noise causes {share:.3g} % of the input's power.", f"输入功率的 {share:.3g} % 由测量噪声引起。")

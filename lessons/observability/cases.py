@@ -42,6 +42,7 @@ class Case:
     pair: tuple[int, int]
     units: tuple[str, ...]
     shown: float = 1.0
+    labels: tuple[Text, ...] = ()  # of the states, where they have names
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,9 +144,17 @@ def _dust(powers: np.ndarray, step: float) -> float:
     return powers.shape[1] * float(np.finfo(float).eps * np.sum(powers**2)) * step
 
 
-def unit(case: Case, i: int) -> str:
+def label(case: Case, i: int) -> Text | str:
+    """What a state is called: a symbol, or a name."""
+    return case.labels[i] if case.labels else case.names[i]
+
+
+def unit(case: Case, i: int) -> Text | str:
     """The name of a state with its unit, for an axis."""
-    return f"{case.names[i]} [{case.units[i]}]" if case.units[i] else case.names[i]
+    name, measure = label(case, i), case.units[i]
+    if not measure:
+        return name
+    return f"{name} [{measure}]" if isinstance(name, str) else Text("{} [{}]", "{} [{}]").format(name, measure)
 
 
 def shown(case: Case, values: np.ndarray, indices: tuple[int, ...]) -> np.ndarray:

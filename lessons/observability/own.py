@@ -10,6 +10,7 @@ import numpy as np
 from app.knobs import Knob, KnobError, Number, Switch
 from app.lesson import Design, Lesson, Outcome, Stage
 from app.plants import Model
+from app.plants.names import called
 from app.words import Text
 
 from ..toolkit import sizes
@@ -37,14 +38,15 @@ def case_of(model: Model) -> Case:
     scale = tuple(abs(v) or 1.0 for v in model.x0)
     start = tuple((0.75, -0.6, 0.5, -0.4, 0.7)[i % 5] for i in range(n))
     return Case("own", model.label, plant.state_names, scale, start, horizon, STEPS if n <= 12 else FEW, (0, 2 if n > 2 else None, 1),
-                (0, 1), tuple(plant.unit(name) for name in plant.state_names))
+                (0, 1), tuple(plant.unit(name) for name in plant.state_names),
+                labels=tuple(called(plant, name) for name in plant.state_names))
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
     """A switch for each output, rows of O, and what the lesson asks everywhere."""
     names = model.plant.output_names[:SWITCHES]
     return (
-        *(Switch(f"on{i}", "", Text(f"sensor {name}", f"传感器 {name}"), default=True,
+        *(Switch(f"on{i}", "", Text("sensor {}", "传感器 {}").format(called(model.plant, name)), default=True,
                  hint=Text("On or off.", "开或关。")) for i, name in enumerate(names)),
         Number("rows", "k", Text("block rows of O", "O 的块行数"), low=1, high=model.plant.n, default=1, scale="integer",
                hint=Text("One step adds the next row C Aᵏ, that is, one more derivative of y.",

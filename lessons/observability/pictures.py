@@ -10,7 +10,7 @@ from app.lesson import Outcome
 from app.words import Text, same
 
 from ..toolkit import pole_words
-from .cases import shown, unit
+from .cases import label, shown, unit
 from .criteria import DET
 from .knowledge import REACH
 from .sweep import LOWEST, Sweep, decades
@@ -38,7 +38,7 @@ def _matrix(found: Found) -> MatrixFigure:
     names = tuple(("C" if k == 0 else "CA" if k == 1 else f"CA^{k}") for k in range(built.rows) for _ in range(plant.p))
     return MatrixFigure(
         "matrix", Text("observability matrix, row by row", "能观性矩阵，逐行构造"), built.matrix, names,
-        plant.state_names, tab=MATRIX_TAB,
+        tuple(label(found.case, i) for i in range(plant.n)), tab=MATRIX_TAB,
         caption=Text(f"{built.rows} of {plant.n} block rows built: rank {built.rank} of {plant.n} at this tolerance.",
                      f"已构造 {built.rows}/{plant.n} 个块行：在此容差下秩为 {built.rank}/{plant.n}。"))
 

@@ -20,6 +20,7 @@ from app.engine import (
 )
 from app.knobs import KnobError, Poles
 from app.plants import Model
+from app.plants.names import called
 from app.words import Text, same
 
 from .lesson import MET
@@ -93,9 +94,10 @@ def fitted(model: Model) -> Here:
         raise KnobError(Text("The outputs of this plant give its whole state at once, so u = −Kx needs no observer.",
                              "该对象的输出已直接给出全部状态，u = −Kx 不需要观测器。"))
     K = np.zeros((plant.m, plant.n)) if model.controller is None else model.controller.gain
-    wanted = tuple((f"u{i + 1}", Text(f"input {name}: its row of K", f"输入 {name}：K 的对应行"))
+    wanted = tuple((f"u{i + 1}", Text("input {}: its row of K", "输入 {}：K 的对应行").format(called(plant, name)))
                    for i, name in enumerate(plant.input_names) if np.any(K[i]))
-    wanted += tuple((f"x{i + 1}", Text(f"state {name}", f"状态 {name}")) for i, name in enumerate(plant.state_names))
+    wanted += tuple((f"x{i + 1}", Text("state {}", "状态 {}").format(called(plant, name)))
+                    for i, name in enumerate(plant.state_names))
     row = row_of(plant, K, wanted[0][0])
     found = [(order, *starting_poles(model, units, row, order)) for order in range(1, highest + 1)]
     limit = max(WORST_CONDITION, min(condition for _, _, condition in found))

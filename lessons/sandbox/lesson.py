@@ -157,11 +157,11 @@ def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
         *pictures.time_figures(model, run, limit),
         pictures.sizes_plane(study.structure, design["tolerance"]), pictures.decomposition_map(study.structure, plant.n),
         pictures.hankel_plane(study.structure),
-        pictures.spectrum(study.loop, plant.dt), pictures.blocks(study.loop, plant.state_names),
+        pictures.spectrum(study.loop, plant.dt), pictures.blocks(study.loop, plant),
         pictures.certificate_table(study.certificates),
         pictures.valley(study.noise, design["belief"]), pictures.nis_figure(study.trial, plant.p), pictures.gain_figure(study.trial),
         pictures.sensitivity_figure(study.margins, study.recovered, _frequencies(plant_rate=typical_rate(plant), dt=plant.dt)),
-        pictures.margin_table(study.margins), pictures.recovery_plane(study.steps, len(STEPS), study.refused))
+        pictures.margin_table(study.margins, plant), pictures.recovery_plane(study.steps, len(STEPS), study.refused))
 
 
 @lru_cache(maxsize=64)

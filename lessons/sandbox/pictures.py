@@ -7,9 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.engine import ClosedLoop, Controllability, Mode, Observability, Run, autonomous_error, chi2_band
+from app.engine import ClosedLoop, Controllability, Mode, Observability, Plant, Run, autonomous_error, chi2_band
 from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
 from app.plants import Model
+from app.plants.names import called
 from app.words import Text, same
 
 from ..toolkit import error_figure, input_figure, pole_words, state_figures, tiny
@@ -173,10 +174,10 @@ def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
             f"叉号：eig(A − BK) 与 eig(A − LC)。圆圈：闭环的 {len(loop.poles)} 个极点。绿点：补偿器自身的极点。更远的画在边缘。{said.zh}"))
 
 
-def blocks(loop: ClosedLoop, states: tuple[str, ...]) -> MatrixFigure:
+def blocks(loop: ClosedLoop, plant: Plant) -> MatrixFigure:
     """The loop in (x, e)."""
-    n = len(states)
-    names = (*states, *(f"e{i + 1}" for i in range(n)))
+    n = plant.n
+    names = (*(called(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n)))
     return MatrixFigure("blocks", Text("the loop in (x, e) coordinates", "(x, e) 坐标下的闭环矩阵"), loop.A_xe, names, names, (n,),
                         tab=LOOP_TAB, caption=Text("White is zero: the error drives the state, never the other way round.",
                                                    "白色为零：误差驱动状态，状态从不驱动误差。"))
@@ -285,14 +286,14 @@ def largest(loop: object, grid: np.ndarray) -> np.ndarray:
     return np.clip(np.nan_to_num(values, nan=1.0, posinf=1e6), 1e-6, 1e6)
 
 
-def margin_table(found: Margins | Refusal) -> TableFigure:
+def margin_table(found: Margins | Refusal, plant: Plant) -> TableFigure:
     """Gain, phase and disk margins, one input at a time."""
     title = Text("margins, one input at a time", "各输入通道的裕度")
     heads = (Text("input", "输入"), Text("gain between", "增益范围"), Text("phase", "相位"), Text("disk α", "圆盘裕度 α"))
     if isinstance(found, Refusal):
         return TableFigure("margins", title, heads, ((same("—"),) * 4,), why(found), ROBUST_TAB)
-    rows = tuple((c.name, f"{c.gain[0]:.2g} … " + ("∞" if np.isinf(c.gain[1]) else f"{c.gain[1]:.3g}"), f"{np.degrees(c.phase):.0f}°",
-                  f"{c.disk.alpha:.3g}") for c in found.channels)
+    rows = tuple((called(plant, c.name), f"{c.gain[0]:.2g} … " + ("∞" if np.isinf(c.gain[1]) else f"{c.gain[1]:.3g}"),
+                  f"{np.degrees(c.phase):.0f}°", f"{c.disk.alpha:.3g}") for c in found.channels)
     return TableFigure("margins", title, heads, rows, tab=ROBUST_TAB, caption=Text(
         f"All inputs at once: disk margin α = {found.together:.3g}, so gains may change by a factor of "
         f"{(2 + min(found.together, 1.99)) / (2 - min(found.together, 1.99)):.2g} up or down together.",

@@ -24,6 +24,7 @@ from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigur
 from app.knobs import Number, Switch
 from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
 from app.plants import MODELS, Model, platform
+from app.plants.names import called
 from app.prose import read_prose
 from app.words import Text
 
@@ -61,7 +62,7 @@ class Setting:
     noise: Callable[[Design], np.ndarray | float | None]
     ground: np.ndarray
     heard: np.ndarray
-    heading: tuple[Text, str]
+    heading: tuple[Text, Text | str]
     frequencies: np.ndarray
 
 
@@ -162,7 +163,7 @@ def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
     return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit),
-            _spectrum(outcome), _blocks(loop, model.plant.state_names), _isolation(here, outcome))
+            _spectrum(outcome), _blocks(loop, model.plant), _isolation(here, outcome))
 
 
 def _isolation(here: Setting, outcome: Outcome) -> FrequencyFigure:
@@ -204,9 +205,9 @@ def _spectrum(outcome: Outcome) -> PlaneFigure:
                      f"叉号：板上选定的极点。圆圈：{len(outcome.poles['loop'])} 阶闭环的极点。绿点：补偿器自身的极点。"))
 
 
-def _blocks(loop: ClosedLoop, states: tuple[str, ...]) -> MatrixFigure:
+def _blocks(loop: ClosedLoop, plant: Plant) -> MatrixFigure:
     n = loop.A_xe.shape[0] // 2
-    names = [*states, *(f"e{i + 1}" for i in range(n))]
+    names = [*(called(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n))]
     corner = float(np.max(np.abs(loop.A_xe[n:, :n])))
     zero = corner < 1e-9 * float(np.max(np.abs(loop.A_xe)))
     return MatrixFigure(

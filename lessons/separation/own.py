@@ -11,6 +11,7 @@ from app.engine import typical_rate
 from app.knobs import Knob, Number, Switch
 from app.lesson import Lesson, Task
 from app.plants import Model
+from app.plants.names import called
 from app.words import Text
 
 from ..toolkit import fair, method_knobs, pole_knobs, run_knobs, sizes, sped
@@ -44,12 +45,14 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
 def own_setting(model: Model) -> Setting:
     """A person's own plant: what it is believed to be is what was given, what really moves may be faster."""
     plant, unit = model.plant, sizes(model)
-    u, y = plant.input_names[0], plant.output_names[0]
+    u, y = called(plant, plant.input_names[0]), called(plant, plant.output_names[0])
     rate = typical_rate(plant) / (2 * np.pi)
     return Setting(
         model, lambda design: sped(plant, design["mismatch"]), lambda design: plant, lambda design: design["delay"] * model.dt,
         lambda design: None if design["noise"] == 0 else np.diag((design["noise"] / 100 * unit) ** 2) * model.dt,
-        plant.B[:, :1], plant.C[:1], (Text(f"from {u} (as a disturbance) to {y}", f"从 {u}（作为扰动）到 {y} 的增益"), f"|{y} / {u}|"),
+        plant.B[:, :1], plant.C[:1],
+        (Text("from {} (as a disturbance) to {}", "从 {}（作为扰动）到 {} 的增益").format(u, y),
+         Text("|{} / {}|", "|{} / {}|").format(y, u)),
         np.geomspace(rate / 100, rate * 100, 300))
 
 

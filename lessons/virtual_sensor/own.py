@@ -12,6 +12,7 @@ from app.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
 from app.knobs import Knob, Number, Poles
 from app.lesson import Board, Design, Formula, Lesson, Outcome
 from app.plants import Model, Signal
+from app.plants.names import called
 from app.words import Text
 
 from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, number, run_knobs, sizes, sped, stage
@@ -176,11 +177,11 @@ def _errors(outcome: Outcome, run: Run) -> TimeFigure:
 
 def _heard(model: Model, run: Run) -> TimeFigure:
     heard = (run.y - run.yhat)[:, 0]
-    name = model.plant.output_names[0]
+    name = called(model.plant, model.plant.output_names[0])
     return TimeFigure("innovation", Text("what the observer hears: y − ŷ", "观测器听到的：y − ŷ"), run.t,
-                      (Curve(Text("y − ŷ", "y − ŷ"), heard, "error"),), f"[{model.plant.unit(name)}]", tab=ERROR_TAB,
-                      caption=Text(f"Sensor {name} minus its prediction; up to {_late(heard):.2g} in the last tenth of the run.",
-                                   f"传感器 {name} 的读数减预测；最后十分之一时间内最多 {_late(heard):.2g}。"))
+                      (Curve(Text("y − ŷ", "y − ŷ"), heard, "error"),), f"[{model.plant.unit(name.en)}]", tab=ERROR_TAB,
+                      caption=Text(f"Sensor {name.en} minus its prediction; up to {_late(heard):.2g} in the last tenth of the run.",
+                                   f"传感器 {name.zh} 的读数减预测；最后十分之一时间内最多 {_late(heard):.2g}。"))
 
 
 def _plane(model: Model, outcome: Outcome) -> PlaneFigure:

@@ -1,0 +1,102 @@
+"""Nothing English on the Chinese page: every word of every lesson, also on the example plants, in Chinese or a known name."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import pytest
+
+from app.figures import MapFigure
+from app.lesson import Design, Lesson
+from app.plants.examples import EXAMPLES, example
+from app.plants.names import TITLES, called, title_of, with_unit
+from app.plants.own import plant_of, read
+from app.words import LANGUAGES, Text, same, symbol
+from lessons import LESSONS
+
+WORD = re.compile(r"(?<![A-Za-z\\_])[A-Za-z]{3,}")
+FORMULA = re.compile(r"\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")  # mathematics, code, places for numbers
+CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "side", "knob", "also", "name", "symbol", "default", "when",
+                   "value", "parts", "source", "plant"})  # fields of plain text that no page shows
+# What Chinese control literature writes in Latin letters: units, functions, people, methods.
+KNOWN = frozenset(WORD.findall("""
+    mrad rad kHz dB min max log eig rank det diag cos sin exp cov vec tr
+    LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
+    Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
+    Julier Uhlmann sigma
+    Observer Lab Hautus Popov Belevitch"""))
+
+
+def shown(record: Any, field: str = "") -> Iterator[str]:
+    """Every text that a record brings to the page, in Chinese; plain strings where they are not codes."""
+    if isinstance(record, Text):
+        yield symbol(record.zh)
+    elif isinstance(record, str):
+        if field not in CODES:
+            yield symbol(record)
+    elif isinstance(record, MapFigure):
+        yield from shown((record.title, record.x_label, record.y_label, record.caption, [name for name, _ in record.categories]))
+    elif dataclasses.is_dataclass(record):
+        for item in dataclasses.fields(record):
+            yield from shown(getattr(record, item.name), item.name)
+    elif isinstance(record, Mapping):
+        for value in record.values():
+            yield from shown(value, field)
+    elif isinstance(record, (tuple, list)):
+        for value in record:
+            yield from shown(value, field)
+
+
+def page(lesson: Lesson, design: Design) -> Iterator[str]:
+    """What the page shows of a design: figures, boards, stage, numbers, knobs, verdicts."""
+    outcome = lesson.compute(design)
+    body = outcome.stage.body if outcome.stage is not None else None
+    yield from shown((lesson.figures(outcome), outcome.live, outcome.checks, outcome.boards))
+    yield from shown(None if body is None else (body.caption, [words for words, _ in body.labels]))
+    for knob in lesson.knobs:
+        yield from shown((knob.label, knob.hint, knob.group, [words for _, words in getattr(knob, "options", ())]))
+    yield from shown(tuple(task.check(outcome).text for task in lesson.tasks))
+    yield from shown(lesson.job.label if lesson.job is not None else None)
+
+
+def english(texts: Iterator[str]) -> dict[str, list[str]]:
+    """Texts with words that are not known names."""
+    found = {text: [w for w in WORD.findall(FORMULA.sub(" ", text)) if w not in KNOWN] for text in texts}
+    return {text: words for text, words in found.items() if words}
+
+
+@pytest.mark.parametrize("lesson", LESSONS.values(), ids=list(LESSONS))
+def test_a_lesson(lesson: Lesson) -> None:
+    assert not english(page(lesson, lesson.start()))
+    assert not english(shown(dataclasses.replace(lesson.words["zh"], source="")))
+
+
+@pytest.mark.parametrize("key", EXAMPLES)
+@pytest.mark.parametrize("lesson", [it for it in LESSONS.values() if it.adapt is not None],
+                         ids=[k for k, it in LESSONS.items() if it.adapt is not None])
+def test_a_lesson_on_an_example(lesson: Lesson, key: str) -> None:
+    fitted = lesson.fit(example(key))
+    assert not english(page(fitted, fitted.start()))
+    assert not english(shown(fitted.words["zh"].introduction))
+
+
+@pytest.mark.parametrize("key", EXAMPLES)
+def test_every_name_of_an_example_is_known_in_both_languages(key: str) -> None:
+    plant = plant_of(example(key))
+    names = {n for n in (*plant.state_names, *plant.input_names, *plant.output_names) if not re.fullmatch(r"[a-z]\d+", n)}
+    assert set(TITLES[plant.name].signals) == names
+    assert all(called(plant, n).en == n != called(plant, n).zh for n in names)
+    assert title_of(plant).en == plant.name and EXAMPLES[key].label.zh.startswith(title_of(plant).zh)
+
+
+def test_the_names_of_a_persons_own_plant_stay_as_they_are() -> None:
+    plant = plant_of(read("mine.json", b'{"A": [[-1]], "B": [[1]], "C": [[1]], "states": ["current"], "units": {"current": "A"}}'))
+    assert called(plant, "current") == same("current") and with_unit(plant, "current") == same("current [A]")
+    assert title_of(plant).zh == "你的对象" and LANGUAGES == ("en", "zh")
+
+
+def test_an_english_word_would_be_seen() -> None:
+    assert english(iter(["输出 yaw gyro", "滞后 [采样]", "eig(A − BK)", "$x=\\mathrm{lag}$"])) == {"输出 yaw gyro": ["yaw", "gyro"]}
