@@ -273,6 +273,17 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigu
                                    f"实际输入的最大值：{peak:.3g} {model.input_unit}。"))
 
 
+BEYOND = Text(" What lies beyond the scale is drawn at its edge.", " 超出坐标范围的部分画在边缘。")
+
+
+def within(figure: TimeFigure, edge: float) -> TimeFigure:
+    """The figure with values beyond ±edge drawn at the edge, which its caption then says: a lost loop leaves every scale."""
+    if all(np.all(np.abs(c.y) <= edge) for c in figure.curves):
+        return figure
+    return replace(figure, curves=tuple(replace(c, y=np.clip(c.y, -edge, edge)) for c in figure.curves),
+                   caption=Text(figure.caption.en + BEYOND.en, figure.caption.zh + BEYOND.zh.strip()))
+
+
 def settle_time(t: np.ndarray, size: np.ndarray, share: float = 0.02) -> float | None:
     """When `size` goes below a share of its peak for good; None if it does not, or only in the last twentieth of the run."""
     above = np.flatnonzero(size > share * float(np.max(size, initial=0.0)))
@@ -346,4 +357,5 @@ __all__ = [
     "sped",
     "stage",
     "state_figures",
+    "within",
 ]

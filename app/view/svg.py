@@ -137,7 +137,8 @@ def _matrix(figure: MatrixFigure, language: str) -> tuple[str, float]:
     """Cells shaded by the logarithm of their magnitude, with the entries where they fit; exact zeros stay white."""
     m = np.asarray(figure.matrix, dtype=float)
     rows, cols = m.shape
-    left, wide = 44, (W - 44 - 8) / cols
+    left = min(90.0, max(44.0, max((width(symbol(name), 9.0) for name in figure.rows), default=0.0) + 8))
+    wide = (W - left - 8) / cols
     high = min(wide, TALLEST_CELL)
     heads, top = _heads([symbol(wording(name, language)) for name in figure.columns], left, wide)
     top_value = float(np.max(np.abs(m))) or 1.0

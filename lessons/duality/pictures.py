@@ -13,7 +13,6 @@ from .twins import Setting, Twins, weights_of
 
 TWINS_TAB, ELLIPSES_TAB = Text("Twins", "孪生"), Text("Ellipses", "椭圆")
 MOST_ROWS = 12  # of a table
-LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 
 
@@ -32,7 +31,7 @@ def _entry(value: float) -> str:
 
 def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
     wide = twins.L.shape[1] > 1
-    names = (f"L{i + 1},{j + 1}" if wide else "L" + str(i + 1).translate(LOWERED) for i, j in np.ndindex(twins.L.shape))
+    names = (symbol(f"L{i + 1}{j + 1}" if wide else f"L{i + 1}") for i, j in np.ndindex(twins.L.shape))
     rows = tuple((name, _entry(float(a)), _entry(float(b)), f"{abs(a - b):.0e}") for name, a, b in zip(
         names, twins.L.ravel(), twins.K_dual.T.ravel(), strict=True))[:MOST_ROWS]
     left, right = (pole_words(outcome.poles[side].tolist()) for side in ("controller", "observer"))

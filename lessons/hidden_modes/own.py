@@ -143,8 +143,8 @@ def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     run, seed = outcome.run, int(outcome.design["seed"])
     assert run is not None
     return (_measured(here, run), _mode(here, run),
-            _parts(here, "error_parts", Text("estimation error e, in two parts", "估计误差 e 的两个部分"), run, run.e),
-            _parts(here, "state_parts", Text("plant state x, in two parts", "对象状态 x 的两个部分"), run, run.x),
+            _parts(here, "error_parts", "‖e‖", Text("estimation error e, in two parts", "估计误差 e 的两个部分"), run, run.e),
+            _parts(here, "state_parts", "‖x‖", Text("plant state x, in two parts", "对象状态 x 的两个部分"), run, run.x),
             input_figure(run, here.model), *_modes(here, outcome.checks), *_every(here, seed))
 
 
@@ -161,18 +161,18 @@ def _measured(here: Setting, run: Run) -> TimeFigure:
 def _mode(here: Setting, run: Run) -> TimeFigure:
     true, guess = _amount(here, run.x), _amount(here, run.xhat)
     return TimeFigure("centre", Text("the weakest mode", "最弱的模态"), run.t,
-                      (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")), "", tab=TIME_TAB,
+                      (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")), "c(t)", tab=TIME_TAB,
                       caption=Text(f"Mode {_name(here.weakest)}; at the end the estimate of its part is off by "
                                    f"{abs(true[-1] - guess[-1]):.2g}.",
                                    f"模态 {_name(here.weakest)}；末时刻对它的估计偏差 {abs(true[-1] - guess[-1]):.2g}。"))
 
 
-def _parts(here: Setting, name: str, title: Text, run: Run, values: np.ndarray) -> TimeFigure:
+def _parts(here: Setting, name: str, axis: str, title: Text, run: Run, values: np.ndarray) -> TimeFigure:
     weak = np.abs(_amount(here, values)) * float(np.linalg.norm(here.along))
     rest = np.linalg.norm(values, axis=1)
     grown = weak[-1] / max(weak[0], 1e-300)
     return TimeFigure(name, title, run.t, (Curve(Text("weakest mode", "最弱的模态"), weak, "error"),
-                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), "‖e‖", log=True, tab=ERROR_TAB,
+                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), axis, log=True, tab=ERROR_TAB,
                       caption=Text(f"From start to end the weakest mode's part changes by a factor of {grown:.2g}.",
                                    f"自始至终，最弱模态的份量变为 {grown:.2g} 倍。")
                       if weak[0] > 1e-12 * rest[0] else

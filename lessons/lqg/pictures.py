@@ -10,7 +10,7 @@ from app.lesson import Outcome
 from app.plants.names import called
 from app.words import Text, same
 
-from ..toolkit import TIME_TAB, axis_name
+from ..toolkit import TIME_TAB, axis_name, within
 from .loops import Robustness
 from .rules import rules_figure
 
@@ -242,14 +242,14 @@ def _run(outcome: Outcome) -> tuple[TimeFigure, ...]:
     figures = []
     for i, signal in enumerate(model.watched[:2]):
         edge = 40 * max(float(np.max(np.abs(signal.of(np.array([model.x0, model.guess]))))), 1e-9)
-        true, guess = (np.clip(signal.of(x), -edge, edge) for x in (run.x, run.xhat))
+        true, guess = signal.of(run.x), signal.of(run.xhat)
         late = float(np.abs(true[-max(len(true) // 10, 1):]).max())
-        figures.append(TimeFigure(
+        figures.append(within(TimeFigure(
             f"state{i}", signal.name, run.t,
             (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
             axis_name(signal), tab=TIME_TAB,
             caption=Text(f"In the last tenth of the run at most {f'{late:.2g} {signal.unit}'.strip()}.",
-                         f"最后十分之一时间内不超过 {f'{late:.2g} {signal.unit}'.strip()}。")))
+                         f"最后十分之一时间内不超过 {f'{late:.2g} {signal.unit}'.strip()}。")), edge))
     size = run.error(s.case)
     start = max(float(size[0]), 1e-12)
     half = np.flatnonzero(size > 0.1 * start)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from app.engine import Run, Scenario, autonomous_error, separation_meter
-from app.figures import Curve, Figure, TimeFigure
+from app.figures import Curve, Figure
 from app.knobs import Choice, KnobError, Number
 from app.lesson import Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Task, Verdict
 from app.plants import MODELS, Model
@@ -29,6 +29,7 @@ from ..toolkit import (
     run_knobs,
     stage,
     state_figures,
+    within,
 )
 from .runs import comes_home, march, until, whole
 from .starts import (
@@ -171,14 +172,8 @@ def figures(outcome: Outcome) -> tuple[Figure, ...]:
     names = (APPLIED_FORCE, *asked, LIMIT, LIMIT)
     force = replace(force, curves=tuple(replace(c, name=name) for c, name in zip(force.curves, names, strict=True)))
     lines = (angle, replace(position, window=(-0.5, 0.5), caption=_position_words(outcome)), error, force)
-    return (*(_on_paper(figure) for figure in lines),
+    return (*(within(figure, EDGES[figure.id]) for figure in lines),
             starts_figure(story.starts, metrics["ceiling"], design["angle0"], design["error0"], design["kick"] >= 0))
-
-
-def _on_paper(figure: TimeFigure) -> TimeFigure:
-    """The figure with values beyond its edge drawn at the edge: a lost loop leaves every scale."""
-    edge = EDGES[figure.id]
-    return replace(figure, curves=tuple(replace(c, y=np.clip(c.y, -edge, edge)) for c in figure.curves))
 
 
 def _angle_words(outcome: Outcome) -> Text:

@@ -10,7 +10,7 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from app.engine import Plant, Run, Scenario, autonomous_error, recovery_map, separation_meter, simulate, sorted_poles
-from app.figures import Curve, Figure, MapFigure, TimeFigure
+from app.figures import Curve, Figure, MapFigure
 from app.knobs import Choice, Knob, KnobError, Number
 from app.lesson import Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model
@@ -28,6 +28,7 @@ from ..toolkit import (
     run_knobs,
     stage,
     state_figures,
+    within,
 )
 from .lesson import APPLIED, COMMANDED, LESSON, amount
 from .starts import CATEGORIES, SLICE, UNKNOWN
@@ -135,15 +136,8 @@ def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
     count = min(len(run.t), len(story.known.t))
     known = Curve(Text("had x been known", "若 x 已知"), model.watched[0].of(story.known.x[:count]), "reference", "dot", 1.6)
     first = replace(first, t=run.t[:count], curves=(*(replace(c, y=c.y[:count]) for c in first.curves), known))
-    lines = (first, *rest, error_figure(run, autonomous_error(run)), input_figure(run, model, limit))
-    return (*(_on_paper(figure, limit) for figure in lines), _map(outcome))
-
-
-def _on_paper(figure: TimeFigure, limit: float) -> TimeFigure:
-    """What is asked of an input far beyond its limit is drawn at the edge."""
-    if figure.id != "input":
-        return figure
-    return replace(figure, curves=tuple(replace(c, y=np.clip(c.y, -8 * limit, 8 * limit)) for c in figure.curves))
+    lines = (first, *rest, error_figure(run, autonomous_error(run)), within(input_figure(run, model, limit), 8 * limit * model.input_scale))
+    return (*lines, _map(outcome))
 
 
 # --- the map -------------------------------------------------------------------------------------------------------------

@@ -183,9 +183,9 @@ def _isolation(here: Setting, outcome: Outcome) -> FrequencyFigure:
         (Curve(Text("no control", "无控制"), bare, "muted"),
          Curve(Text("by the state", "状态反馈"), state, "plant", "dash"),
          Curve(Text("by the estimate", "估计反馈"), whole, "estimate")), here.heading[1], tab=FREQUENCY_TAB,
-        caption=Text(f"Steering by the estimate lowers the resonance by {peak:.1f} dB; the gap to the dashed line is the "
+        caption=Text(f"Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the "
                      "observer's share.",
-                     f"按估计控制使共振峰降低 {peak:.1f} dB；与虚线之间的差距来自观测器。") if peak > 0 else
+                     f"按估计控制使峰值降低 {peak:.1f} dB；与虚线之间的差距来自观测器。") if peak > 0 else
         Text(f"Steering by the estimate raises the peak by {-peak:.1f} dB.", f"按估计控制使峰值升高 {-peak:.1f} dB。"))
 
 

@@ -6,12 +6,15 @@ import numpy as np
 import pytest
 
 from app.engine import EngineError, compensator, loop_margins, lqg, recover, state_feedback_margins
+from app.figures import Curve, TimeFigure
 from app.lesson import Outcome
 from app.plants import MODELS, doyle
+from app.words import same
 from lessons.lqg.cases import case_of
 from lessons.lqg.lesson import LESSON, on_model
 from lessons.lqg.loops import setting_of, trace
 from lessons.lqg.trials import bench_of
+from lessons.toolkit import within
 
 
 def at(**values: object) -> Outcome:
@@ -193,3 +196,10 @@ def test_the_price_of_recovery_is_as_the_solution_says() -> None:
     assert m.gain == pytest.approx((0.0719, 5.385), rel=1e-3) and np.degrees(m.phase) == pytest.approx(75.3, abs=0.1)
     assert np.linalg.norm(s.cost.sensors) / np.linalg.norm(s.plain_cost.sensors) == pytest.approx(273, abs=1)
     assert s.cost.total > s.plain_cost.total
+
+
+def test_a_run_that_leaves_every_scale_is_not_said_to_stay_within_the_picture():
+    figure = TimeFigure("state0", same("x"), np.arange(3.0), (Curve(same("true"), np.array([0.0, 5.0, 500.0])),), caption=same("Now."))
+    held = within(figure, 40.0)
+    assert held.curves[0].y.max() == 40.0 and held.caption.en == "Now. What lies beyond the scale is drawn at its edge."
+    assert within(figure, 500.0) is figure
