@@ -13,7 +13,6 @@ from typing import Any
 
 from .words import NO_WORDS, Text
 
-MAX_POLES = 30
 MAX_TRACK = 400
 
 

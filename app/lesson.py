@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
@@ -255,8 +254,3 @@ def _whose(model: Model, universal: bool, sampled: bool) -> Text:
                  "它原是采样对象，这里用的是与之对应的连续对象（零阶保持的逆变换）。") if sampled else Text("", ""))
     return Text(f"{shown.en} Text, prediction and exam item speak of the lesson's own plant.{hold.en}",
                 f"{shown.zh}文字、预测和考题讲的是本课自带的对象。{hold.zh}")
-
-
-def student_seed(student: str, task: str) -> int:
-    """A seed for exam numbers: SHA-256 of student and task, so that a teacher can make the same numbers again."""
-    return int.from_bytes(hashlib.sha256(f"{student}\n{task}".encode()).digest()[:4], "big")

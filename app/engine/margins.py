@@ -52,8 +52,8 @@ class ChannelMargins:
 
     gain: the loop is stable for every factor between (low, high), low = 0 and high = ∞ if no positive factor is too
     small or large; gain_frequencies in rad/s (NaN where there is none). phase: rad of lag or lead, π if |ℓ| = 1
-    nowhere. delay: s of extra delay, ∞ if |ℓ| = 1 nowhere. sensitivity_peak max|S|, complementary_peak max|1 − S|,
-    peak_frequency of the former; `nearest` is min|1 + ℓ|.
+    nowhere. delay: s of extra delay, ∞ if |ℓ| = 1 nowhere. sensitivity_peak max|S| and its
+    peak_frequency; `nearest` is min|1 + ℓ|.
     """
 
     name: str
@@ -65,7 +65,6 @@ class ChannelMargins:
     disk: DiskMargin
     sensitivity_peak: float
     peak_frequency: float
-    complementary_peak: float
 
     @property
     def nearest(self) -> float:
@@ -79,14 +78,13 @@ class MultiMargins:
 
     disk: α = 1/max_ω μ((S − T)/2), with the upper bound of μ for a diagonal of complex gains: never optimistic.
     unstructured: with the largest singular value in place of μ, against every full matrix of perturbations.
-    sensitivity_peak, complementary_peak: largest singular values of S and of I − S over all frequencies.
+    sensitivity_peak: largest singular value of S over all frequencies, at peak_frequency.
     """
 
     disk: DiskMargin
     unstructured: DiskMargin
     sensitivity_peak: float
     peak_frequency: float
-    complementary_peak: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +159,7 @@ def state_feedback_margins(plant: Plant, K: object) -> LoopMargins:
 def _channel(loop: Sensitivity, i: int, name: str) -> ChannelMargins:
     if not loop.stable:
         nan = float("nan")
-        return ChannelMargins(name, (1.0, 1.0), (nan, nan), 0.0, nan, 0.0, DiskMargin(0.0, nan), np.inf, nan, np.inf)
+        return ChannelMargins(name, (1.0, 1.0), (nan, nan), 0.0, nan, 0.0, DiskMargin(0.0, nan), np.inf, nan)
     omega, s = loop.omega, loop.values[:, i, i]
 
     def at(w: np.ndarray) -> np.ndarray:
@@ -170,10 +168,8 @@ def _channel(loop: Sensitivity, i: int, name: str) -> ChannelMargins:
     low, high = _gain(omega, s, at)
     phase, delay = _phase(loop, s, at)
     peak, frequency = _peak(omega, np.abs(s), lambda w: np.abs(at(w)))
-    complementary = _peak(omega, np.abs(1 - s), lambda w: np.abs(1 - at(w)))[0]
     disk = _disk(*_peak(omega, np.abs(s - 0.5), lambda w: np.abs(at(w) - 0.5)))
-    return ChannelMargins(name, (low[0], high[0]), (low[1], high[1]), phase[0], phase[1], delay, disk, peak, frequency,
-                          complementary)
+    return ChannelMargins(name, (low[0], high[0]), (low[1], high[1]), phase[0], phase[1], delay, disk, peak, frequency)
 
 
 def _gain(omega: np.ndarray, s: np.ndarray, at: Response) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -219,19 +215,16 @@ def _together(loop: Sensitivity, part: slice) -> MultiMargins:
     nan = float("nan")
     if not loop.stable:
         none = DiskMargin(0.0, nan)
-        return MultiMargins(none, none, np.inf, nan, np.inf)
+        return MultiMargins(none, none, np.inf, nan)
     S = loop.values[:, part, part]
     identity = np.eye(S.shape[1])
 
-    def peak(norm: Response, scale: float, shift: float) -> tuple[float, float]:
-        def at(w: np.ndarray) -> np.ndarray:
-            return norm(scale * loop.at(w)[..., part, part] + shift * identity)
+    def peak(norm: Response, less: float) -> tuple[float, float]:
+        """The largest norm of S − less · I, and where."""
+        return _peak(loop.omega, norm(S - less * identity), lambda w: norm(loop.at(w)[..., part, part] - less * identity))
 
-        return _peak(loop.omega, norm(scale * S + shift * identity), at)
-
-    top, frequency = peak(_largest, 1.0, 0.0)
-    return MultiMargins(_disk(*peak(_structured, 1.0, -0.5)), _disk(*peak(_largest, 1.0, -0.5)), top, frequency,
-                        peak(_largest, -1.0, 1.0)[0])
+    top, frequency = peak(_largest, 0.0)
+    return MultiMargins(_disk(*peak(_structured, 0.5)), _disk(*peak(_largest, 0.5)), top, frequency)
 
 
 def _largest(matrices: np.ndarray) -> np.ndarray:

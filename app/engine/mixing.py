@@ -88,11 +88,6 @@ class Mixing:
     plain_J: float
     count: int
 
-    @property
-    def determinant(self) -> float:
-        """1 − ab."""
-        return 1 - self.a * self.b
-
 
 def mixing_matrix(a: float, b: float, size: int = 2, channels: tuple[int, int] = (0, 1)) -> np.ndarray:
     """The identity of `size` with [[1, b], [a, 1]] at two channels: T_u,opt = T_u S, eq. (20).

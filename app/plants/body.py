@@ -25,10 +25,9 @@ DARK = "#3A404A"
 
 @dataclass(frozen=True)
 class Box:
-    """A box with its middle at the part's position; edges rounded by `bevel`."""
+    """A box with its middle at the part's position."""
 
     size: Vector
-    bevel: float = 0.03
 
 
 @dataclass(frozen=True)

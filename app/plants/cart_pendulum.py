@@ -152,14 +152,14 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "position") ->
 AWAY: Quaternion = (cos(0.7853981633974483), -sin(0.7853981633974483), 0.0, 0.0)  # a wheel's axle points away
 WHEELS = tuple((sx * 0.26, sy * 0.26) for sy in (-1, 1) for sx in (-1, 1))
 PARTS = (
-    Part("base", Box((4.3, 1.1, 0.1), 0.04), DARK),
-    *(Part(f"rail {side}", Box((4.0, 0.1, 0.08), 0.02), METAL) for side in ("front", "back")),
-    *(Part(f"pier {i}", Box((0.14, 0.7, RAIL - 0.18), 0.02), STEEL) for i in range(3)),
-    *(Part(f"stop {side}", Box((0.1, 0.7, 0.3), 0.03), STEEL) for side in ("left", "right")),
-    Part("rest mark", Box((0.05, 0.14, 0.012), 0.0), METAL),
-    Part("cart", Box(CART, 0.06), PLANT, twin=True),
+    Part("base", Box((4.3, 1.1, 0.1)), DARK),
+    *(Part(f"rail {side}", Box((4.0, 0.1, 0.08)), METAL) for side in ("front", "back")),
+    *(Part(f"pier {i}", Box((0.14, 0.7, RAIL - 0.18)), STEEL) for i in range(3)),
+    *(Part(f"stop {side}", Box((0.1, 0.7, 0.3)), STEEL) for side in ("left", "right")),
+    Part("rest mark", Box((0.05, 0.14, 0.012)), METAL),
+    Part("cart", Box(CART), PLANT, twin=True),
     *(Part(f"wheel {i}", Cylinder(WHEEL, 0.08), DARK) for i in range(4)),
-    *(Part(f"hub {i}", Box((0.05, 0.16, 0.1), 0.0), COPPER) for i in range(4)),
+    *(Part(f"hub {i}", Box((0.05, 0.16, 0.1)), COPPER) for i in range(4)),
     Part("pivot", Cylinder(0.09, 0.5), STEEL),
     Part("pole", Rod(0.04), PLANT, twin=True),
     Part("ball", Ball(0.16), COPPER, twin=True),

@@ -39,9 +39,9 @@ def _wall(side: str, stiffness: float) -> tuple[Part, ...]:
     """What holds a block: a spring and a damper, the poles of a magnet, or nothing."""
     if stiffness == 0:
         return ()
-    wall = Part(f"wall {side}", Box((0.2, 1.2, 1.05), 0.04), STEEL)
+    wall = Part(f"wall {side}", Box((0.2, 1.2, 1.05)), STEEL)
     if stiffness < 0:
-        return (wall, *(Part(f"magnet {side} {pole}", Box((0.26, 0.3, 0.42), 0.03), colour)
+        return (wall, *(Part(f"magnet {side} {pole}", Box((0.26, 0.3, 0.42)), colour)
                         for pole, colour in (("front", COPPER), ("back", METAL))))
     return (wall, Part(f"spring {side}", Spring(0.12, 6.0, 0.028), METAL),
             Part(f"housing {side}", Cylinder(0.09, 0.42), COPPER), Part(f"rod {side}", Rod(0.04), METAL))
@@ -73,16 +73,16 @@ def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]])
     held = tuple((side, sign, i) for side, sign, i, stiffness in (("left", -1.0, 0, left), ("right", 1.0, 1, right))
                  if stiffness > 0)
     parts = (
-        Part("base", Box((4.6, 1.2, 0.12), 0.04), DARK),
-        Part("rail front", Box((4.1, 0.1, 0.08), 0.02), METAL),
-        Part("rail back", Box((4.1, 0.1, 0.08), 0.02), METAL),
-        *(Part(f"rest mark {i}", Box((0.05, 0.16, 0.012), 0.0), METAL) for i in (1, 2)),
+        Part("base", Box((4.6, 1.2, 0.12)), DARK),
+        Part("rail front", Box((4.1, 0.1, 0.08)), METAL),
+        Part("rail back", Box((4.1, 0.1, 0.08)), METAL),
+        *(Part(f"rest mark {i}", Box((0.05, 0.16, 0.012)), METAL) for i in (1, 2)),
         *_wall("left", left),
         *_wall("right", right),
         Part("spring", Spring(0.13, 7.0, 0.03), METAL),
         Part("housing", Rod(0.09), COPPER),
         Part("rod", Rod(0.04), METAL),
-        *(Part(f"block {i}", Box((SIDE, 0.8, SIDE), 0.06), PLANT, twin=True) for i in (1, 2)),
+        *(Part(f"block {i}", Box((SIDE, 0.8, SIDE)), PLANT, twin=True) for i in (1, 2)),
     )
 
     def middles(x: Sequence[float], gain: float) -> tuple[float, float]:

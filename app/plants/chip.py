@@ -57,24 +57,24 @@ def plant(parameters: Parameters = Parameters(), leakage: float = 0.0) -> Plant:
 def _parts() -> tuple[Part, ...]:
     feet = tuple(Part(f"foot {i}", Cylinder(0.09, 0.2), METAL) for i in range(4))
     posts = tuple(Part(f"post {i}", Rod(0.03), METAL) for i in range(4))
-    fins = tuple(Part(f"fin {i}", Box((0.07, 1.0, 0.42), 0.015), STEEL) for i in range(7))
+    fins = tuple(Part(f"fin {i}", Box((0.07, 1.0, 0.42)), STEEL) for i in range(7))
     columns = tuple(part for name in ("core", "case") for part in (
         Part(f"{name} socket", Cylinder(0.15, 0.16), STEEL),
         Part(f"{name} column", Rod(0.085), METAL),
         Part(f"{name} level", Cylinder(0.17, 0.05), PLANT, twin=True),
     ))
-    ticks = tuple(Part(f"tick {i}", Box((1.0 if i == 0 else 0.8, 0.02, 0.03 if i == 0 else 0.014), 0.0), METAL)
+    ticks = tuple(Part(f"tick {i}", Box((1.0 if i == 0 else 0.8, 0.02, 0.03 if i == 0 else 0.014)), METAL)
                   for i in range(3))
     return (
         *feet,
-        Part("board", Box((3.4, 1.7, 0.1), 0.03), DARK),
-        Part("package", Box((1.3, 1.3, 0.1), 0.03), METAL),
-        Part("die", Box((0.72, 0.72, 0.16), 0.03), STEEL),
+        Part("board", Box((3.4, 1.7, 0.1)), DARK),
+        Part("package", Box((1.3, 1.3, 0.1)), METAL),
+        Part("die", Box((0.72, 0.72, 0.16)), STEEL),
         *posts,
-        Part("spreader", Box((1.24, 1.1, 0.1), 0.03), STEEL),
+        Part("spreader", Box((1.24, 1.1, 0.1)), STEEL),
         *fins,
         Part("sensor", Cylinder(0.08, 0.1), COPPER),
-        Part("scale", Box((1.16, 0.05, 1.9), 0.02), DARK),
+        Part("scale", Box((1.16, 0.05, 1.9)), DARK),
         *ticks,
         *columns,
     )

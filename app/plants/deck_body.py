@@ -59,9 +59,9 @@ def _at(placed: Placed, across: float, up: float, y: float = 0.0) -> Vector:
 
 def _parts() -> tuple[Part, ...]:
     fixed = [
-        Part("slab", Box((2 * POST + 0.5, 1.9, SLAB), 0.04), DARK),
-        Part("post left", Box((0.2, 0.5, PLANE + 0.2 - SLAB), 0.04), STEEL),
-        Part("post right", Box((0.2, 0.5, PLANE + 0.2 - SLAB), 0.04), STEEL),
+        Part("slab", Box((2 * POST + 0.5, 1.9, SLAB)), DARK),
+        Part("post left", Box((0.2, 0.5, PLANE + 0.2 - SLAB)), STEEL),
+        Part("post right", Box((0.2, 0.5, PLANE + 0.2 - SLAB)), STEEL),
         Part("coil across yoke", Cylinder(0.2, 0.12), STEEL),
         Part("coil across", Cylinder(0.15, 0.26), COPPER),
         Part("rod across", Rod(0.05), METAL),
@@ -74,15 +74,15 @@ def _parts() -> tuple[Part, ...]:
             Part(f"coil {side} yoke", Cylinder(0.19, 0.14), STEEL),
             Part(f"coil {side}", Cylinder(0.15, 0.42), COPPER),
             Part(f"rod {side}", Rod(0.05), METAL),
-            Part(f"sensor {side}", Box((0.34, 0.34, SENSOR_TOP), 0.025), DARK, twin=True),
+            Part(f"sensor {side}", Box((0.34, 0.34, SENSOR_TOP)), DARK, twin=True),
             Part(f"servo {side}", Spring(0.06, 4.0, 0.014), METAL),
             Part(f"test mass {side}", Ball(0.1), COPPER, twin=True),
         ]
     return (
         *fixed,
-        Part("deck", Box((2 * HALF, DEPTH, THICK), 0.05), PLANT, twin=True),
-        Part("payload", Box((0.56, 0.7, 0.46), 0.05), METAL, twin=True),
-        Part("payload lid", Box((0.4, 0.5, 0.07), 0.03), STEEL, twin=True),
+        Part("deck", Box((2 * HALF, DEPTH, THICK)), PLANT, twin=True),
+        Part("payload", Box((0.56, 0.7, 0.46)), METAL, twin=True),
+        Part("payload lid", Box((0.4, 0.5, 0.07)), STEEL, twin=True),
     )
 
 

@@ -28,10 +28,10 @@ def rack_body(n: int, q: int, full: Sequence[float]) -> Body:
     """The rack for n plant states and q observer states; `full`: the values (x, z, u) drawn about 0.5 high."""
     places, last = columns(n, q), n + q
     names = (*(f"x{i + 1}" for i in range(n)), *(f"z{i + 1}" for i in range(q)), "u")
-    parts = [Part("base", Box((4.4, 1.2, FLOOR), 0.04), DARK),
-             Part("zero plant", Box((GAP * (n - 1) + 0.4, 0.02, 0.02), 0.0), METAL),
-             Part("zero observer", Box((GAP * (q - 1) + 0.4, 0.02, 0.02), 0.0), METAL),
-             Part("zero u", Box((0.7, 0.02, 0.03), 0.0), METAL)]
+    parts = [Part("base", Box((4.4, 1.2, FLOOR)), DARK),
+             Part("zero plant", Box((GAP * (n - 1) + 0.4, 0.02, 0.02)), METAL),
+             Part("zero observer", Box((GAP * (q - 1) + 0.4, 0.02, 0.02)), METAL),
+             Part("zero u", Box((0.7, 0.02, 0.03)), METAL)]
     fixed = {"base": Pose((0.0, 0.0, FLOOR / 2)),
              "zero plant": Pose(((places[0] + places[n - 1]) / 2, 0.2, ZERO)),
              "zero observer": Pose(((places[n] + places[last - 1]) / 2, 0.2, ZERO)),

@@ -103,10 +103,10 @@ def glow(slowing: float) -> tuple[int, int, int]:
 
 
 def _parts() -> tuple[Part, ...]:
-    ticks = tuple(Part(f"tick {i}", Box((0.22, 0.04, 0.025), 0.0), METAL) for i in range(4))
+    ticks = tuple(Part(f"tick {i}", Box((0.22, 0.04, 0.025)), METAL) for i in range(4))
     return (
-        Part("ground", Box((3.6, 1.5, FLOOR), 0.04), DARK),
-        Part("air", Box((3.5, 1.4, 0.9), 0.0), "#9FC4E8", opacity=0.12),
+        Part("ground", Box((3.6, 1.5, FLOOR)), DARK),
+        Part("air", Box((3.5, 1.4, 0.9)), "#9FC4E8", opacity=0.12),
         Part("mast", Rod(0.06), STEEL),
         Part("turret", Cylinder(0.13, 0.1), STEEL),
         Part("dish", Cylinder(0.2, 0.05), METAL),

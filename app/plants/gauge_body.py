@@ -60,18 +60,18 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
 
 def _parts(states: int, lit: frozenset[int]) -> tuple[Part, ...]:
     small = tuple(part for i in range(states) for part in (
-        Part(f"back {i}", Box((0.28, 0.05, 2.2), 0.02), STEEL if i in lit else DARK),
+        Part(f"back {i}", Box((0.28, 0.05, 2.2)), STEEL if i in lit else DARK),
         Part(f"socket {i}", Cylinder(0.12, 0.16), METAL),
-        Part(f"zero {i}", Box((0.28, 0.03, 0.02), 0.0), METAL),
+        Part(f"zero {i}", Box((0.28, 0.03, 0.02)), METAL),
         Part(f"column {i}", Rod(0.06), PLANT if i in lit else UNLIT),
         Part(f"level {i}", Cylinder(0.11, 0.05), PLANT if i in lit else UNLIT),
         Part(f"lamp {i}", Ball(0.085), BRIGHT if i in lit else DARK),
     ))
     return (
-        Part("table", Box((4.1, 0.9, 0.1), 0.03), DARK), *small,
-        Part("large back", Box((0.78, 0.07, 2.35), 0.03), STEEL),
+        Part("table", Box((4.1, 0.9, 0.1)), DARK), *small,
+        Part("large back", Box((0.78, 0.07, 2.35)), STEEL),
         Part("large socket", Cylinder(0.3, 0.16), METAL),
-        Part("large zero", Box((0.78, 0.03, 0.025), 0.0), METAL),
+        Part("large zero", Box((0.78, 0.03, 0.025)), METAL),
         Part("large column", Rod(0.15), METAL),
         Part("large level", Cylinder(0.28, 0.07), PLANT, twin=True),
     )

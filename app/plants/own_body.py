@@ -93,6 +93,6 @@ def _stand(rows: tuple[int, ...], gap: float) -> tuple[list[Part], dict[str, Pos
     parts, poses = [], {}
     for i, size in enumerate(rows):
         high = 0.13 + STEP * i
-        parts.append(Part(f"step {i}", Box((max(size * gap + 0.2, 1.0), APART - 0.08, high), 0.03), DARK))
+        parts.append(Part(f"step {i}", Box((max(size * gap + 0.2, 1.0), APART - 0.08, high)), DARK))
         poses[f"step {i}"] = Pose((0.0, FRONT + APART * i, high / 2))
     return parts, poses

@@ -57,7 +57,6 @@ class Weights:
 
 LITERAL = Weights(v0=LITERAL_V)
 FIGURES = Weights(v0=FIGURE_V)
-LOOSE = Weights(v0=LOOSE_V)
 
 
 def coils(plant: Plant) -> Plant:

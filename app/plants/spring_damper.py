@@ -56,12 +56,12 @@ def plant(parameters: Parameters = Parameters()) -> Plant:
 
 
 PARTS = (
-    Part("base", Box((4.1, 1.3, 0.12), 0.04), DARK),
-    Part("wall", Box((0.22, 1.3, 1.25), 0.04), STEEL),
-    Part("rail front", Box((3.75, 0.1, 0.08), 0.02), METAL),
-    Part("rail back", Box((3.75, 0.1, 0.08), 0.02), METAL),
-    Part("rest mark", Box((0.05, 0.16, 0.012), 0.0), METAL),
-    Part("block", Box((SIDE, 0.9, SIDE), 0.06), PLANT, twin=True),
+    Part("base", Box((4.1, 1.3, 0.12)), DARK),
+    Part("wall", Box((0.22, 1.3, 1.25)), STEEL),
+    Part("rail front", Box((3.75, 0.1, 0.08)), METAL),
+    Part("rail back", Box((3.75, 0.1, 0.08)), METAL),
+    Part("rest mark", Box((0.05, 0.16, 0.012)), METAL),
+    Part("block", Box((SIDE, 0.9, SIDE)), PLANT, twin=True),
     Part("spring", Spring(0.15, 8.0, 0.032), METAL),
     Part("damper housing", Cylinder(0.12, 0.8), COPPER),
     Part("damper rod", Rod(0.05), METAL),

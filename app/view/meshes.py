@@ -1,4 +1,4 @@
-"""Triangle meshes that viser has no call for: springs, crosses, bolts, bevelled boxes, landscapes."""
+"""Triangle meshes that viser has no call for: springs, crosses, bolts, landscapes."""
 
 from __future__ import annotations
 

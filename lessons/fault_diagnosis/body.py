@@ -33,7 +33,7 @@ def _carried(deck: Pose, across: float, up: float, y: float) -> Vector:
 
 def _parts() -> tuple[Part, ...]:
     gauges = tuple(part for side, _ in SIDES for part in (
-        Part(f"gauge {side}", Box((0.3, 0.26, 0.16), 0.03), "#56B4E9"), Part(f"needle {side}", Rod(0.035), METAL)))
+        Part(f"gauge {side}", Box((0.3, 0.26, 0.16)), "#56B4E9"), Part(f"needle {side}", Rod(0.035), METAL)))
     own = tuple(replace(part, twin=False) if part.name.startswith(("sensor", "test mass")) else part for part in BASE.parts)
     return (*own, *gauges, Part("flag pole", Rod(0.025), POLE), Part("flag", Ball(0.13), FLAG))
 

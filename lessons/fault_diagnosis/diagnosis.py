@@ -8,7 +8,6 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import (
-    alarm_probability,
     isolate,
     needed_noncentrality,
     residual_threshold,
@@ -53,10 +52,6 @@ class Rule:
         out = np.zeros((COUNT, len(NAMES)))
         out[self.window - 1:] = (window_energy if self.statistic == ENERGY else window_mean)(residuals, self.window)
         return out
-
-    def probability(self, noncentrality: np.ndarray) -> np.ndarray:
-        """Of an alarm."""
-        return alarm_probability(noncentrality, self.dof, self.rate)
 
 
 _threshold = lru_cache(maxsize=256)(residual_threshold)

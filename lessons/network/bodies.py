@@ -88,9 +88,9 @@ def ridge_body() -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return (centre(x, gain),)
 
-    slices = tuple(Part(f"slice {i}", Box((width, 0.9, _ridge(x) - 0.1), 0.0), STEEL if i % 2 else METAL)
+    slices = tuple(Part(f"slice {i}", Box((width, 0.9, _ridge(x) - 0.1)), STEEL if i % 2 else METAL)
                    for i, x in enumerate(middles))
-    return Body((Part("base", Box((4.0, 1.3, 0.1), 0.04), DARK), *slices, Part("ball", Ball(BALL), PLANT, twin=True)),
+    return Body((Part("base", Box((4.0, 1.3, 0.1)), DARK), *slices, Part("ball", Ball(BALL), PLANT, twin=True)),
                 pose, arrows, anchors, 1.0, Text("A ball on a ridge rolls away by itself; the green arrow is the input",
                                                  "山脊上的小球会自行滚落；绿色箭头为输入"))
 
@@ -124,11 +124,11 @@ def columns_body(count: int, full: float) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple(top(x, i, gain) for i in range(count))
 
-    parts = [Part("plinth", Box((3.6, 1.2, 0.12), 0.04), DARK)]
+    parts = [Part("plinth", Box((3.6, 1.2, 0.12)), DARK)]
     for i in range(count):
-        parts += [Part(f"back {i}", Box((0.66, 0.05, 1.76), 0.02), STEEL), Part(f"foot {i}", Box((0.62, 0.5, 0.03), 0.0), METAL),
+        parts += [Part(f"back {i}", Box((0.66, 0.05, 1.76)), STEEL), Part(f"foot {i}", Box((0.62, 0.5, 0.03)), METAL),
                   Part(f"stem {i}", Rod(0.09), METAL),
-                  Part(f"head {i}", Box((0.5, 0.42, 0.12), 0.03), PLANT, twin=True)]
+                  Part(f"head {i}", Box((0.5, 0.42, 0.12)), PLANT, twin=True)]
     return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
         "One column per state; only their sum is measured; the green arrow is the input",
         "每根柱子是一个状态，只测量它们的和；绿色箭头为输入"))

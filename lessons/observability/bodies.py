@@ -107,7 +107,7 @@ def _deck() -> Body:
     parts = tuple(replace(part, twin=False) if part.name.startswith(("sensor", "test mass")) else part
                   for part in base.parts)
     return Body(
-        (*parts, Part("sensor across", Box((0.3, 0.3, 0.16), 0.03), STEEL), Part("needle across", Rod(0.045), METAL),
+        (*parts, Part("sensor across", Box((0.3, 0.3, 0.16)), STEEL), Part("needle across", Rod(0.045), METAL),
          *CLOUD_PARTS),
         _deck_pose, lambda x, u, gain: base.arrows(x[:6], u, gain), lambda x, gain: base.anchors(x[:6], gain), base.gain,
         Text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow",
@@ -143,10 +143,10 @@ def columns_body(count: int, label: Text) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple(top(x, i) for i in range(count))
 
-    parts = [Part("plinth", Box((5.2, 1.2, 0.12), 0.04), STEEL), Part("needle", Rod(0.03), METAL), *CLOUD_PARTS]
+    parts = [Part("plinth", Box((5.2, 1.2, 0.12)), STEEL), Part("needle", Rod(0.03), METAL), *CLOUD_PARTS]
     for i in range(count):
-        parts += [Part(f"foot {i}", Box((width, 0.5, 0.03), 0.0), STEEL), Part(f"stem {i}", Rod(0.2 * width), METAL),
-                  Part(f"head {i}", Box((width, 0.4, 0.12), 0.03), PLANT, twin=True)]
+        parts += [Part(f"foot {i}", Box((width, 0.5, 0.03)), STEEL), Part(f"stem {i}", Rod(0.2 * width), METAL),
+                  Part(f"head {i}", Box((width, 0.4, 0.12)), PLANT, twin=True)]
     return Body(tuple(parts), pose, arrows, anchors, 1.0, label)
 
 

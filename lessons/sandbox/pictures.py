@@ -8,7 +8,7 @@ from typing import TypeVar
 import numpy as np
 
 from app.engine import ClosedLoop, Controllability, Mode, Observability, Plant, Run, autonomous_error, chi2_band
-from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.figures import Curve, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
 from app.plants import Model
 from app.plants.names import called
 from app.words import Text, same
@@ -317,9 +317,3 @@ def recovery_plane(steps: tuple[tuple[float, float, float], ...], total: int, re
                        caption=Text(f"With q = {q[-1]:.3g} the disk margin is {alpha[-1]:.3g}; with the state known it is "
                                     f"{target[-1]:.3g}.{done.en}",
                                     f"q = {q[-1]:.3g} 时圆盘裕度为 {alpha[-1]:.3g}；状态已知时为 {target[-1]:.3g}。{done.zh}"))
-
-
-def all_tabs(*figures: Figure) -> tuple[Figure, ...]:
-    """Figures in the order of their tabs."""
-    order = (VERDICT_TAB, STRUCTURE_TAB)
-    return tuple(sorted(figures, key=lambda f: order.index(f.tab) if f.tab in order else len(order)))

@@ -31,8 +31,6 @@ Q, R = np.diag([1e-9, 1e-9, 1e-8, 1e-8, 1e-8, 1e-5]), 1e-6 * np.eye(4)
 P0 = np.diag([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2])**2
 NO_FORCE = np.zeros((3, 1))
 
-One = Callable[[np.ndarray], np.ndarray]
-
 
 def f(x: np.ndarray) -> np.ndarray:
     """One state (6,) one step on."""
