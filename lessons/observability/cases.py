@@ -160,5 +160,3 @@ def unit(case: Case, i: int) -> Text | str:
 def shown(case: Case, values: np.ndarray, indices: tuple[int, ...]) -> np.ndarray:
     """Values in typical sizes (…, len(indices)) as they are printed."""
     return values * np.array([case.scale[i] for i in indices]) * case.shown
-
-
