@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import html
+
 import numpy as np
 import pytest
 
 from app.figures import Curve, FrequencyFigure, TimeFigure
+from app.lesson import Lesson
 from app.plants import platform
 from app.plants.body import with_longer_arrows
 from app.view.charts import decades, on_the_clock
+from app.view.svg import draw
 from app.view.transport import step_of
-from app.words import Text, same
+from app.words import LANGUAGES, Text, same
+from lessons import LESSONS
 
 
 @pytest.mark.parametrize(("low", "high"), [(0.3, 3.0), (0.1, 10.0), (10.0, 100.0), (2e-4, 9e-4), (3.0, 300.0), (0.9, 1.4e3)])
@@ -52,3 +57,11 @@ def test_how_much_longer_arrows_are_is_the_bodys_to_say() -> None:
 def test_chinese_sentences_that_are_joined_have_no_space_between_them() -> None:
     assert Text("One. Two.", "一。 二。").zh == "一。二。"
     assert Text("{}. {}.", "{} {}").format("a", "b").zh == "a b"
+
+
+@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("lesson", LESSONS.values(), ids=lambda lesson: lesson.id)
+def test_every_picture_of_a_lesson_can_be_drawn(lesson: Lesson, language: str) -> None:
+    for figure in lesson.figures(lesson.compute(lesson.start())):
+        if not isinstance(figure, (TimeFigure, FrequencyFigure)):
+            assert figure.title(language)[:12] in html.unescape(draw(figure, language))

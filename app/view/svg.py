@@ -137,7 +137,8 @@ def _matrix(figure: MatrixFigure, language: str) -> tuple[str, float]:
     """Cells shaded by the logarithm of their magnitude, with the entries where they fit; exact zeros stay white."""
     m = np.asarray(figure.matrix, dtype=float)
     rows, cols = m.shape
-    left = min(90.0, max(44.0, max((width(symbol(name), 9.0) for name in figure.rows), default=0.0) + 8))
+    names = [symbol(wording(row, language)) for row in figure.rows]
+    left = min(90.0, max(44.0, max((width(name, 9.0) for name in names), default=0.0) + 8))
     wide = (W - left - 8) / cols
     high = min(wide, TALLEST_CELL)
     heads, top = _heads([symbol(wording(name, language)) for name in figure.columns], left, wide)
@@ -155,7 +156,7 @@ def _matrix(figure: MatrixFigure, language: str) -> tuple[str, float]:
                 ink = "#fff" if depth > 0.6 else "#1c2430" if depth else "#8a8f98"
                 out.append(f'<text x="{x + wide / 2:.1f}" y="{y + high / 2 + 4:.1f}" text-anchor="middle" '
                            f'font-size="{_fitting(entry, wide - 4):.1f}" fill="{ink}">{entry}</text>')
-    for i, name in enumerate(symbol(wording(row, language)) for row in figure.rows):
+    for i, name in enumerate(names):
         size = min(_fitting(name, left - 6), high * 0.7)
         out.append(f'<text x="{left - 4}" y="{top + (i + 0.5) * high + 0.35 * size:.1f}" text-anchor="end" '
                    f'font-size="{size:.1f}">{html.escape(name)}</text>')
