@@ -44,6 +44,11 @@ def same(words: str) -> Text:
     return Text(words, words)
 
 
+def squared(unit: str) -> str:
+    """The square of a unit: A², (m/s)²; 1 where there is none."""
+    return "1" if not unit else f"{unit}²" if unit.isalpha() else f"({unit})²"
+
+
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 GREEK = MappingProxyType({"theta": "θ", "omega": "ω", "phi": "φ", "alpha": "α", "beta": "β"})
 

@@ -10,10 +10,11 @@ import pytest
 from app.figures import Curve, MapFigure, MatrixFigure, PlaneFigure, Point
 from app.knobs import Number
 from app.view.boards import NAME_HEIGHT, Place, free_place
+from app.view.charts import even
 from app.view.knobs import ends, in_tens, slider_label
 from app.view.lettering import Box, beside, width
 from app.view.svg import FRAME, H, W, draw
-from app.words import Text, same, symbol
+from app.words import Text, same, squared, symbol
 
 TEXT = re.compile(r'<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]*)</text>')
 
@@ -141,3 +142,21 @@ def test_a_slider_in_decades_says_its_value_and_what_its_box_holds() -> None:
                                              (1.5e6, "1.5·10⁶"), (1e-12, "10⁻¹²"), (2.34e-5, "2.34·10⁻⁵")])
 def test_a_number_far_from_one_is_written_with_its_power_of_ten(value: float, said: str) -> None:
     assert in_tens(value) == said
+
+
+# --- axes of charts --------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize(("low", "high"), [(0.0, 2e-5), (-3e-9, 1e-9), (0.0, 5e-4), (-1.0, 2.0), (0.0, 15.0), (-2e7, 2e7), (0.0, 0.02)])
+def test_no_two_numbers_on_an_axis_read_alike(low: float, high: float) -> None:
+    at, names = even(low, high, 5)
+    assert len(at) >= 3 and len(set(names)) == len(at) and all(len(name) <= 9 for name in names)
+    assert names[at.index(0.0)] == "0"
+
+
+def test_numbers_on_an_axis_have_true_minus_signs_and_one_power_of_ten() -> None:
+    assert even(-1.0, 1.0, 4)[1] == ("−1", "−0.5", "0", "0.5", "1")
+    assert even(0.0, 2e-5, 4)[1] == ("0", "0.5·10⁻⁵", "1·10⁻⁵", "1.5·10⁻⁵", "2·10⁻⁵")
+
+
+@pytest.mark.parametrize(("unit", "shown"), [("A", "A²"), ("m/s", "(m/s)²"), ("", "1"), ("m s", "(m s)²")])
+def test_the_square_of_a_unit_has_brackets_only_where_it_needs_them(unit: str, shown: str) -> None:
+    assert squared(unit) == shown

@@ -24,6 +24,7 @@ from ..figures import (
 from ..words import wording
 from .prose import with_minus
 from .svg import draw
+from .ticks import ticks
 
 DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({"solid": None, "dash": (9, 5), "dot": (2, 4)})
 HEIGHT = 180
@@ -79,6 +80,17 @@ def on_the_clock(figure: Figure, horizon: float) -> bool:
     return isinstance(figure, TimeFigure) and abs(float(figure.t[-1]) - horizon) <= 0.02 * horizon
 
 
+def even(low: float, high: float, most: int) -> tuple[tuple[float, ...], tuple[str, ...]]:
+    """Round numbers within [low, high] and their names, which tell tiny numbers apart as well: 0.02, −3·10⁻⁵."""
+    at = ticks(low, high, most)
+    size = max((abs(v) for v in at), default=0.0)
+    if not size or 1e-2 <= size < 1e5:
+        return tuple(at), tuple(f"{v:.6g}".replace("-", "−") for v in at)
+    power = math.floor(math.log10(size) + 1e-9)
+    tail = "·10" + str(power).translate(SUPERSCRIPT)
+    return tuple(at), tuple(f"{v / 10.0 ** power:.4g}{tail}".replace("-", "−") if v else "0" for v in at)
+
+
 class Chart:
     """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change."""
 
@@ -124,10 +136,14 @@ class Chart:
         vertical: dict[str, Any] = {**look, "label": wording(figure.y_label, self._language), "labelSize": size + 6, "size": 4 * size + 8}
         if logarithmic:
             vertical["splits"], vertical["values"] = decades(*self._range)
+        else:
+            vertical["splits"], vertical["values"] = even(*self._range, 5)
         horizontal: dict[str, Any] = {**look, "label": "t [s]" if time else "f [Hz]", "labelSize": size + 6,
                                       "size": size + 16}
         if not time:
             horizontal["splits"], horizontal["values"] = decades(float(x[0]), float(x[-1]))
+        else:
+            horizontal["splits"], horizontal["values"] = even(float(x[0]), float(x[-1]), 6)
         return {
             "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": round(HEIGHT * (1.25 if self._bold > 1 else 1.0)),
             "axes": (horizontal, vertical),

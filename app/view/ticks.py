@@ -13,4 +13,4 @@ def ticks(low: float, high: float, count: int = 6) -> list[float]:
     decade = 10.0 ** math.floor(math.log10(raw))
     step = next(s * decade for s in (1, 2, 5, 10) if s * decade >= raw * (1 - 1e-9))
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
-    return [round(i * step, 12) + 0.0 for i in range(first, last + 1)]
+    return [round(i * step, 12 - math.floor(math.log10(raw))) + 0.0 for i in range(first, last + 1)]

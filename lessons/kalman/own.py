@@ -14,7 +14,7 @@ from app.knobs import Choice, Knob, KnobError, Number
 from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model, Signal
 from app.plants.names import called, with_unit
-from app.words import Text, same
+from app.words import Text, same, symbol
 
 from ..toolkit import TIME_TAB, gain_words, noise_units, number, run_knobs
 from .lesson import LESSON, PREDICT, RUNS, UPDATE
@@ -162,8 +162,8 @@ def _gain(outcome: Outcome) -> TimeFigure:
     curves = []
     for place, role in zip(largest, ("estimate", "force", "second"), strict=False):
         i, j = divmod(int(place), goal.shape[1])
-        curves += [Curve(same(f"M{i + 1},{j + 1}"), M[:count, i, j], role),
-                   Curve(same(f"M{i + 1},{j + 1} ∞"), np.full(count, goal[i, j]), "reference", "dot", 1.2)]
+        curves += [Curve(same(symbol(f"M{i + 1}{j + 1}")), M[:count, i, j], role),
+                   Curve(same(symbol(f"M{i + 1}{j + 1}") + " ∞"), np.full(count, goal[i, j]), "reference", "dot", 1.2)]
     return TimeFigure("gain", Text("largest entries of the gain M", "增益 M 的最大元素"), found.run.t[:count], tuple(curves),
                       "M", tab=GAIN_TAB,
                       caption=Text("Dotted: the gain that the Riccati equation promises for ever.", "点线：Riccati 方程给出的稳态增益。"))

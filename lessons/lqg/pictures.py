@@ -8,7 +8,7 @@ from app.engine import ChannelMargins
 from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, finite
 from app.lesson import Outcome
 from app.plants.names import called
-from app.words import Text, same
+from app.words import Text, same, squared
 
 from ..toolkit import TIME_TAB, axis_name, within
 from .loops import Robustness
@@ -43,7 +43,7 @@ def level(power: float) -> str:
 
 def density(unit: str) -> str:
     """The axis of a density of a signal in this unit."""
-    return f"[({unit})²/Hz]" if unit else "[1/Hz]"
+    return f"[{squared(unit)}/Hz]"
 
 
 def _phase(m: ChannelMargins) -> Text | str:

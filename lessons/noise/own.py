@@ -25,7 +25,7 @@ from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigu
 from app.knobs import Choice, Knob, KnobError, Number, Poles
 from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model, Signal
-from app.words import Text
+from app.words import Text, squared
 
 from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, noise_units, run_knobs, stage
 from .lesson import LESSON, POLES, RUNS
@@ -283,7 +283,7 @@ def _variance(outcome: Outcome, signal: Signal, run: Run) -> TimeFigure:
         said = Text(f"{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants.",
                     f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内。")
     return TimeFigure("variance", Text(f"variance of the error of {signal.name.en}", f"{signal.name.zh}误差的方差"),
-                      run.t[:len(grown)], curves, f"[({signal.unit})²]", caption=said, tab=RUNS_TAB)
+                      run.t[:len(grown)], curves, f"[{squared(signal.unit)}]", caption=said, tab=RUNS_TAB)
 
 
 def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:

@@ -7,7 +7,7 @@ import numpy as np
 from app.engine import chi2_band
 from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson import Outcome
-from app.words import Text, same
+from app.words import Text, same, squared
 
 from ..toolkit import TIME_TAB
 
@@ -167,4 +167,4 @@ def _variance(outcome: Outcome, i: int) -> TimeFigure:
                     f"{tried[-1] / promised[-1]:.3f} of the promise.",
                     f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内；末时刻为理论值的 {tried[-1] / promised[-1]:.3f} 倍。")
     return TimeFigure("variance", Text(f"variance of the {NAMES[i].en} error", f"{NAMES[i].zh}误差的方差"), run.t, curves,
-                      f"[({UNITS[i]})²]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)
+                      f"[{squared(UNITS[i])}]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)
