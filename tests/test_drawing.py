@@ -7,14 +7,16 @@ import re
 import numpy as np
 import pytest
 
-from app.figures import Curve, MapFigure, MatrixFigure, PlaneFigure, Point
+from app.figures import Curve, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TimeFigure
 from app.knobs import Number
+from app.lesson import Lesson
 from app.view.boards import NAME_HEIGHT, Place, free_place
 from app.view.charts import even
 from app.view.knobs import ends, in_tens, slider_label
 from app.view.lettering import Box, beside, width
 from app.view.svg import FRAME, H, W, draw
 from app.words import Text, same, squared, symbol
+from lessons import LESSONS
 
 TEXT = re.compile(r'<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]*)</text>')
 
@@ -107,6 +109,14 @@ def test_names_of_many_narrow_columns_are_turned_upright_and_lie_above_the_cells
                                              ("state1", "state1"), ("7", "7"), ("vx", "vx"), ("", "")])
 def test_a_signal_is_named_as_in_a_formula(name: str, shown: str) -> None:
     assert symbol(name) == shown
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+@pytest.mark.parametrize("lesson", LESSONS.values(), ids=lambda lesson: lesson.id)
+def test_every_drawing_of_a_lesson_can_be_drawn(lesson: Lesson, language: str) -> None:
+    for figure in lesson.figures(lesson.compute(lesson.start())):
+        if not isinstance(figure, (TimeFigure, FrequencyFigure)):
+            assert figure.title(language)[:4] in draw(figure, language)
 
 
 # --- labels on the boards --------------------------------------------------------------------------------------------
