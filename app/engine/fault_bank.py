@@ -15,9 +15,10 @@ from .errors import EngineError, ShapeError
 from .linear_filter import LinearFilter
 from .noise import root
 from .optimal import dlqe
-from .plant import Plant
-from .pole_sets import Poles, sorted_poles
+from .plant import Plant, as_matrix
+from .pole_sets import Poles, pole_text, sorted_poles
 from .scan import held_scan
+from .track import as_record
 from .unknown_input import decoupling
 
 __all__ = ["FaultBank", "ResidualGenerator", "isolate", "residual_generator"]
@@ -150,14 +151,21 @@ class FaultBank:
         With drawn errors every residual is white from the first sample on, as if the bank had been running for ever. One
         draw of n numbers serves all members.
         """
-        x = np.asarray(x0, dtype=float)
+        x = as_matrix(x0, "x0").ravel()
+        if x.size != self.model.n:
+            raise ShapeError(f"x0 must have {self.model.n} entries; it has {x.size}.")
         xi = np.zeros(self.model.n) if rng is None else rng.standard_normal(self.model.n)
         return np.concatenate([m.project @ x - root(m.P) @ xi[:m.size] for m in self.members])
 
     def run(self, y: object, u: object, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Residuals (n_t, members, q) and states (n_t, N) for records y (n_t, p), u (n_t, m), u held from its sample on."""
-        known = np.hstack([np.asarray(u, dtype=float), np.asarray(y, dtype=float)])
-        s = self.system
+        """Residuals (n_t, members, q) and states (n_t, N) for records y (n_t, p), u (n_t, m).
+
+        Each row of u is held from its sample on. Raises ShapeError.
+        """
+        s, y = self.system, as_record(y, "y", len(self.model.C))
+        known = np.hstack([as_record(u, "u", self.model.B.shape[1], len(y)), y])
+        if np.size(start) != s.n:
+            raise ShapeError(f"The start must have {s.n} entries; it has {np.size(start)}.")
         states = held_scan(s.A, s.B, known[:-1], start)
         residuals = states @ s.C.T + known @ np.asarray(s.D).T
         return residuals.reshape(len(known), len(self.members), self.dof), states
@@ -168,6 +176,9 @@ class FaultBank:
         The bank is told the input that was asked for, so that a missing part of it shows as −B d in the plant alone.
         """
         s, m, p = self.system, self.model.B.shape[1], len(self.model.C)
+        if min(np.abs(z - poles).min(initial=np.inf) for poles in (s.poles, np.linalg.eigvals(self.model.A))) < 1e-12:
+            raise EngineError(f"z = {pole_text(z)} is a pole of the plant or of the bank, where there is no response; "
+                              "take another.")
         of_y = s.C @ np.linalg.solve(z * np.eye(s.n) - s.A, s.B[:, m:]) + np.asarray(s.D)[:, m:]
         plant = self.model.C @ np.linalg.solve(z * np.eye(self.model.n) - self.model.A, self.model.B) + self.model.D
         return np.hstack([of_y, -of_y @ plant]).reshape(len(self.members), self.dof, p + m)

@@ -17,9 +17,7 @@ def window_energy(residual: object, window: int) -> np.ndarray:
     ρ is (n_t, …, q); entry k is of the window that ends with sample k + window − 1. Any fault adds to it. Raises ShapeError.
     """
     rho = _record(residual, window)
-    total = np.cumsum((rho**2).sum(axis=-1), axis=0)
-    total[window:] -= total[:-window].copy()
-    return np.maximum(total[window - 1:], 0.0)
+    return _sums((rho**2).sum(axis=-1), window)
 
 
 def window_mean(residual: object, window: int) -> np.ndarray:
@@ -29,9 +27,23 @@ def window_mean(residual: object, window: int) -> np.ndarray:
     larger; one that changes sign within the window cancels. Raises ShapeError.
     """
     rho = _record(residual, window)
-    total = np.cumsum(rho, axis=0)
-    total[window:] -= total[:-window].copy()
-    return (total[window - 1:]**2).sum(axis=-1) / window
+    return (_sums(rho, window)**2).sum(axis=-1) / window
+
+
+def _sums(values: np.ndarray, window: int) -> np.ndarray:
+    """Sums of `window` successive values, (n_t − window + 1, …), each made of its own values alone.
+
+    In blocks as long as a window: what is left of one block and the beginning of the next. A running total would keep the
+    rounding of a large fault, or a NaN, for ever.
+    """
+    count, rest = len(values) - window + 1, values.shape[1:]
+    padded = np.zeros((-(-len(values) // window), window, *rest))
+    padded.reshape(-1, *rest)[:len(values)] = values
+    begun = np.cumsum(padded, axis=1).reshape(-1, *rest)[window - 1:][:count].copy()
+    left = np.cumsum(padded[:, ::-1], axis=1)[:, ::-1].reshape(-1, *rest)[:count]
+    across = np.arange(count) % window > 0
+    begun[across] += left[across]
+    return begun
 
 
 def residual_threshold(dof: float, false_alarm: float) -> float:

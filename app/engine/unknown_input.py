@@ -87,6 +87,8 @@ def decoupling(plant: Plant, E: object, weight: object | None = None) -> Decoupl
     V = np.eye(plant.p) if weight is None else as_matrix(weight, "weight")
     if V.shape != (plant.p, plant.p):
         raise ShapeError(f"weight must be {plant.p}×{plant.p}, a row for each output; it is {V.shape[0]}×{V.shape[1]}.")
+    if np.abs(V - V.T).max() > RANK * np.abs(V).max() or np.linalg.eigvalsh(V)[0] <= 0:
+        raise EngineError("The weight must be symmetric and positive definite, as the covariance of noise on every sensor is.")
     size = np.linalg.norm(C, axis=1, keepdims=True)
     rank = int(np.count_nonzero(np.linalg.svd(C / np.where(size > 0, size, 1.0) @ E, compute_uv=False) > RANK))
     if rank < q:

@@ -212,3 +212,31 @@ def test_what_cannot_be_built_is_said():
         isolate([[True, False]], ~np.eye(3, dtype=bool))
     with pytest.raises(EngineError, match="at least one window"):
         binomial_band(0, 0.1)
+
+
+def test_a_large_fault_or_a_gap_leaves_no_trace_in_later_windows():
+    """A running total kept the rounding of a fault of 1e9 σ (and a NaN) for ever: later alarms were lost."""
+    rho = np.random.default_rng(0).standard_normal((400, 2))
+    rho[50:100] *= 1e10
+    rho[200] = np.nan
+    for window in (1, 7, 20, 400):
+        plain = np.array([(rho[k:k + window]**2).sum() for k in range(401 - window)])
+        summed = np.array([(rho[k:k + window].sum(axis=0)**2).sum() / window for k in range(401 - window)])
+        assert np.allclose(window_energy(rho, window), plain, rtol=1e-12, equal_nan=True)
+        assert np.allclose(window_mean(rho, window), summed, rtol=1e-9, equal_nan=True)
+
+
+def test_records_and_weights_that_do_not_fit_are_told_in_a_sentence():
+    silent = KalmanFilter(A, B, C, Q, np.diag([0.0, 1.0, 1.0, 1.0]), dt=0.1)
+    with pytest.raises(EngineError, match="symmetric and positive definite"):
+        residual_generator(silent, E=B[:, [0]])
+    start = np.zeros(BANK.system.n)
+    for y, u, s in ((np.zeros((9, 3)), np.zeros((9, 2)), start), (np.zeros((9, 4)), np.zeros((8, 2)), start),
+                    (np.zeros((9, 4)), np.zeros((9, 2)), start[1:])):
+        with pytest.raises(ShapeError):
+            BANK.run(y, u, s)
+    with pytest.raises(ShapeError, match="x0 must have 4"):
+        BANK.start([1.0, 2.0])
+    still = KalmanFilter(np.eye(1), np.eye(1), np.eye(1), np.eye(1), np.eye(1), dt=0.1)
+    with pytest.raises(EngineError, match="z = 1 is a pole"):
+        FaultBank(still, (residual_generator(still),)).response(1.0)

@@ -156,3 +156,9 @@ def test_wrong_shapes_and_counts_are_named():
     with pytest.raises(PoleError, match="Give 3 poles"):
         unknown_input_observer(BOOK, BOOK_E, [-1, -2])
     assert decoupling(BOOK, np.hstack([BOOK_E, 2 * BOOK_E])).rank_E == 1  # the same direction twice
+
+
+def test_a_weight_that_is_no_covariance_is_refused():
+    for weight in (np.zeros((2, 2)), np.diag([1.0, -1.0]), np.array([[1.0, 0.5], [0.0, 1.0]])):
+        with pytest.raises(EngineError, match="symmetric and positive definite"):
+            decoupling(BOOK, BOOK_E, weight)
