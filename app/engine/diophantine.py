@@ -8,7 +8,7 @@ import numpy as np
 
 from .errors import EngineError, PoleError
 from .plant import Plant
-from .siso import negated, polynomial_roots, rational
+from .siso import coefficients, negated, polynomial_roots, rational
 
 __all__ = ["Diophantine", "diophantine", "sylvester"]
 
@@ -105,12 +105,9 @@ def _refined(M: np.ndarray, right: np.ndarray) -> np.ndarray:
 
 
 def _trimmed(polynomial: object, name: str) -> np.ndarray:
-    try:
-        p = np.trim_zeros(np.atleast_1d(np.asarray(polynomial, dtype=float)), "f")
-    except (TypeError, ValueError) as problem:
-        raise EngineError(f"{name} must be a list of real coefficients, the highest power first.") from problem
-    if p.ndim != 1 or not p.size or not np.isfinite(p).all():
-        raise EngineError(f"{name} must be a polynomial with finite coefficients, not all zero.")
+    p = coefficients(polynomial, name)
+    if not p.size:
+        raise EngineError(f"{name} must be a polynomial that is not zero.")
     return p
 
 

@@ -106,12 +106,13 @@ def mixing_matrix(a: float, b: float, size: int = 2, channels: tuple[int, int] =
 def coupling(response: object, channels: tuple[int, int] = (0, 1)) -> Coupling:
     """The index J(a, b) of two channels of a response G (n_ω, k, k). Raises ShapeError or EngineError."""
     G = np.asarray(response)
-    if G.ndim != 3 or G.shape[1] != G.shape[2] or not len(G) or max(channels) >= G.shape[1] or channels[0] == channels[1]:
+    if (G.ndim != 3 or G.shape[1] != G.shape[2] or not len(G) or not all(0 <= i < G.shape[1] for i in channels)
+            or channels[0] == channels[1]):
         raise ShapeError("The index needs a response of at least one frequency, n×k×k, and two different channels of it.")
     block = G[:, channels][:, :, channels]
     if not np.isfinite(block).all() or not (np.abs(np.diagonal(block, axis1=1, axis2=2)) > 0).all():
         raise EngineError("The index divides by the diagonal entries: they must be finite and not zero in the whole band.")
-    return Coupling(np.ascontiguousarray(block))
+    return Coupling(np.ascontiguousarray(block) / np.abs(block).max())  # J has no unit, and squares stay in range
 
 
 def best_mixing(response: object, channels: tuple[int, int] = (0, 1)) -> Mixing:

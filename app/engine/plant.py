@@ -15,6 +15,9 @@ from .pole_sets import sorted_poles
 def as_matrix(value: object, name: str) -> np.ndarray:
     """A finite, read-only, two-dimensional float array; `name` is used in the error sentence."""
     try:
+        if isinstance(value, np.ndarray) and value.dtype.kind == "c":
+            value = value if np.any(value.imag) else value.real
+            value = value.tolist()  # NumPy drops the imaginary parts of an array, but not those of a list
         matrix = np.array(value, dtype=float, ndmin=2)
     except (TypeError, ValueError) as problem:
         raise EngineError(f"{name} must be a matrix of real numbers.") from problem

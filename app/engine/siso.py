@@ -10,7 +10,7 @@ from scipy.linalg import block_diag
 
 from .errors import EngineError, ShapeError
 from .plant import Plant, as_matrix
-from .pole_sets import Poles
+from .pole_sets import Poles, match_poles
 from .spectrum import frequency_response
 
 __all__ = ["LoopShape", "diagonal_controller", "loop_shaped", "negated", "polynomial_roots", "rational",
@@ -52,10 +52,10 @@ def loop_shaped(shape: LoopShape) -> Plant:
         poles.append(-pole)
         gain *= pole / zero
     if shape.roll_off is not None:
-        if not 1 <= shape.order <= 6:
+        if shape.order not in range(1, 7):
             raise EngineError(f"The order of the roll-off must be 1 to 6; it is {shape.order}.")
         corner = _corner(shape.roll_off)
-        poles += [-corner] * shape.order
+        poles += [-corner] * int(shape.order)
         gain *= corner**shape.order
     return realise(zeros, poles, gain)
 
@@ -66,13 +66,24 @@ def _corner(value: float, may_be_zero: bool = False) -> float:
     return float(value)
 
 
+def coefficients(value: object, name: str) -> np.ndarray:
+    """Real coefficients from the highest power down, without leading zeros. Raises EngineError with `name` in it."""
+    try:
+        p = as_matrix(value, name)
+    except EngineError:
+        p = None
+    if p is None or len(p) > 1:
+        raise EngineError(f"{name} must be a list of finite real coefficients, the highest power first.")
+    return np.trim_zeros(p[0], "f")
+
+
 def polynomial_roots(polynomial: object) -> Poles:
     """Roots of a polynomial, coefficients from the highest power down; each is as exact as its own conditioning allows.
 
     Eigenvalues of the companion matrix lose the small roots of a badly scaled polynomial; Aberth's iteration on the
-    polynomial itself finds them again.
+    polynomial itself finds them again. Raises EngineError for coefficients that are no finite real numbers.
     """
-    p = np.trim_zeros(np.atleast_1d(np.asarray(polynomial, dtype=float)), "f")
+    p = coefficients(polynomial, "The polynomial")
     roots = np.roots(p).astype(complex)
     if not len(roots):
         return roots
@@ -96,9 +107,9 @@ def rational(numerator: object, denominator: object) -> Plant:
 
     Raises EngineError for a zero denominator or a numerator of higher degree.
     """
-    num, den = (np.trim_zeros(np.atleast_1d(np.asarray(p, dtype=float)), "f") for p in (numerator, denominator))
-    if not den.size or not np.isfinite(num).all() or not np.isfinite(den).all():
-        raise EngineError("The denominator must not be zero, and all coefficients must be finite.")
+    num, den = coefficients(numerator, "The numerator"), coefficients(denominator, "The denominator")
+    if not den.size:
+        raise EngineError("The denominator must not be zero.")
     if not num.size:
         return Plant(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.zeros((1, 1)))
     return realise(polynomial_roots(num), polynomial_roots(den), float(num[0] / den[0]))
@@ -137,8 +148,8 @@ def _paired(roots: Sequence[complex] | np.ndarray) -> np.ndarray:
         raise EngineError("Poles and zeros must be finite.")
     imag = np.imag(r)
     real = np.abs(imag) <= 1e-12 * np.abs(r)
-    upper, lower = (np.sort_complex(v) for v in (r[~real & (imag > 0)], r[~real & (imag < 0)].conj()))
-    if len(upper) != len(lower) or not np.allclose(upper, lower, rtol=1e-6, atol=0):
+    upper, lower = np.sort_complex(r[~real & (imag > 0)]), r[~real & (imag < 0)].conj()
+    if len(upper) != len(lower) or not np.allclose(upper, lower[match_poles(upper, lower)[0]], rtol=1e-6, atol=0):
         raise EngineError("Complex poles and zeros must come in conjugate pairs.")
     return np.concatenate([np.sort(np.real(r[real])).astype(complex), upper, upper.conj()])
 

@@ -121,3 +121,12 @@ def test_other_channels_of_a_larger_matrix() -> None:
         coupling(G, (1, 5))
     with pytest.raises(EngineError, match="diagonal"):
         coupling(np.zeros((3, 2, 2)))
+
+
+def test_the_index_has_no_unit_however_small_or_large_the_response() -> None:
+    G = np.random.default_rng(1).standard_normal((5, 2, 2)) + 2 * np.eye(2)
+    plain = best_mixing(G)
+    for scale in (1e-200, 1e200):
+        assert np.isclose(best_mixing(scale * G).J, plain.J, rtol=1e-9)
+    with pytest.raises(ShapeError, match="two different channels"):
+        coupling(G, (0, -2))

@@ -14,6 +14,7 @@ from scipy.signal import place_poles
 
 from app.engine.errors import EngineError
 from app.engine.placement import observer_gain, place
+from app.engine.plant import as_matrix
 from app.plants import MODELS, chip, model, spring_damper
 from app.plants import cart_pendulum as cart
 
@@ -176,3 +177,10 @@ def test_model_estimate_converges_in_view_with_natural_inputs(m):
     apart = max(math.dist(a, b) for a, b in zip(
         m.body.anchors(list(m.x0), m.body.gain), m.body.anchors(list(m.guess), m.body.gain), strict=True))
     assert 0.1 < apart < 1.0  # stage units: the ghost starts off visibly
+
+
+def test_imaginary_parts_of_a_matrix_are_not_dropped_in_silence():
+    """NumPy drops them with a warning; the gain of a complex K was that of its real part."""
+    with pytest.raises(EngineError, match="K must be a matrix of real numbers"):
+        as_matrix(np.array([[1 + 2j]]), "K")
+    assert as_matrix(np.array([[1 + 0j]]), "K").dtype == float

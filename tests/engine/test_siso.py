@@ -122,3 +122,22 @@ def test_what_is_not_a_controller_is_refused_in_a_sentence() -> None:
     with pytest.raises(EngineError, match="denominator"):
         rational([1.0], [0.0])
     assert rational([0.0], [1.0, 2.0]).n == 0
+
+
+def test_pairs_that_differ_in_rounding_are_still_pairs() -> None:
+    """Sorting by real part tore apart pairs that stand above each other, their real parts a rounding apart."""
+    rng = np.random.default_rng(0)
+    poles = np.array([-1 + 1j, -1 + 2j, -1 + 3j])
+    for _ in range(50):
+        near = np.concatenate([poles, poles.conj()]) * (1 + 1e-15 * rng.standard_normal(6))
+        assert np.allclose(response(realise([], near, 6.0)), 6 / np.polyval(np.poly(near), 1j * OMEGA), rtol=1e-9)
+
+
+def test_coefficients_must_be_finite_real_numbers() -> None:
+    for wrong in ([1.0, np.nan], "s + 1", np.array([1.0, 1j]), [[1.0], [2.0]]):
+        with pytest.raises(EngineError, match="polynomial must be a list"):
+            polynomial_roots(wrong)
+        with pytest.raises(EngineError, match="numerator must be a list"):
+            rational(wrong, [1.0, 2.0, 3.0])
+    with pytest.raises(EngineError, match="1 to 6"):
+        loop_shaped(LoopShape(1.0, roll_off=5.0, order=1.5))  # type: ignore[arg-type]
