@@ -14,7 +14,7 @@ from .noise import step_covariance
 from .plant import Plant, as_matrix
 from .pole_sets import Poles, all_stable, sorted_poles
 from .scan import step_matrices
-from .spectrum import modal_coordinates
+from .spectrum import modal_coordinates, solved_response
 
 __all__ = ["NoisyLoop", "noisy_loop"]
 
@@ -58,6 +58,9 @@ class NoisyLoop:
     def watching(self, T: object) -> NoisyLoop:
         """The same loop with T x in place of y, k×n weights on the plant's states: for signals that no sensor reads."""
         T = as_matrix(T, "T")
+        if T.shape[1] > len(self.A):
+            raise ShapeError(f"T must have a column for each state of the plant; it has {T.shape[1]}, and the loop "
+                             f"{len(self.A)} states.")
         zeros = np.zeros((len(T), len(self.A) - T.shape[1]))
         C = np.vstack([np.hstack([T, zeros]), self.C[self.measured:]])
         D = np.vstack([np.zeros((len(T), self.D.shape[1])), self.D[self.measured:]])
@@ -85,23 +88,24 @@ class NoisyLoop:
         sensors = two_sided * _square(H[..., q:], self.noise[q:, q:])
         if ground is None:
             return two_sided * _square(H[..., :q], self.noise[:q, :q]), sensors
-        shape = np.asarray(ground, dtype=float).reshape(len(H), -1)
-        if shape.shape[1] not in (1, q) or not (np.isfinite(shape).all() and (shape >= 0).all()):
+        shape = np.asarray(ground, dtype=float)
+        shape = shape[:, None] if shape.ndim == 1 else shape
+        if shape.shape not in ((len(H), 1), (len(H), q)) or not (np.isfinite(shape).all() and (shape >= 0).all()):
             raise ShapeError(f"The ground's density must be finite, not negative, and of shape ({len(H)},) or ({len(H)}, {q}).")
         return np.einsum("fkj,fj->fk", np.abs(H[..., :q]) ** 2, np.broadcast_to(shape, (len(H), q))), sensors
 
     def response(self, frequency: object, rows: object | None = None) -> np.ndarray:
-        """H from d = (w, v) to each signal, complex (n_f, k, q+p), `frequency` in Hz."""
+        """H from d = (w, v) to each signal, complex (n_f, k, q+p), `frequency` in Hz; not finite on a pole."""
         rows = self.outputs() if rows is None else self._fitting(rows)
-        omega = 2 * np.pi * np.atleast_1d(np.asarray(frequency, dtype=float))
+        omega = 2 * np.pi * np.asarray(frequency, dtype=float).reshape(-1)
         points = np.exp(1j * omega * self.dt) if self.dt else 1j * omega
         C, D = rows @ self.C, rows @ self.D
         if self._modal is None:
-            return C @ np.linalg.solve(points[:, None, None] * np.eye(len(self.A)) - self.A, self.B.astype(complex)) + D
+            return solved_response(self.A, self.B, C, D, points)
         poles, out, into = self._modal
         residues = (rows @ out).T[:, :, None] * into[:, None, :]
         with np.errstate(divide="ignore", invalid="ignore"):
-            return (1 / (points[:, None] - poles) @ residues.reshape(len(poles), -1)).reshape(-1, *D.shape) + D
+            return (1 / (points[:, None] - poles) @ residues.reshape(len(poles), D.size)).reshape(-1, *D.shape) + D
 
     @cached_property
     def covariance(self) -> np.ndarray:
@@ -110,7 +114,9 @@ class NoisyLoop:
             raise EngineError("The loop is unstable: its variances grow without bound; stabilise it first.")
         drive = self.B @ self.noise @ self.B.T
         solved = solve_discrete_lyapunov(self.A, drive) if self.dt else solve_continuous_lyapunov(self.A, -drive)
-        return (solved + solved.T) / 2
+        covariance = (solved + solved.T) / 2
+        covariance.setflags(write=False)
+        return covariance
 
     def variance(self, rows: object | None = None) -> np.ndarray:
         """Variance of each signal, (k,); ∞ where white noise passes straight through a continuous loop."""
@@ -132,7 +138,11 @@ class NoisyLoop:
         Q n×n, R m×m. The loop need not be the optimal one, nor the noise the one that it was designed for.
         """
         Q, R = as_matrix(Q, "Q"), as_matrix(R, "R")
-        n = len(Q)
+        n, m = len(Q), len(self.C) - self.measured
+        if Q.shape != (n, n) or n > len(self.A):
+            raise ShapeError(f"Q must be square, with a row for each state of the plant; it is {Q.shape[0]}×{Q.shape[1]}.")
+        if R.shape != (m, m):
+            raise ShapeError(f"R must be {m}×{m}; it is {R.shape[0]}×{R.shape[1]}.")
         u = self.joint(self.inputs())
         return float(np.sum(Q * self.covariance[:n, :n])), float(np.sum(R * u)) if np.isfinite(u).all() else np.inf
 
@@ -144,6 +154,8 @@ class NoisyLoop:
         """
         if self.dt:
             raise EngineError("This loop is sampled already; use it as it is.")
+        if not (np.isfinite(dt) and dt > 0):
+            raise EngineError("Sampling needs a period dt > 0 in seconds.")
         if np.any(self.D):
             raise EngineError("White noise passes straight through this loop; samples of it have no finite variance.")
         N = len(self.A)

@@ -93,6 +93,7 @@ class SampledLqg:
         w[k] joins the state after sample k. `gains`: a schedule of the recursive filter, or None for the steady one.
         `truth`: what the plant really is, sampled alike; filter and gain keep to their own. Raises ShapeError.
         """
+        w, v = as_matrix(w, "w"), as_matrix(v, "v")
         p, n, steps = self.plant, self.plant.n, len(v)
         real = p if truth is None else truth
         if (real.n, real.m, real.p, real.dt) != (n, p.m, p.p, p.dt):
@@ -136,8 +137,10 @@ class SampledLqg:
 def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(Q_d, R_d, N_d) with ∫₀ᵈᵗ xᵀQx + uᵀRu dt = xᵀQ_d x + 2xᵀN_d u + uᵀR_d u for u held over the step.
 
-    From ∫ e^{Mᵀs} diag(Q, R) e^{Ms} ds with M = [A B; 0 0]. Shapes n×n, m×m, n×m.
+    From ∫ e^{Mᵀs} diag(Q, R) e^{Ms} ds with M = [A B; 0 0]. Shapes n×n, m×m, n×m. Raises EngineError.
     """
+    if not (np.isfinite(dt) and dt > 0):
+        raise EngineError("Sampling needs a period dt > 0 in seconds.")
     n, m = plant.n, plant.m
     M = np.zeros((n + m, n + m))
     M[:n, :n], M[:n, n:] = plant.A, plant.B

@@ -58,9 +58,9 @@ def monte_carlo(loop: SampledLoop, runs: int, seconds: float, seed: int, segment
     a Welch segment (Hann, half overlap, mean removed), by default a power of two near half a run. A generator: it
     yields every few milliseconds and may be closed at any time. Raises EngineError for an unstable loop.
     """
-    steps = round(seconds / loop.dt)
+    steps = round(seconds / loop.dt) if np.isfinite(seconds) else 0
     length = 2 ** int(np.log2(max(steps // 2, 8))) if segment is None else int(segment)
-    if not 8 <= length <= steps or runs < 1:
+    if not 8 <= length <= steps or runs < 1 or together < 1:
         raise EngineError("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer than a run.")
     signals = len(loop.outputs) + loop.U.shape[1]
     if min(together, runs) * steps * signals > MOST:
@@ -143,7 +143,7 @@ def _batch(loop: SampledLoop, start: np.ndarray, rng: np.random.Generator, recor
                 i = k + j + 1
                 now[:, N + p:] = now[:, :N] @ loop.U[i].T
                 step, direct = np.ascontiguousarray(fused(loop, i, unit).T), loop.T[i].T * unit
-        lost = ~(np.abs(now).max(axis=1) < DIVERGED)
+        lost = ~(np.abs(now[:, :N]).max(axis=1, initial=0.0) < DIVERGED)  # readings are counted in steps of the converter
         if lost.any():
             gone |= lost
             now[lost] = 0.0
@@ -178,11 +178,13 @@ def _one(series: np.ndarray, dt: float, length: int) -> tuple[np.ndarray, np.nda
 
 
 def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
-    """What Welch's method (Hann, `length` samples) gives on average for the loop as long as it is linear: (n_f, k).
+    """What Welch's method (Hann, `length` ≥ 2 samples) gives on average for the loop as long as it is linear: (n_f, k).
 
     The transform of window ⋆ window times R(τ) = C F_cᵀ… P Cᵀ, leakage and finite resolution included; only the removal
     of the mean, which touches the lowest two bins, is left out. Raises EngineError for an unstable loop.
     """
+    if length < 2:
+        raise EngineError("A segment must hold at least two samples.")
     window = np.asarray(get_window("hann", length))
     overlap = np.fft.irfft(np.abs(np.fft.rfft(window, 2 * length)) ** 2, 2 * length)[:length]
     rows = np.vstack([loop.outputs, loop.feedback])

@@ -66,7 +66,11 @@ def sampled_controller(controller: Plant, dt: float, method: Method = "tustin") 
         raise EngineError("A sampled controller needs a period dt > 0 in seconds.")
     A, B, C, D = controller.A, controller.B, controller.C, np.asarray(controller.D)
     if method == "tustin":
-        solve = np.linalg.inv(np.eye(len(A)) - A * (dt / 2))
+        try:
+            solve = np.linalg.inv(np.eye(len(A)) - A * (dt / 2))
+        except np.linalg.LinAlgError:
+            raise EngineError(f"The controller has a pole at 2/dt = {2 / dt:g} rad/s, which Tustin's rule sends to infinity; "
+                              "choose another period.") from None
         return _steady(solve @ (np.eye(len(A)) + A * (dt / 2)), solve @ B * dt, C @ solve, D + C @ solve @ B * (dt / 2), dt)
     Phi, Phi1 = step_matrices(A, dt)
     return _steady(Phi, Phi1 @ B, C, D, dt)
@@ -91,6 +95,8 @@ def recursive_controller(estimator: LinearFilter, K: object, start: Belief, step
         raise EngineError("The filter must say its period: make it with from_plant, or give dt.")
     if np.any(estimator.D):
         raise EngineError("A filter whose outputs feel the input at once (D ≠ 0) cannot be closed through u = −K x̂[k|k].")
+    if steps < 1:
+        raise EngineError("The gain must be computed for at least one sample.")
     A, C, M = estimator.A, estimator.C, estimator.schedule(start, steps).gains
     corrected = np.eye(estimator.n) - M @ C
     Cc, Dc = -K @ corrected, -K @ M

@@ -15,7 +15,7 @@ from .errors import EngineError, ShapeError
 from .hardware import Hardware, coil_driver
 from .loop_spectrum import NoisyLoop
 from .noise import step_covariance
-from .plant import Plant
+from .plant import Plant, as_matrix
 from .sampled_control import SampledController
 from .scan import step_matrices
 
@@ -109,7 +109,9 @@ class SampledLoop:
         push = self.jump @ self.jump.T + self.noise_in @ self.reading @ self.noise_in.T
         P = np.zeros((self.n, self.n))
         P[np.ix_(keep, keep)] = solve_discrete_lyapunov(self._without_bias(self.closed()), push[np.ix_(keep, keep)])
-        return (P + P.T) / 2
+        P = (P + P.T) / 2
+        P.setflags(write=False)
+        return P
 
     @cached_property
     def reading(self) -> np.ndarray:
@@ -143,7 +145,9 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     the plant's ẋ, the ground's columns of B by default. `outputs` (q×n): rows that are recorded of the plant's state, C
     by default. Raises ShapeError, EngineError, one sentence each.
     """
-    chosen = list(controls)
+    chosen = [int(i) for i in controls]
+    if len(set(chosen)) < len(chosen) or not all(0 <= i < plant.m for i in chosen):
+        raise ShapeError(f"The controlled inputs must be different numbers from 0 to {plant.m - 1}.")
     others = [i for i in range(plant.m) if i not in chosen]
     p, m, dt = plant.p, len(chosen), controller.dt
     if plant.dt:
@@ -155,8 +159,11 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
                          f"drives {controller.C.shape[1]}.")
     if hardware.delay > MOST_DELAY * dt:
         raise EngineError(f"The delay is longer than {MOST_DELAY} samples; shorten it.")
+    rows = as_matrix(plant.C if outputs is None else outputs, "The outputs")
+    if rows.shape[1] != plant.n:
+        raise ShapeError(f"The outputs must have {plant.n} columns, one for each state; they have {rows.shape[1]}.")
     mechanics = _Mechanics(plant, chosen, others, hardware, shaping, W, disturbances)
-    return _assembled(mechanics, controller, hardware, V, np.asarray(plant.C if outputs is None else outputs), p, m)
+    return _assembled(mechanics, controller, hardware, V, rows, p, m)
 
 
 class _Mechanics:
@@ -169,6 +176,8 @@ class _Mechanics:
         first, last = driver.n if driver else 0, shaping.n if shaping else 0
         if shaping is not None and (shaping.p != ground.shape[1] or np.any(np.asarray(shaping.D))):
             raise ShapeError(f"The shaping filter must have {ground.shape[1]} outputs, one for each ground motion, and D = 0.")
+        if shaping is not None and shaping.dt:
+            raise EngineError("The shaping filter must be continuous, as the plant is.")
         N, self.x = first + n + last, slice(first, first + n)
         self.A, self.B = np.zeros((N, N)), np.zeros((N, m))
         self.A[self.x, self.x] = plant.A
@@ -184,7 +193,7 @@ class _Mechanics:
             self.A[first + n:, first + n:] = shaping.A
             self.A[self.x, first + n:] = ground @ shaping.C
             enter[first + n:] = shaping.B
-        known = ground if disturbances is None else np.asarray(disturbances, dtype=float)
+        known = ground if disturbances is None else as_matrix(disturbances, "The disturbances")
         if known.shape[0] != n:
             raise ShapeError(f"The disturbances must enter {n} states; their matrix has {known.shape[0]} rows.")
         self.known = np.zeros((N, known.shape[1]))

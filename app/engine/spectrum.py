@@ -85,7 +85,7 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
     points = np.exp(1j * w * dt) if dt else 1j * w
     modal = modal_coordinates(a, b, c)
     if modal is None:
-        return _solved(a, b, c, d, points)
+        return solved_response(a, b, c, d, points)
     poles, out, into = modal
     residues = out.T[:, :, None] * into[:, None, :]  # (n, p, m)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -93,7 +93,8 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
         return (weights @ residues.reshape(n, -1)).reshape(-1, *d.shape) + d
 
 
-def _solved(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, points: np.ndarray) -> np.ndarray:
+def solved_response(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """C (λ I − A)⁻¹ B + D at each of `points` λ (n_λ,), infinite where λ is a pole: (n_λ, p, m)."""
     pencil = points[:, None, None] * np.eye(len(a)) - a
     try:
         return c @ np.linalg.solve(pencil, b.astype(complex)) + d

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .errors import EngineError, ShapeError
+from .plant import as_matrix
 from .sampled_loop import SampledLoop
 from .scan import affine_scan
 
@@ -65,15 +66,16 @@ def run_trial(loop: SampledLoop, steps: int, seed: int | None = None, *, start: 
     Linear stretches run in parallel blocks and are exact; a loop that clips or rounds goes sample by sample where it
     must. Loops with the same plant feel the same noise from the same seed. Raises ShapeError, EngineError.
     """
+    kicks = tuple((k, _jump(loop, jump)) for k, jump in kicks)
     if steps < 1 or steps * loop.n > MOST_NUMBERS:
         raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
     push, v = _forcing(loop, steps, seed, disturbance, kicks)
-    w0 = np.zeros(loop.n) if start is None else np.array(start, dtype=float).ravel()
+    w0 = np.zeros(loop.n) if start is None else as_matrix(start, "The start").ravel().copy()
     if w0.size != loop.n:
         raise ShapeError(f"The start must have {loop.n} entries; it has {w0.size}.")
     for k, jump in kicks:
         if k == 0:
-            w0[loop.x] += np.asarray(jump, dtype=float)
+            w0[loop.x] += jump
     w = np.empty((steps, loop.n))
     w[0] = w0
     done = _rounding(loop, w, push, v, 0, steps - 1) if loop.hardware.step > 0 else _clipping(loop, w, push, v)
@@ -82,8 +84,16 @@ def run_trial(loop: SampledLoop, steps: int, seed: int | None = None, *, start: 
     return Trial(loop, loop.dt * np.arange(len(w)), w, w @ loop.outputs.T, read, asked, applied, len(w) < steps)
 
 
+def _jump(loop: SampledLoop, jump: object) -> np.ndarray:
+    """The jump (n,) of a kick."""
+    jump, n = as_matrix(jump, "The jump of a kick").ravel(), loop.x.stop - loop.x.start
+    if jump.size != n:
+        raise ShapeError(f"The jump of a kick must have {n} entries; it has {jump.size}.")
+    return jump
+
+
 def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: object | None,
-             kicks: tuple[tuple[int, object], ...]) -> tuple[np.ndarray, np.ndarray]:
+             kicks: tuple[tuple[int, np.ndarray], ...]) -> tuple[np.ndarray, np.ndarray]:
     """What jumps onto w at the end of each sample (n_t, N), and the noise of each reading (n_t, p)."""
     push, v = np.zeros((steps, loop.n)), np.zeros((steps, len(loop.Y)))
     if seed is not None:
@@ -97,7 +107,7 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
     if loop.hardware.ramp:
         push[:, loop.bias] += loop.hardware.ramp * loop.dt
     if disturbance is not None:
-        given = np.asarray(disturbance, dtype=float)
+        given = as_matrix(disturbance, "The disturbance")
         if given.shape != (steps, loop.Gamma.shape[1]):
             raise ShapeError(f"The disturbance must be {steps}×{loop.Gamma.shape[1]}; its shape is {given.shape}.")
         push += given @ loop.Gamma.T
@@ -105,7 +115,7 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
         if not 0 <= k < steps:
             raise EngineError("A kick must come at a sample of the run.")
         if k > 0:
-            push[k - 1, loop.x] += np.asarray(jump, dtype=float)
+            push[k - 1, loop.x] += jump
     return push, v
 
 
@@ -264,14 +274,20 @@ def fused(loop: SampledLoop, k: int, unit: float) -> np.ndarray:
 def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, final: float = 0.0) -> ResponseMeasures:
     """Recovery, overshoot, peak and energy of one response y (n_t,) with inputs u (n_t, m), each held up to the next t.
 
-    The first side is the side of the first excursion beyond `band`, or of the largest deviation if there is none.
+    The first side is the side of the first excursion beyond `band`, or of the largest deviation if there is none. Raises
+    ShapeError.
     """
-    gap = np.asarray(y, dtype=float) - final
+    t, y, u = (np.asarray(value, dtype=float) for value in (t, y, u))
+    if y.ndim != 1 or not y.size or t.shape != y.shape or u.ndim != 2 or len(u) != len(y) \
+            or not all(np.isfinite(value).all() for value in (t, y, u)):
+        raise ShapeError(f"A response needs finite t and y (n_t,) and u (n_t, m), at least one sample; they are {t.shape}, "
+                         f"{y.shape} and {u.shape}.")
+    gap = y - final
     outside = np.flatnonzero(~(np.abs(gap) <= band))
     side = float(np.sign(gap[outside[0]])) if len(outside) else float(np.sign(gap[np.argmax(np.abs(gap))]))
     first, other = float(np.max(side * gap, initial=0.0)), float(np.max(-side * gap, initial=0.0))
     late = outside[-1] if len(outside) else -1
     recovery = None if late >= len(gap) - 1 else float(t[late + 1] - t[0])
-    power = np.sum(np.asarray(u, dtype=float) ** 2, axis=1)
+    power = np.sum(u**2, axis=1)
     return ResponseMeasures(recovery, other / first if first > 0 else 0.0, float(np.max(np.abs(gap), initial=0.0)),
                             float(np.max(np.abs(u), initial=0.0)), float(np.sum(power[:-1] * np.diff(t))))

@@ -249,3 +249,26 @@ def test_the_controller_is_equations_88_and_89() -> None:
     B = platform_lqg.coils(p).B
     assert np.array_equal(d.controller.A, p.A - B @ d.K - d.L @ p.C)
     assert np.array_equal(d.controller.B, d.L) and np.array_equal(d.controller.C, -d.K) and not np.any(d.controller.D)
+
+
+def test_a_double_integrator_has_an_infinite_density_at_zero_and_no_library_error() -> None:
+    plant = Plant([[0.0, 1.0], [0.0, 0.0]], [[0.0], [1.0]], [[1.0, 0.0]])
+    density = noisy_loop(plant, None, plant.B, 1.0).psd([0.0, 0.5])[:, 0]
+    assert np.isinf(density[0]) and density[1] == pytest.approx(2 / np.pi**4)  # 2/(2πf)⁴
+
+
+def test_what_a_loop_is_asked_must_fit_it() -> None:
+    plant, controller, G = random_loop(1)
+    loop = noisy_loop(plant, controller, G, 1.0)
+    with pytest.raises(ShapeError, match="ground's density"):
+        loop.psd([1.0, 2.0, 3.0], ground=[1.0, 2.0])
+    with pytest.raises(ShapeError, match="column for each state"):
+        loop.watching(np.ones((1, 9)))
+    for Q, R in ((np.eye(9), np.eye(2)), (np.ones((2, 3)), np.eye(2)), (np.eye(3), np.eye(1))):  # the last was broadcast
+        with pytest.raises(ShapeError):
+            loop.cost(Q, R)
+    for dt in (0.0, -0.1, np.nan):  # a negative period gave a negative covariance
+        with pytest.raises(EngineError, match="period dt > 0"):
+            loop.sampled(dt)
+    with pytest.raises(ValueError, match="read-only"):
+        loop.covariance[0, 0] = 1.0

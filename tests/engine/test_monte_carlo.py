@@ -8,12 +8,14 @@ from sampled_platform import DT, IDEAL, PLANT, V, W, finished, loop_of
 from scipy import signal
 
 from app.engine import (
+    EngineError,
     Hardware,
     Plant,
     coil_driver,
     frequency_response,
     loop_density,
     mechanics_response,
+    monte_carlo,
     sampled_controller,
     sampled_loop,
     welch_expectation,
@@ -113,3 +115,19 @@ def test_without_a_controller_the_density_is_the_plants() -> None:
     loop, f = sampled_loop(PLANT, silent, range(3), W=W, V=V), np.geomspace(0.1, 20, 50)
     open_loop = np.abs(frequency_response(PLANT.A, PLANT.B[:, 3:], PLANT.C, np.zeros((4, 2)), 2 * np.pi * f)) ** 2
     assert np.allclose(loop_density(loop, mechanics_response(loop, f))[:, :4], 2e-12 * open_loop.sum(axis=2), rtol=1e-3)
+
+
+def test_a_very_fine_converter_is_not_taken_for_a_run_away() -> None:
+    """Readings are carried in steps of the converter; beside a step of 1e-22 they all looked infinite."""
+    fine, _ = finished(loop_of(Hardware(step=1e-22)), 3, 0.5, 7, 256)
+    ideal, _ = finished(loop_of(Hardware(limit=1e9)), 3, 0.5, 7, 256)
+    assert not fine.diverged.any()
+    assert np.allclose(fine.rms, ideal.rms, rtol=1e-6)
+
+
+def test_lengths_without_sense_are_refused() -> None:
+    for seconds, together in ((np.nan, 5), (np.inf, 5), (1.0, 0)):
+        with pytest.raises(EngineError, match="at least one run"):
+            next(monte_carlo(loop_of(), 3, seconds, 0, together=together))
+    with pytest.raises(EngineError, match="two samples"):
+        welch_expectation(loop_of(), 1)

@@ -165,3 +165,43 @@ def test_what_does_not_fit_is_refused() -> None:
         sampled_loop(PLANT, sampled_controller(CONTROLLER, DT), range(2))
     with pytest.raises(ShapeError):
         run_trial(loop_of(), 100, disturbance=np.zeros((100, 3)))
+
+
+def test_a_controlled_input_counted_from_the_end_is_not_ground_as_well() -> None:
+    """Input −1 was driven by the controller and shaken by the ground at once."""
+    controller = sampled_controller(CONTROLLER, DT)
+    for controls in ((0, 1, -1), (0, 1, 9), (0, 1, 1)):
+        with pytest.raises(ShapeError, match="different numbers from 0 to 4"):
+            sampled_loop(PLANT, controller, controls, W=W)
+
+
+def test_a_sampled_shaping_filter_is_not_taken_for_a_continuous_one() -> None:
+    shaping = Plant(0.5 * np.eye(2), np.eye(2), np.eye(2), dt=DT)
+    with pytest.raises(EngineError, match="must be continuous"):
+        sampled_loop(PLANT, sampled_controller(CONTROLLER, DT), range(3), W=W, shaping=shaping)
+
+
+def test_starts_kicks_and_rows_must_fit_and_be_finite() -> None:
+    controller, loop = sampled_controller(CONTROLLER, DT), loop_of()
+    with pytest.raises(ShapeError, match="outputs must have 10 columns"):
+        sampled_loop(PLANT, controller, range(3), outputs=np.ones((1, 3)))
+    with pytest.raises(ShapeError, match="must enter 10 states"):
+        sampled_loop(PLANT, controller, range(3), disturbances=np.ones(10))
+    with pytest.raises(ShapeError, match="must have 10 entries"):  # one number was added to every state
+        run_trial(loop, 9, kicks=((0, [1.0]),))
+    with pytest.raises(EngineError, match="holds NaN"):  # gave an empty run
+        run_trial(loop, 9, start=np.full(loop.n, np.nan))
+    with pytest.raises(EngineError, match="holds NaN"):
+        run_trial(loop, 9, disturbance=np.full((9, loop.Gamma.shape[1]), np.nan))
+    for t, y, u in ((np.zeros(0), np.zeros(0), np.zeros((0, 1))), (np.arange(3.0), np.array([1, np.nan, 0]), np.zeros((3, 1))),
+                    (np.arange(3.0), np.zeros(3), np.zeros(3))):
+        with pytest.raises(ShapeError, match="at least one sample"):
+            response_measures(t, y, u, 0.1)
+
+
+def test_a_controller_pole_that_tustin_cannot_map_is_named() -> None:
+    with pytest.raises(EngineError, match="2/dt = 40 rad/s"):
+        sampled_controller(Plant([[40.0]], [[1.0]], [[1.0]]), 0.05)
+    kf = KalmanFilter([[0.9]], [[1.0]], [[1.0]], 1.0, 1.0, dt=0.1)
+    with pytest.raises(EngineError, match="at least one sample"):
+        recursive_controller(kf, [[0.1]], Belief([0.0], [[1.0]]), 0)
