@@ -35,6 +35,7 @@ RANK = 1e-9  # relative singular value below which a sensor counts as blind
 SETTLED = 1e-13
 MOST_STEPS = 20_000
 HOPELESS = 1e100  # times Q
+SINGULAR = "The covariance S of the innovation is singular: give every sensor some noise R."
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,12 @@ def measured(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, n
     """Covariances after a measurement in Joseph's form (…, n, n), and the filter gains M = P Cᵀ(C P Cᵀ + R)⁻¹ (…, n, p)."""
     CP = C @ P
     S = CP @ C.T + R
-    M = np.swapaxes(CP / S if len(C) == 1 else np.linalg.solve(S, CP), -1, -2)
+    try:
+        if len(C) == 1 and not S.all():
+            raise np.linalg.LinAlgError
+        M = np.swapaxes(CP / S if len(C) == 1 else np.linalg.solve(S, CP), -1, -2)
+    except np.linalg.LinAlgError:
+        raise EngineError(SINGULAR) from None
     keep = np.eye(P.shape[-1]) - M @ C
     return keep @ P @ np.swapaxes(keep, -1, -2) + M @ R @ np.swapaxes(M, -1, -2), M
 
@@ -83,6 +89,8 @@ def intermittent_steps(A: object, C: object, Q: object, R: object, P0: object, h
     """
     A, C, Q, R = _model(A, C, Q, R)
     heard = np.asarray(heard, dtype=float)
+    if not heard.ndim or not np.all((heard >= 0) & (heard <= 1)):
+        raise EngineError("A record of packets holds 1 for each that arrived and 0 for each that was lost.")
     P = np.broadcast_to(as_covariance(P0, "P0", len(A)), (*heard.shape[:-1], *A.shape))
     yield P
     for k in range(heard.shape[-1]):
@@ -118,6 +126,8 @@ def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: ob
 def mean_lower_limit(A: object, Q: object, loss: float) -> np.ndarray:
     """S = loss A S Aᵀ + Q, n×n: below the mean covariance after many steps. Raises RiccatiError where there is none."""
     A = as_matrix(A, "A")
+    if A.shape[0] != A.shape[1]:
+        raise ShapeError(f"A must be square; it is {A.shape[0]}×{A.shape[1]}.")
     p = float(_probability(loss))
     if p * spectral_radius(A) ** 2 >= 1:
         raise RiccatiError("More packets are lost than the critical share, so the mean covariance has no limit; "
@@ -128,14 +138,14 @@ def mean_lower_limit(A: object, Q: object, loss: float) -> np.ndarray:
 def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:
     """X = g(X) = A X Aᵀ + Q − (1 − loss) A X Cᵀ(C X Cᵀ + R)⁻¹ C X Aᵀ, n×n: above the mean covariance after many steps.
 
-    Steps of g from zero until their gain L stabilises the linear map X ↦ loss A X Aᵀ + (1 − loss)(A − LC) X (A − LC)ᵀ
+    Steps of g from Q = g(0) until their gain L stabilises the linear map X ↦ loss A X Aᵀ + (1 − loss)(A − LC) X (A − LC)ᵀ
     + …, then Newton's method on it. Raises RiccatiError where there is no solution.
     """
     A, C, Q, R = _model(A, C, Q, R)
-    p, n = float(_probability(loss)), len(A)
+    p = float(_probability(loss))
     if p > critical_loss(A, C).lost:
         raise RiccatiError(NO_LIMIT)
-    X, look = np.zeros((n, n)), 16
+    X, look = Q, 16  # g(0)
     for k in range(MOST_STEPS):
         new = riccati_step(X, A, C, Q, R, 1 - p)
         done = np.abs(new - X).max() <= SETTLED * np.abs(new).max()
@@ -180,9 +190,7 @@ def critical_loss(A: object, C: object) -> CriticalLoss:
     modes at once (as a square regular C does). With sensors of rank one safe = 1/∏|λᵤ|² over the unstable modes; else
     it is found by bisection on `lossy_growth`. Raises EngineError where an unstable mode is hidden.
     """
-    A, C = as_matrix(A, "A"), as_matrix(C, "C")
-    if A.shape[0] != A.shape[1] or C.shape[1] != len(A):
-        raise ShapeError(f"A must be square and C as wide; A is {A.shape[0]}×{A.shape[1]}, C {C.shape[0]}×{C.shape[1]}.")
+    A, C = _pair(A, C)
     Au, Cu = _unstable(A, C)
     n = len(Au)
     if n == 0:
@@ -211,7 +219,9 @@ def lossy_growth(A: object, C: object, loss: float, steps: int = 4000) -> float:
     The modified Riccati equation has a solution where this is below 1: a test by power iteration, without inequalities
     of matrices. A should hold unstable modes only.
     """
-    A, C = as_matrix(A, "A"), as_matrix(C, "C")
+    A, C = _pair(A, C)
+    if not C.any():
+        return spectral_radius(A) ** 2
     p, X, growth = float(_probability(loss)), np.eye(len(A)), 0.0
     R = np.eye(len(C))
     for _ in range(steps):
@@ -247,8 +257,13 @@ def _probability(loss: object) -> np.ndarray:
     return p
 
 
-def _model(A: object, C: object, Q: object, R: object) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def _pair(A: object, C: object) -> tuple[np.ndarray, np.ndarray]:
     A, C = as_matrix(A, "A"), as_matrix(C, "C")
     if A.shape[0] != A.shape[1] or C.shape[1] != len(A):
         raise ShapeError(f"A must be square and C as wide; A is {A.shape[0]}×{A.shape[1]}, C {C.shape[0]}×{C.shape[1]}.")
+    return A, C
+
+
+def _model(A: object, C: object, Q: object, R: object) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    A, C = _pair(A, C)
     return A, C, as_covariance(Q, "Q", len(A)), as_covariance(R, "R", len(C))

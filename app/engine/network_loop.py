@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from .errors import EngineError
-from .plant import Plant
+from .errors import EngineError, ShapeError
+from .plant import Plant, as_matrix
 
 __all__ = ["delayed_loop", "mean_square_growth"]
 
@@ -17,10 +17,13 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, told: L
     """The loop of filter gain M with inputs `delay` samples late, as z⁺ = F z on z = (x, u[k−1] … u[k−delay], e).
 
     e = x − x̂[k|k−1], u = −K x̂[k|k] (`ahead` > 0: of the state predicted so far on). The lower left block, from
-    (x, u) into e, is zero where the observer is told the applied input; F is (2n + delay m) square.
+    (x, u) into e, is zero where the observer is told the applied input; F is (2n + delay m) square. Raises ShapeError,
+    EngineError.
     """
-    A, B, C = plant.A, plant.B, plant.C
+    A, B, C, K, M = plant.A, plant.B, plant.C, as_matrix(K, "K"), as_matrix(M, "M")
     n, m = B.shape
+    if K.shape != (m, n) or M.shape != (n, plant.p):
+        raise ShapeError(f"K must be {m}×{n} and M {n}×{plant.p}; they are {K.shape} and {M.shape}.")
     N = n + delay * m
     E = np.eye(n) - M @ C
     if ahead > delay:
@@ -51,8 +54,12 @@ def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Litera
     """Growth of E‖x‖² a sample under u = −K x when each input is lost with probability `loss`: below 1 it dies out.
 
     The spectral radius of X ↦ (1 − loss) F X Fᵀ + loss G X Gᵀ, F and G being the loop with and without the packet,
-    (x, last input) where inputs are held.
+    (x, last input) where inputs are held. Raises EngineError.
     """
+    if not 0 <= loss <= 1:
+        raise EngineError("A loss is a probability: choose it within 0 … 1.")
+    if on_loss not in ("hold", "zero"):
+        raise EngineError('on_loss must be "hold" or "zero".')
     A, B = plant.A, plant.B
     n, m = B.shape
     if on_loss == "zero":

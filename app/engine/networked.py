@@ -57,8 +57,8 @@ class NetworkScenario:
         plant = self.plant
         if not plant.dt or np.any(plant.D):
             raise EngineError("A loop over packets needs a sampled plant (dt > 0) without direct feedthrough D.")
-        if self.steps < 1 or self.ahead < 0:
-            raise EngineError("A run needs at least one sample, and the controller cannot look back.")
+        if any(not isinstance(count, (int, np.integer)) for count in (self.steps, self.ahead)) or self.steps < 1 or self.ahead < 0:
+            raise EngineError("A run needs a whole number of samples, at least one, and the controller cannot look back.")
         for name, value, allowed in (("on_loss", self.on_loss, ("hold", "zero")), ("told", self.told, ("asked", "applied")),
                                      ("order", self.order, ("stamped", "arrival"))):
             if value not in allowed:

@@ -28,7 +28,7 @@ class Link:
     def __post_init__(self) -> None:
         if not 0 <= self.loss <= 1:
             raise EngineError("A loss is a probability: choose it within 0 … 1.")
-        if min(self.delay, self.jitter) < 0 or self.latest > LATEST:
+        if not all(isinstance(late, (int, np.integer)) and late >= 0 for late in (self.delay, self.jitter)) or self.latest > LATEST:
             raise EngineError(f"Delay and jitter are whole numbers of samples ≥ 0, together at most {LATEST}.")
 
     @property

@@ -194,3 +194,24 @@ def test_a_loss_is_a_probability() -> None:
     for loss in (-0.1, 1.1, np.nan):
         with pytest.raises(EngineError, match="probability"):
             mean_bounds(*TWO, np.eye(2), loss, 3)
+
+
+def test_perfect_sensors_have_a_solution_and_a_singular_innovation_is_named() -> None:
+    """R = 0 ended in the library's error or in NaN, because the recursion began at P = 0."""
+    A, Q = np.array([[1.2]]), np.eye(1)
+    assert mare(A, np.eye(1), Q, 0.0, 0.1) == pytest.approx(1 / (1 - 0.1 * 1.44))  # P = loss a² P + q
+    two = mare(TWO[0], np.eye(2), np.eye(2), 0.0, 0.1)
+    assert two == pytest.approx(0.1 * TWO[0] @ two @ TWO[0].T + np.eye(2))
+    for C in (np.eye(1), np.ones((2, 1))):
+        with pytest.raises(EngineError, match="innovation is singular"):
+            intermittent_covariances(A, C, Q, 0.0, 0.0, [True, True])
+
+
+def test_a_blind_sensor_leaves_the_growth_of_the_plant() -> None:
+    assert lossy_growth(np.diag([1.2, 1.1]), np.zeros((2, 2)), 0.3) == pytest.approx(1.44)
+
+
+def test_a_record_of_packets_is_zeros_and_ones() -> None:
+    for heard in ([0.0, np.nan], [2.0], 1.0):
+        with pytest.raises(EngineError, match="record of packets"):
+            intermittent_covariances(*TWO, np.eye(2), heard)

@@ -243,3 +243,23 @@ def test_wrong_shapes_and_links_are_refused() -> None:
             Link(loss, delay, jitter)
     with pytest.raises(EngineError):
         delayed_loop(PLANT, K, STEADY.filter_gain, 1, "applied", 2)
+
+
+def test_half_a_sample_of_delay_is_refused_and_a_loss_is_a_probability() -> None:
+    for delay, jitter in ((0.5, 0), (0, 1.5), (float("nan"), 0)):
+        with pytest.raises(EngineError, match="whole numbers"):
+            Link(0.1, delay, jitter)  # type: ignore[arg-type]
+    with pytest.raises(EngineError, match="whole number"):
+        scenario(steps=2.5)
+    for loss in (1.5, float("nan")):
+        with pytest.raises(EngineError, match="probability"):
+            mean_square_growth(PLANT, K, loss, "hold")
+    with pytest.raises(EngineError, match="on_loss"):
+        mean_square_growth(PLANT, K, 0.1, "drop")  # type: ignore[arg-type]
+    with pytest.raises(ShapeError):
+        delayed_loop(PLANT, K[:, :1], STEADY.filter_gain, 1)
+
+
+def test_a_known_start_with_perfect_sensors_is_not_a_run_that_diverged() -> None:
+    with pytest.raises(EngineError, match="innovation is singular"):
+        simulate_network(scenario(P0=0.0, R=0.0))
