@@ -10,6 +10,7 @@ import numpy as np
 
 from .bilinear import BilinearForm, BilinearPlant
 from .errors import EngineError, ShapeError
+from .plant import as_matrix
 
 __all__ = ["BilinearRun", "simulate_bilinear"]
 
@@ -53,9 +54,12 @@ def simulate_bilinear(
     decay of the error also where u jumps. x0 (n,), z0 (q,); horizon and dt in s. Raises ShapeError for starts of the
     wrong length, EngineError for a grid or an input that is not finite or has too many steps.
     """
-    x0, z0 = (np.asarray(v, dtype=float).ravel() for v in (x0, z0))
+    x0, z0 = (as_matrix(v, name).ravel() for v, name in ((x0, "x0"), (z0, "z0")))
     if x0.size != plant.n or z0.size != form.A.shape[0]:
         raise ShapeError(f"x0 must have {plant.n} entries and z0 {form.A.shape[0]}; they have {x0.size} and {z0.size}.")
+    K = as_matrix(K, "K")
+    if K.shape[1] != plant.n:
+        raise ShapeError(f"K must have {plant.n} columns, one for each state; it has {K.shape[1]}.")
     if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MOST_STEPS):
         raise EngineError(f"The horizon must be positive and hold between 1 and {MOST_STEPS} steps dt.")
     t = np.arange(round(horizon / dt) + 1) * dt
@@ -77,13 +81,16 @@ def simulate_bilinear(
 def _record(plant: BilinearPlant, form: BilinearForm, K: np.ndarray, u: Callable[[np.ndarray], Any], t: np.ndarray,
             states: np.ndarray, diverged_at: float | None) -> BilinearRun:
     x, z = states[:, :plant.n], states[:, plant.n:-1]
-    y, g = x @ plant.C.T, x @ np.asarray(K).T
+    y, g = x @ plant.C.T, x @ K.T
     estimate = y @ form.G_y.T + z @ form.G_z.T
     return BilinearRun(t, _input(u, t), x, z, y, g, estimate, estimate - g, diverged_at)
 
 
 def _input(u: Callable[[np.ndarray], Any], t: np.ndarray) -> np.ndarray:
-    values = np.array(np.broadcast_to(np.asarray(u(t), dtype=float), t.shape))
+    try:
+        values = np.array(np.broadcast_to(np.asarray(u(t), dtype=float), t.shape))
+    except ValueError as problem:
+        raise ShapeError("u(t) must give as many numbers as it is given times.") from problem
     if not np.isfinite(values).all():
         raise EngineError("The input u(t) must be a finite number at all times of the run.")
     return values

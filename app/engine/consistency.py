@@ -14,6 +14,7 @@ __all__ = ["InnovationTest", "SquaredError", "Whiteness", "chi2_band", "independ
            "whiteness"]
 
 Band = tuple[float, float]
+ROUNDING = 1e-14  # of the largest value: a channel that varies less is constant
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +97,7 @@ def chi2_band(dof: int, count: float = 1, level: float = 0.95) -> Band:
     """
     if not 0 < level < 1:
         raise EngineError("The level must lie between 0 and 1, for example 0.95.")
-    if dof < 1 or not count > 0:
+    if not (dof >= 1 and count > 0):
         raise EngineError("A χ² band needs at least one degree of freedom and one value.")
     tail = (1 - level) / 2
     low, high = chi2.ppf([tail, 1 - tail], dof * count) / count
@@ -187,7 +188,7 @@ def whiteness(innovations: object, lags: int = 20, level: float = 0.95) -> White
     chi2_band(1, 1, level)
     away = nu - nu.mean(axis=0)
     spread = np.sqrt((away**2).mean(axis=0))
-    if not (spread > 0).all():
+    if not (spread > ROUNDING * np.abs(nu).max(axis=0)).all():
         raise EngineError("A channel of the innovations is constant; leave it out of the test.")
     away = away / spread
     C0 = away.T @ away / N

@@ -88,9 +88,10 @@ def _points(plant: Plant, omega: np.ndarray) -> np.ndarray:
 def error_index(observer: FunctionalObserver, wrong: Perturbations | None = None) -> float:
     """Σ αᵢ ‖N(sI − F)⁻¹ T Aᵢ‖_∞ + Σ βᵢ ‖N(sI − F)⁻¹ L Cᵢ + M Cᵢ‖_∞: bounds ‖N(sI − F)⁻¹Δ₁ + Δ₂‖_∞ for |δᵢ| ≤ αᵢ, βᵢ.
 
-    The better index beside J: unchanged by W and by the scale of gᵢ, and large where N is. Continuous plants.
-    `wrong`: default that of the observer.
+    The better index beside J: unchanged by W and by the scale of gᵢ, and large where N is. `wrong`: default that of the
+    observer. Raises EngineError for a sampled plant.
     """
+    _continuous(observer)
     o, w = observer, observer.wrong if wrong is None else wrong
     nothing = np.zeros((len(o.K), o.plant.n))
     parts = [a * peak_gain(o.F, o.T @ d, o.N, nothing)[0] for a, d in zip(w.alpha, w.A, strict=True) if a]
@@ -98,8 +99,17 @@ def error_index(observer: FunctionalObserver, wrong: Perturbations | None = None
     return float(sum(parts))
 
 
+def _continuous(observer: FunctionalObserver) -> None:
+    if observer.plant.dt:
+        raise EngineError("This index is for continuous plants; judge a sampled one by its runs.")
+
+
 def worst_error_gain(observer: FunctionalObserver, errors: Iterable[tuple[np.ndarray, np.ndarray]]) -> float:
-    """Largest ‖v → e_u‖_∞ over the true plants (ΔA, ΔC), infinite where one of their loops is unstable."""
+    """Largest ‖v → e_u‖_∞ over the true plants (ΔA, ΔC), infinite where one of their loops is unstable.
+
+    Raises EngineError for a sampled plant.
+    """
+    _continuous(observer)
     worst = 0.0
     for dA, dC in errors:
         loop = perturbed_loop(observer, dA, None, dC)

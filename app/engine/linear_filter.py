@@ -87,14 +87,16 @@ class LinearFilter(ABC):
         """x̂[k+1|k] = A x̂ + B u, P[k+1|k] = A P Aᵀ + Q: the belief one step later, before its measurement. u is (m,)."""
         mean = self.A @ self._fitting(belief).mean
         if u is not None:
-            mean = mean + self.B @ self._vector(u, "u", self.B.shape[1])
+            mean = mean + self.B @ self._input(u)
         return self.belief(mean, self.forward(self.spread(belief)))
 
     def correct(self, belief: Belief, y: object, u: object | None = None) -> Correction:
         """The measurement y (p,) taken in: x̂ + M ν with ν = y − C x̂ − D u, M = P Cᵀ S⁻¹, S = C P Cᵀ + R."""
         nu = self._vector(y, "y", len(self.C)) - self.C @ self._fitting(belief).mean
         if u is not None:
-            nu = nu - self.D @ self._vector(u, "u", self.B.shape[1])
+            nu = nu - self.D @ self._input(u)
+        if np.isinf(nu).any():
+            raise EngineError("A measurement is infinite; give NaN where none arrived.")
         S, M, spread = self.corrected(self.spread(belief), np.isfinite(nu))
         return Correction(self.belief(belief.mean + M @ np.nan_to_num(nu), spread), nu, S, M)
 
@@ -170,6 +172,12 @@ class LinearFilter(ABC):
         vector = np.asarray(value, dtype=float).reshape(-1)
         if vector.size != size:
             raise ShapeError(f"{name} must hold {size} numbers; it holds {vector.size}.")
+        return vector
+
+    def _input(self, u: object) -> np.ndarray:
+        vector = self._vector(u, "u", self.B.shape[1])
+        if not np.isfinite(vector).all():
+            raise EngineError("u holds NaN or infinity; every entry must be a finite number.")
         return vector
 
     # --- how the covariance is carried ---------------------------------------------------------------------------------

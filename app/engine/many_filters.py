@@ -90,6 +90,12 @@ class ManyFilters(ABC):
                              f"{len(self.Q)}×{len(self.Q)}; they must agree.")
         return beliefs
 
+    def _innovation(self, y: np.ndarray, expected: np.ndarray) -> np.ndarray:
+        if y.shape != expected.shape or len(y) != len(self.R):
+            raise ShapeError(f"y must be {expected.shape[0]}×{expected.shape[1]}, a row for each output of h and a column for "
+                             f"each run; it is {y.shape}, and R is for {len(self.R)} outputs.")
+        return y - expected
+
 
 def gains(S: np.ndarray, across: np.ndarray) -> np.ndarray:
     """M = P_xy S⁻¹ (N, n, p) from S (N, p, p) and P_xy (N, n, p)."""
@@ -135,7 +141,7 @@ class ExtendedFilters(ManyFilters):
     def correct(self, beliefs: Beliefs, y: np.ndarray, u: np.ndarray) -> Corrections:
         """ŷ = h(x̂, u), S = H P Hᵀ + R, P_xy = P Hᵀ."""
         expected, H = slopes(self.h, beliefs.mean, u) if self.h_expand is None else self.h_expand(beliefs.mean, u)
-        return expanded_correction(beliefs, y - expected, H, self.R)
+        return expanded_correction(beliefs, self._innovation(y, expected), H, self.R)
 
 
 def expanded_correction(beliefs: Beliefs, nu: np.ndarray, H: np.ndarray, R: np.ndarray) -> Corrections:
@@ -185,7 +191,7 @@ class LinearFilters(ManyFilters):
         """The one gain for all runs."""
         *_, h0, C, x, _ = self.expanded
         shared = replace(beliefs, covariance=beliefs.covariance[:1])
-        return expanded_correction(shared, y - h0 - C @ (beliefs.mean - x), C[None], self.R)
+        return expanded_correction(shared, self._innovation(y, h0 + C @ (beliefs.mean - x)), C[None], self.R)
 
 
 @dataclass(frozen=True, eq=False)
@@ -227,12 +233,13 @@ class UnscentedFilters(ManyFilters):
 
     def correct(self, beliefs: Beliefs, y: np.ndarray, u: np.ndarray) -> Corrections:
         """ŷ, S, P_xy over the sigma points; P − M S Mᵀ."""
-        points = self.points(beliefs) if beliefs.points is None else beliefs.points
+        points = self.points(self._fitting(beliefs)) if beliefs.points is None else beliefs.points
         expected, away = centred(through(self.h, points, u), self.weights[1])
+        nu = self._innovation(y, expected)
         weighted = (away * self.weights[2][:, None]).transpose(2, 1, 0)
         S = even(away.transpose(2, 0, 1) @ weighted) + self.R
         across = (points - beliefs.mean[:, None, :]).transpose(2, 0, 1) @ weighted
-        M, nu = gains(S, across), y - expected
+        M = gains(S, across)
         after = even(beliefs.covariance - M @ S @ M.swapaxes(1, 2))
         return Corrections(Beliefs(beliefs.mean + moved(M, nu), after), nu, S)
 
@@ -269,4 +276,7 @@ def roots(P: np.ndarray) -> np.ndarray:
         spread = np.sqrt(np.maximum(np.diagonal(P, axis1=1, axis2=2), 1e-300))
         scale = spread[:, :, None] * spread[:, None, :]
         values, vectors = np.linalg.eigh(np.nan_to_num(P / scale))
-        return spread[:, :, None] * (vectors * np.sqrt(np.maximum(values, LEAST))[:, None, :])
+        factors = spread[:, :, None] * (vectors * np.sqrt(np.maximum(values, LEAST))[:, None, :])
+        whole = (values[:, 0] > LEAST) & np.isfinite(P).all(axis=(1, 2))  # these have Cholesky's, whatever befalls the others
+        factors[whole] = np.linalg.cholesky(P[whole])
+        return factors

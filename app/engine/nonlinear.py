@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from .belief import Belief, Correction, as_covariance, symmetric
-from .errors import ShapeError
+from .errors import EngineError, ShapeError
 from .jacobian import columns, expand
 from .kalman import gain_of, joseph
 from .noise import root
@@ -70,6 +70,8 @@ class NonlinearFilter(ABC):
             raise ShapeError(f"y must hold {self.p} numbers; it holds {y.size}.")
         expected, S, across = self.expected(belief, u)
         nu = y - expected
+        if np.isinf(nu).any():
+            raise EngineError("A measurement is infinite; give NaN where none arrived.")
         seen = np.isfinite(nu)
         if np.count_nonzero(seen) == seen.size:
             M = gain_of(S, across.T)

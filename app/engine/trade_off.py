@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 
-from .errors import EngineError
+from .belief import as_covariance
+from .errors import EngineError, ShapeError
 from .optimal import dlqe, lqe
 from .plant import Plant, as_matrix
 from .scan import step_matrices
@@ -45,18 +46,28 @@ class Ladder:
 def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> ErrorParts:
     """F P + P Fᵀ + G W Gᵀ = 0 and F P + P Fᵀ + L V Lᵀ = 0, F = A − LC; F P Fᵀ − P + … = 0 for a plant with dt > 0.
 
-    L n×p, G n×q, W q×q and V p×p intensities (covariances of a sample where dt > 0). Raises EngineError where the error
-    does not settle.
+    L n×p, G n×q, W q×q and V p×p intensities (covariances of a sample where dt > 0; a number is that number times I).
+    Raises ShapeError, EngineError where the error does not settle.
     """
-    L, G = as_matrix(L, "L"), as_matrix(G, "G")
+    L, G = _gain(plant, L), as_matrix(G, "G")
+    if G.shape[0] != plant.n:
+        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+    W, V = as_covariance(W, "W", G.shape[1]), as_covariance(V, "V", plant.p)
     F = plant.A - L @ plant.C
     poles = np.linalg.eigvals(F)
     worst = float((np.abs(poles) - 1 if plant.dt else np.real(poles)).max())
     if worst >= -SLOWEST * max(float(np.abs(poles).max()), 1e-300):
         raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move its poles.")
-    pushes = (G @ as_matrix(W, "W") @ G.T, L @ as_matrix(V, "V") @ L.T)
+    pushes = (G @ W @ G.T, L @ V @ L.T)
     found = [_summed(F, Q) if plant.dt else solve_continuous_lyapunov(F, -Q) for Q in pushes]
     return ErrorParts(*((P + P.T) / 2 for P in found))
+
+
+def _gain(plant: Plant, L: object) -> np.ndarray:
+    L = as_matrix(L, "L")
+    if L.shape != (plant.n, plant.p):
+        raise ShapeError(f"L must be {plant.n}×{plant.p}; it is {L.shape[0]}×{L.shape[1]}.")
+    return L
 
 
 def _summed(F: np.ndarray, Q: np.ndarray) -> np.ndarray:
@@ -78,7 +89,9 @@ def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: flo
     `parts` as `error_parts` gives them, rows k×n, dt the step in s (the plant's own period where it is sampled).
     P_j = P_h − Φʲ P_h Φᵀʲ, with P_h the limit for sensor noise of covariance V/dt held over a step.
     """
-    L, V, C = as_matrix(L, "L"), as_matrix(V, "V"), as_matrix(rows, "rows")
+    L, V, C = _gain(plant, L), as_covariance(V, "V", plant.p), as_matrix(rows, "rows")
+    if C.shape[1] != plant.n:
+        raise ShapeError(f"rows must have {plant.n} columns, one for each state; it has {C.shape[1]}.")
     F = plant.A - L @ plant.C
     if plant.dt:
         Phi, limit = F, parts.total

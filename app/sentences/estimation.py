@@ -64,4 +64,7 @@ SENTENCES = (
     ("A χ² statistic needs at least one degree of freedom.", "χ² 统计量至少要有一个自由度。"),
     ("A residual must be (n_t, …, q) with at least one window of {} samples; it is {}.",
      "残差应为 (n_t, …, q)，且至少含一个 {} 个采样的窗口；现为 {}。"),
+    ("This index is for continuous plants; judge a sampled one by its runs.", "该指标只用于连续对象；采样对象请由其运行来评判。"),
+    ("z = {} is a pole of the plant or of the bank, where there is no response; take another.",
+     "z = {} 是对象或观测器组的极点，此处没有响应；请另取一点。"),
 )

@@ -248,3 +248,14 @@ def test_divisors_of_zero_and_of_one(seed, p, q, rank):
         np.testing.assert_allclose(left @ M @ right, shape, atol=1e-7)
         assert np.linalg.matrix_rank(left) == p and np.linalg.matrix_rank(right) == q
         np.testing.assert_allclose(M @ c.summary @ M, M, atol=1e-7 * np.abs(M).max(initial=1e-300))
+
+
+def test_a_run_is_refused_where_its_parts_do_not_fit():
+    observer = bilinear_functional_observer(*(getattr(example.PLANT, k) for k in "ABFC"), example.K, example.POLE)
+    form, x0, z0 = observer.without_derivative, np.ones(observer.plant.n), np.zeros(observer.order)
+    with pytest.raises(EngineError, match="x0 holds NaN"):
+        simulate_bilinear(observer.plant, form, observer.K, np.sin, np.nan * x0, z0)
+    with pytest.raises(ShapeError, match="K must have"):
+        simulate_bilinear(observer.plant, form, np.ones((1, 2)), np.sin, x0, z0)
+    with pytest.raises(ShapeError, match="as many numbers"):
+        simulate_bilinear(observer.plant, form, observer.K, lambda t: np.ones(7), x0, z0)

@@ -265,3 +265,12 @@ def test_nees_takes_the_count_that_it_is_told():
 def test_independent_errors_refuses_nonsense(arguments, words):
     with pytest.raises(EngineError, match=words):
         independent_errors(*arguments)
+
+
+def test_a_constant_channel_is_constant_whatever_its_value():
+    """The mean of a hundred times 0.1 is not quite 0.1; what was left over was tested for whiteness."""
+    for value in (0.1, 1e9 / 3, 0.0):
+        with pytest.raises(EngineError, match="is constant"):
+            whiteness(np.full(100, value))
+    with pytest.raises(EngineError, match="degree of freedom"):
+        chi2_band(np.nan)

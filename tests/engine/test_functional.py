@@ -9,7 +9,7 @@ from paper_examples import ONE, TWO, two
 from app.engine.coprime import coprime_factors
 from app.engine.errors import EngineError, PoleError, ShapeError
 from app.engine.functional import functional_observer
-from app.engine.functional_loop import error_index, error_transfer, peak_gain, run_functional
+from app.engine.functional_loop import error_index, error_transfer, peak_gain, run_functional, worst_error_gain
 from app.engine.perturbation import criterion, every_entry, perturbations, vertices
 from app.engine.plant import Plant
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
@@ -194,3 +194,13 @@ def test_a_loop_that_runs_away_is_cut_off():
     o = functional_observer(ONE, EXAMPLE_1.K, 1, [-5])
     run = run_functional(o, push, EXAMPLE_1.x0, EXAMPLE_1.z0, 40.0, dA=np.diag([30.0, 30.0]))
     assert run.diverged_at is not None and np.isfinite(run.e_u).all()
+
+
+def test_indices_of_continuous_time_refuse_a_sampled_plant():
+    """The poles of a sampled plant were read as continuous ones: every stable loop counted as unstable."""
+    plant = Plant([[0.5, 1, 0], [0, 0.2, 1], [0, 0, 0.3]], [[0], [0], [1]], [[1.0, 0, 0]], dt=1.0)
+    observer = functional_observer(plant, [[1.0, 1, 1]], 2)
+    with pytest.raises(EngineError, match="continuous plants"):
+        error_index(observer)
+    with pytest.raises(EngineError, match="continuous plants"):
+        worst_error_gain(observer, [(0.01 * np.eye(3), np.zeros((1, 3)))])

@@ -300,3 +300,15 @@ def test_beliefs_are_immutable_and_copied():
     assert belief.mean[0] == 0
     with pytest.raises(ValueError):
         belief.mean[0] = 1
+
+
+@pytest.mark.parametrize("kind", [KalmanFilter, SquareRootFilter])
+def test_an_infinite_measurement_or_an_unknown_input_does_not_pass_for_a_missing_one(kind):
+    filter_, belief = kind([[1.2]], [[1.0]], [[1.0]], 1.0, 1.0), Belief([0.0], [[1.0]])
+    assert filter_.update(belief, [np.nan]).mean == 0
+    with pytest.raises(EngineError, match="infinite"):
+        filter_.update(belief, [np.inf])
+    with pytest.raises(EngineError, match="u holds NaN"):
+        filter_.update(belief, [1.0], [np.nan])
+    with pytest.raises(EngineError, match="u holds NaN"):
+        filter_.predict(belief, [np.nan])

@@ -226,3 +226,24 @@ def test_growth_model_makes_the_extended_filter_overconfident_for_every_seed_and
 def test_bad_batches_get_one_sentence(call, sentence):
     with pytest.raises((EngineError, ShapeError), match=sentence):
         call()
+
+
+def test_a_run_is_not_touched_by_the_breakdown_of_another():
+    """One covariance without a Cholesky factor changed the sigma points of all runs beside it."""
+    rng = np.random.default_rng(2)
+    P = np.array([[2.0, 0.9, 0.3], [0.9, 1.0, 0.1], [0.3, 0.1, 0.5]])
+    ukf = UnscentedFilters(lambda x, u: np.sin(x) + x**3, lambda x, u: x[:1]**2, 0.01 * np.eye(3), np.eye(1))
+    mean = rng.standard_normal((3, 2))
+    alone = ukf.predict(Beliefs(mean[:, :1], P[None]), np.zeros((0, 1)))
+    for broken in (np.diag([1.0, 1.0, 0.0]), np.diag([1.0, -1e-3, 1.0]), np.full((3, 3), np.nan)):
+        beside = ukf.predict(Beliefs(mean, np.stack([P, broken])), np.zeros((0, 1)))
+        np.testing.assert_allclose(beside.mean[:, 0], alone.mean[:, 0], rtol=1e-13)
+        np.testing.assert_allclose(beside.covariance[0], alone.covariance[0], rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", [ExtendedFilters, UnscentedFilters])
+def test_measurements_that_fit_neither_h_nor_R_are_told_in_a_sentence(kind):
+    start = Beliefs.alike([0.0, 0.0], np.eye(2), 3)
+    for rows, R in ((2, np.eye(1)), (1, np.eye(2))):
+        with pytest.raises(ShapeError, match="a row for each output of h"):
+            kind(lambda x, u: x, lambda x, u: x[:1], np.eye(2), R).correct(start, np.zeros((rows, 3)), np.zeros((0, 1)))

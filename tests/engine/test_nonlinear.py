@@ -183,3 +183,10 @@ def test_semidefinite_beliefs_have_sigma_points():
 def test_bad_filters_get_one_sentence(call, sentence):
     with np.errstate(all="ignore"), pytest.raises((EngineError, ShapeError), match=sentence):
         call()
+
+
+@pytest.mark.parametrize("kind", [ExtendedKalmanFilter, UnscentedKalmanFilter])
+def test_an_infinite_measurement_does_not_pass_for_a_missing_one(kind):
+    filter_ = kind(lambda x, u: 0.9 * x, lambda x, u: x[:1], np.eye(2), np.eye(1))
+    with pytest.raises(EngineError, match="infinite"):
+        filter_.update(Belief([0.0, 0.0], np.eye(2)), [-np.inf])

@@ -12,6 +12,7 @@ from app.engine import (
     EngineError,
     Plant,
     Scenario,
+    ShapeError,
     dlqe,
     error_parts,
     filter_trial,
@@ -95,3 +96,16 @@ def test_a_filter_on_trial_that_knows_the_truth_expects_as_many_as_it_reads() ->
         many = [filter_trial(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, believed, seed) for seed in range(30)]
         means = [float(nis(t.track.innovations[60:], t.track.S[60:]).mean) for t in many]
         assert abs(np.mean(means) / many[0].expected - 1) < 5 * np.std(means) / np.sqrt(30) / many[0].expected + 0.02
+
+
+def test_covariances_are_covariances_and_shapes_are_told() -> None:
+    plant = plant_of(4, 3, 0.0)
+    stable, L = Plant(plant.A - 3 * np.eye(3), plant.B, plant.C), np.zeros((3, 2))
+    with pytest.raises(EngineError, match="negative eigenvalue"):  # gave a negative covariance
+        error_parts(stable, L, np.eye(3), -np.eye(3), np.eye(2))
+    for wrong in ((np.eye(2), np.eye(3), np.eye(3)), (L, np.eye(2), np.eye(2)), (L, np.eye(3), np.eye(2))):
+        with pytest.raises(ShapeError):
+            error_parts(stable, *wrong, np.eye(2))
+    parts = error_parts(stable, L, np.eye(3), 1.0, 1.0)
+    with pytest.raises(ShapeError, match="rows must have 3"):
+        growing_error(stable, L, parts, 1.0, 0.1, np.eye(2), 5)
