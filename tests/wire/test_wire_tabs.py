@@ -132,7 +132,7 @@ def test_the_line_beside_the_clock_follows_the_plant_on_the_stage(enter: Enter, 
     def lines() -> str:
         return " ".join(str(w["props"].get("content")) for w in tab.widgets.values() if w["type"] == "GuiHtmlMessage")
     tab.until(lambda: "A ball on a ridge rolls away" in lines(), "the first caption")
-    tab.update("plant", value="Pole on a cart")
+    tab.update("case", value="Pole on a cart")
     tab.until(lambda: "A pole balanced on a cart" in lines(), "the new caption")
     assert "A ball on a ridge rolls away" not in lines()
 
@@ -163,7 +163,7 @@ def test_the_title_of_a_chart_follows_what_it_shows(enter: Enter, newest: Newest
     def titles() -> set[str]:
         return {w["props"].get("title") for w in tab.widgets.values() if w["type"] == "GuiUplotMessage"}
     tab.until(lambda: "place of the ball x" in titles(), "the first title")
-    tab.update("plant", value="Pole on a cart")
+    tab.update("case", value="Pole on a cart")
     tab.until(lambda: "angle of the pole" in titles(), "the new title")
     assert "place of the ball x" not in titles()
 
