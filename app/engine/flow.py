@@ -115,7 +115,8 @@ class NonlinearPlant:
         return self.output(x, u), self.output_slope(x, u)
 
     def linear(self, x: object, u: object) -> Plant:
-        """A, B, C of the expansion about a state (n,) and an input (m,); B by a complex step."""
+        """A, B, C, D of the expansion about a state (n,) and an input (m,); B and D by a complex step."""
         at, push = (np.asarray(v, dtype=float).reshape(-1, 1) for v in (x, u))
-        B = slopes(lambda v, _: self.rhs(at + 0 * v[:1], v), push, at)[1][0] if self.m else np.zeros((self.n, 0))
-        return Plant(self.slope(at, push)[0], B, self.output_slope(at, push)[0], name=self.name)
+        B, D = (slopes(lambda v, _, f=f: f(at + 0 * v[:1], v), push, at)[1][0] if self.m else np.zeros((rows, 0))
+                for f, rows in ((self.rhs, self.n), (self.output, self.p)))
+        return Plant(self.slope(at, push)[0], B, self.output_slope(at, push)[0], D, name=self.name)

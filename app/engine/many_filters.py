@@ -52,7 +52,7 @@ class Corrections:
 
 @dataclass(frozen=True, eq=False)
 class ManyFilters(ABC):
-    """N filters side by side for x[k+1] = f(x[k], u[k]) + w[k], y[k] = h(x[k]) + v[k], covariances Q (n×n) and R (p×p).
+    """N filters side by side for x[k+1] = f(x[k], u[k]) + w[k], y[k] = h(x[k], u[k]) + v[k], covariances Q (n×n) and R (p×p).
 
     f and h take columns, x (n, N) and u (m, N) or (m, 1), and return (n, N) and (p, N), as in `NonlinearFilter`; a `Flow`
     is such an f. Steps are pure. Raises ShapeError, EngineError.
@@ -166,7 +166,7 @@ def moved(M: np.ndarray, nu: np.ndarray) -> np.ndarray:
 class LinearFilters(ManyFilters):
     """Kalman filters of the plant expanded once, about x_rest (n,) and u_rest (m,): all runs share one covariance.
 
-    x̂[k+1|k] = f₀ + A (x̂ − x_rest) + B (u − u_rest), ŷ = h₀ + C (x̂ − x_rest).
+    x̂[k+1|k] = f₀ + A (x̂ − x_rest) + B (u − u_rest), ŷ = h₀ + C (x̂ − x_rest) + D (u − u_rest).
     """
 
     x_rest: np.ndarray
@@ -174,12 +174,13 @@ class LinearFilters(ManyFilters):
 
     @cached_property
     def expanded(self) -> tuple[np.ndarray, ...]:
-        """f₀ (n, 1), A, B, h₀ (p, 1), C, all by a complex step."""
+        """f₀ (n, 1), A, B, h₀ (p, 1), C, D, all by a complex step."""
         x, u = (np.asarray(v, dtype=float)[:, None] for v in (self.x_rest, self.u_rest))
         f0, A = slopes(self.f, x, u)
         h0, C = slopes(self.h, x, u)
-        B = np.zeros((len(x), 0)) if not len(u) else slopes(lambda v, _: self.f(x + 0 * v[:1], v), u, x)[1][0]
-        return f0, A[0], B, h0, C[0], x, u
+        B, D = (np.zeros((rows, 0)) if not len(u) else slopes(lambda v, _, f=f: f(x + 0 * v[:1], v), u, x)[1][0]
+                for f, rows in ((self.f, len(x)), (self.h, len(h0))))
+        return f0, A[0], B, h0, C[0], D, x, u
 
     def predict(self, beliefs: Beliefs, u: np.ndarray) -> Beliefs:
         """A P Aᵀ + Q, whatever was measured."""
@@ -189,9 +190,9 @@ class LinearFilters(ManyFilters):
 
     def correct(self, beliefs: Beliefs, y: np.ndarray, u: np.ndarray) -> Corrections:
         """The one gain for all runs."""
-        *_, h0, C, x, _ = self.expanded
+        *_, h0, C, D, x, rest = self.expanded
         shared = replace(beliefs, covariance=beliefs.covariance[:1])
-        return expanded_correction(shared, self._innovation(y, h0 + C @ (beliefs.mean - x)), C[None], self.R)
+        return expanded_correction(shared, self._innovation(y, h0 + C @ (beliefs.mean - x) + D @ (u - rest)), C[None], self.R)
 
 
 @dataclass(frozen=True, eq=False)

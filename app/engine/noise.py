@@ -34,6 +34,13 @@ def root(covariance: np.ndarray) -> np.ndarray:
     return spread[:, None] * ((vectors * np.sqrt(np.maximum(values, 0.0))) @ vectors.T)
 
 
+def _inverse(covariance: np.ndarray) -> np.ndarray:
+    """The pseudo-inverse of a covariance, whatever the units of its entries: a small variance is not none."""
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+    scale = np.outer(*[np.where(spread > 0, spread, 1.0)] * 2)
+    return np.linalg.pinv(covariance / scale, hermitian=True) / scale
+
+
 def process_noise(M: np.ndarray, G: np.ndarray, W: np.ndarray, duration: float, steps: int,
                   rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
     """What white noise of intensity W (q×q) through G (N×q) does over each step of ż = M z + G w.
@@ -47,7 +54,7 @@ def process_noise(M: np.ndarray, G: np.ndarray, W: np.ndarray, duration: float, 
     wide[:N, :N] = M
     enter = np.vstack([G, np.eye(q)])
     joint = step_covariance(wide, enter @ W @ enter.T, duration)
-    slope = joint[:N, N:] @ np.linalg.pinv(W * duration, hermitian=True)  # of the jump on ∫w
+    slope = joint[:N, N:] @ _inverse(W * duration)  # of the jump on ∫w
     rest = joint[:N, :N] - slope @ joint[N:, :N]
     total = rng.standard_normal((steps, q)) @ root(W * duration).T
     jumps = total @ slope.T + rng.standard_normal((steps, N)) @ root((rest + rest.T) / 2).T

@@ -159,7 +159,7 @@ def _hidden(A1: np.ndarray, C: np.ndarray) -> Poles:
 def _unstable(zeros: Poles, plant: Plant) -> Poles:
     if plant.dt:
         return zeros[np.abs(zeros) >= 1 - RANK]
-    return zeros[zeros.real >= -RANK * max(1.0, float(np.linalg.norm(plant.A, 2)))]
+    return zeros[zeros.real >= -RANK * float(np.linalg.norm(plant.A, 2))]
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:

@@ -122,3 +122,10 @@ def test_the_pole_keeps_its_energy_without_friction():
 def test_bad_flows_get_one_sentence(call, sentence):
     with pytest.raises((EngineError, ShapeError), match=sentence):
         call()
+
+
+def test_the_expansion_of_a_plant_keeps_its_direct_path():
+    plant = NonlinearPlant(1, 1, 1, lambda x, u: -x**3 + u, lambda x, u: (-3 * x**2).T[:, :, None],
+                           lambda x, u: x + u**2, lambda x, u: np.ones((x.shape[1], 1, 1)))
+    found = plant.linear([2.0], [3.0])
+    assert (found.A, found.B, found.C, found.D) == (-12.0, 1.0, 1.0, 6.0)

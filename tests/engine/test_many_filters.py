@@ -247,3 +247,20 @@ def test_measurements_that_fit_neither_h_nor_R_are_told_in_a_sentence(kind):
     for rows, R in ((2, np.eye(1)), (1, np.eye(2))):
         with pytest.raises(ShapeError, match="a row for each output of h"):
             kind(lambda x, u: x, lambda x, u: x[:1], np.eye(2), R).correct(start, np.zeros((rows, 3)), np.zeros((0, 1)))
+
+
+def test_a_direct_path_of_the_input_is_counted_with():
+    """The filter expanded once left D u out of the reading it expected."""
+    kf = linear(4)
+    D = np.random.default_rng(1).standard_normal((3, 2))
+    through = KalmanFilter(kf.A, kf.B, kf.C, kf.Q, kf.R, D)
+    f, h = (lambda x, u: kf.A @ x + kf.B @ u), (lambda x, u: kf.C @ x + D @ u)
+    filters = {name: make(f, h, kf.Q, kf.R) for name, make in KINDS.items()}
+    e = Experiment(f, h, kf.Q, kf.R, np.ones((4, 2)), Beliefs.alike(np.zeros(4), np.eye(4), 2),
+                   np.random.default_rng(2).standard_normal((15, 2)), filters)
+    samples = list(march_many(e, np.random.default_rng(3)))
+    y, u = np.array([s.y[:, 1] for s in samples]), np.array([s.u[:, 0] for s in samples])
+    means = through.run(Belief(np.zeros(4), np.eye(4)), y, u).means
+    for name in KINDS:
+        found = np.array([s.corrections[name].beliefs.mean[:, 1] for s in samples])
+        np.testing.assert_allclose(found, means, rtol=1e-8, atol=1e-9, err_msg=name)

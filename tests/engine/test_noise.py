@@ -96,3 +96,11 @@ def test_sampled_loop_on_a_continuous_plant_has_the_exact_plant_noise() -> None:
     plant = Plant([[-1.0]], [[1.0]], [[1.0]])
     run = simulate(Scenario(plant, W=2.0, dt=1.0, horizon=40_000, sampled=True, seed=9))
     assert np.var(run.x) == pytest.approx(1.0, rel=0.04)  # W / 2|a|, whatever dt
+
+
+def test_a_disturbance_of_a_small_unit_is_still_felt_by_its_own_state() -> None:
+    """The mean of the weaker disturbance was drawn apart from what it did where its variance was 1e-16 of the other's."""
+    A, W = np.array([[-1.0, 0.0], [0.0, -2.0]]), np.diag([1.0, 1e-18])
+    w, jumps = process_noise(A, np.eye(2), W, 0.1, 20_000, np.random.default_rng(3))
+    for i in range(2):
+        assert np.corrcoef(w[:, i], jumps[:, i])[0, 1] > 0.99

@@ -109,3 +109,10 @@ def test_covariances_are_covariances_and_shapes_are_told() -> None:
     parts = error_parts(stable, L, np.eye(3), 1.0, 1.0)
     with pytest.raises(ShapeError, match="rows must have 3"):
         growing_error(stable, L, parts, 1.0, 0.1, np.eye(2), 5)
+
+
+def test_a_sampled_plant_is_tried_at_its_own_period() -> None:
+    """Another step was taken for the period: the time of the run was wrong, and of its kick."""
+    plant = Plant([[0.9]], [[1.0]], [[1.0]], None, 0.1)
+    with pytest.raises(EngineError, match=r"sampled every 0\.1 s"):
+        filter_trial(plant, plant.B, 1.0, 1.0, 0.3, 50)

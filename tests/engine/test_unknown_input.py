@@ -162,3 +162,12 @@ def test_a_weight_that_is_no_covariance_is_refused():
     for weight in (np.zeros((2, 2)), np.diag([1.0, -1.0]), np.array([[1.0, 0.5], [0.0, 1.0]])):
         with pytest.raises(EngineError, match="symmetric and positive definite"):
             decoupling(BOOK, BOOK_E, weight)
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1e9])
+def test_existence_does_not_depend_on_the_unit_of_time(unit):
+    """Zeros of a plant whose time runs in nanoseconds, or in decades, were held against an absolute tolerance."""
+    A, E, C = np.array([[0, 1, 0], [0, 0, 1], [-1, -2, -3.0]]), np.array([[0.0], [0.0], [1.0]]), np.array([[2.0, 3.0, 1.0]])
+    plain, scaled = decoupling(Plant(A, np.eye(3), C), E), decoupling(Plant(unit * A, unit * np.eye(3), C), unit * E)
+    assert plain.exists and scaled.exists, scaled.reason
+    assert np.allclose(plain.zeros, [-2, -1]) and np.allclose(scaled.zeros, unit * plain.zeros, rtol=1e-9, atol=0)
