@@ -162,6 +162,8 @@ def independent_errors(Phi: object, P: object, steps: int, T: object | None = No
         root = np.linalg.cholesky(seen / np.outer(spread, spread)) * spread[:, None]
     except np.linalg.LinAlgError as problem:
         raise EngineError("P is not positive definite; leave out states that are known exactly.") from problem
+    if not np.abs(np.linalg.eigvals(Phi)).max() < 1:
+        raise EngineError("These errors do not settle: an eigenvalue of Φ lies on or outside the unit circle.")
     left = np.linalg.solve(root, T)[None]  # W⁻¹ T Φˡ for l = 0, 1, …, twice as many each time
     power = Phi
     while len(left) < steps:

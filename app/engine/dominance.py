@@ -84,6 +84,8 @@ def relative_gains(response: object) -> np.ndarray:
     G = np.asarray(response)
     if G.ndim < 2 or G.shape[-1] != G.shape[-2]:
         raise ShapeError("Relative gains are defined for square matrices; take as many inputs as outputs.")
+    if not np.isfinite(G).all():
+        raise EngineError("The response is not finite; leave out frequencies that lie on a pole.")
     try:
         return G * np.swapaxes(np.linalg.inv(G), -1, -2)
     except np.linalg.LinAlgError:

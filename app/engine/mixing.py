@@ -97,8 +97,10 @@ def mixing_matrix(a: float, b: float, size: int = 2, channels: tuple[int, int] =
     if not (np.isfinite(a) and np.isfinite(b)) or abs(1 - a * b) < NEAR_SINGULAR:
         raise EngineError(f"With a = {a:.4g} and b = {b:.4g} the mixing is singular, 1 − ab = {1 - a * b:.2g}; "
                           "keep ab away from 1.")
-    S = np.eye(size)
     i, j = channels
+    if i == j or not (0 <= i < size and 0 <= j < size):
+        raise ShapeError(f"Mixing needs two different channels from 0 to {size - 1}.")
+    S = np.eye(size)
     S[i, j], S[j, i] = b, a
     return S
 

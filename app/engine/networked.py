@@ -59,6 +59,9 @@ class NetworkScenario:
             raise EngineError("A loop over packets needs a sampled plant (dt > 0) without direct feedthrough D.")
         if any(not isinstance(count, (int, np.integer)) for count in (self.steps, self.ahead)) or self.steps < 1 or self.ahead < 0:
             raise EngineError("A run needs a whole number of samples, at least one, and the controller cannot look back.")
+        if self.ahead > self.actuator.latest:
+            raise EngineError("The controller cannot predict farther than the delay, where no input asked for is under "
+                              "way; predict less far.")
         for name, value, allowed in (("on_loss", self.on_loss, ("hold", "zero")), ("told", self.told, ("asked", "applied")),
                                      ("order", self.order, ("stamped", "arrival"))):
             if value not in allowed:

@@ -67,8 +67,10 @@ def starting_feedback(plant: Plant, eager: float = 1.0) -> StartingGain:
     """K (m×n) of the regulator with Q = eager·I, R = I once units and the typical rate are divided out.
 
     What no input reaches keeps its poles (`bolted`), stable or not; if even the rest defeats the Riccati equation, K is
-    zero. Every plant has such a gain.
+    zero. Every plant has such a gain. Raises EngineError for an `eager` that is not positive.
     """
+    if not (np.isfinite(eager) and eager > 0):
+        raise EngineError("How eager a gain is must be a positive number.")
     scale, rate = state_scale(plant.A), typical_rate(plant)
     A, B = plant.A * scale / scale[:, None], plant.B / scale[:, None]
     size = np.linalg.norm(B, axis=0)

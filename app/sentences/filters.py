@@ -42,6 +42,8 @@ SENTENCES = (
     ("x or x̂ holds NaN or infinity; cut the record where it diverged.", "x 或 x̂ 含有 NaN 或无穷大；请在发散处截断记录。"),
     ("A record counts as a positive number of independent samples.", "一段记录折合的独立采样数必须为正。"),
     ("A record has at least one sample.", "记录至少要有一个采样。"),
+    ("These errors do not settle: an eigenvalue of Φ lies on or outside the unit circle.",
+     "这些误差不会平稳：Φ 有特征值在单位圆上或圆外。"),
     ("Φ and P must be n×n and T k×n; they are {}, {}, {}.", "Φ 与 P 应为 n×n，T 应为 k×n；现为 {}、{}、{}。"),
     ("The level must lie between 0 and 1, for example 0.95.", "置信水平必须在 0 与 1 之间，例如 0.95。"),
     ("A χ² band needs at least one degree of freedom and one value.", "χ² 置信带至少需要一个自由度和一个数值。"),

@@ -34,6 +34,8 @@ SENTENCES = (
     ("The controller has a pole at 2/dt = {} rad/s, which Tustin's rule sends to infinity; choose another period.",
      "控制器在 2/dt = {} rad/s 处有极点，双线性变换会把它映到无穷远；请另选采样周期。"),
     ("The gain must be computed for at least one sample.", "增益至少要计算一个采样时刻。"),
+    ("How eager a gain is must be a positive number.", "增益的快慢程度必须是正数。"),
+    ("Mixing needs two different channels from 0 to {}.", "混合需要 0 到 {} 之间的两个不同通道。"),
     ("The controlled inputs must be different numbers from 0 to {}.", "受控输入的编号必须互不相同，且在 0 到 {} 之间。"),
     ("The shaping filter must be continuous, as the plant is.", "成形滤波器必须与对象一样是连续的。"),
     ("The controller runs every {} s but the loop every {} s; give both the same period.",

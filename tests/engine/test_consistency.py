@@ -260,6 +260,7 @@ def test_nees_takes_the_count_that_it_is_told():
 
 @pytest.mark.parametrize("arguments, words", [
     ((np.eye(2), np.eye(3), 5), "n×n"), ((np.eye(2), np.eye(2), 0), "at least one"),
+    ((1.1 * np.eye(2), np.eye(2), 5), "do not settle"),
     ((np.eye(2), np.zeros((2, 2)), 5), "positive definite"), ((np.eye(2), -np.eye(2), 5), "positive definite"),
 ])
 def test_independent_errors_refuses_nonsense(arguments, words):

@@ -130,3 +130,11 @@ def test_the_index_has_no_unit_however_small_or_large_the_response() -> None:
         assert np.isclose(best_mixing(scale * G).J, plain.J, rtol=1e-9)
     with pytest.raises(ShapeError, match="two different channels"):
         coupling(G, (0, -2))
+
+
+def test_channels_that_are_not_there_and_responses_on_a_pole_are_refused() -> None:
+    for channels in ((0, 0), (0, 5), (0, -1)):  # (0, 0) gave a diagonal matrix that mixes nothing
+        with pytest.raises(ShapeError, match="two different channels"):
+            mixing_matrix(0.1, 0.2, 2, channels)
+    with pytest.raises(EngineError, match="not finite"):
+        relative_gains(np.full((2, 2), np.nan))

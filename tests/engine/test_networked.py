@@ -263,3 +263,10 @@ def test_half_a_sample_of_delay_is_refused_and_a_loss_is_a_probability() -> None
 def test_a_known_start_with_perfect_sensors_is_not_a_run_that_diverged() -> None:
     with pytest.raises(EngineError, match="innovation is singular"):
         simulate_network(scenario(P0=0.0, R=0.0))
+
+
+def test_nobody_predicts_over_inputs_that_have_been_applied_already() -> None:
+    """Ahead of the delay each such input was counted twice: in the estimate, and once more in the prediction."""
+    with pytest.raises(EngineError, match="farther than the delay"):
+        scenario(ahead=2, actuator=Link(delay=1))
+    assert scenario(ahead=2, actuator=Link(delay=1, jitter=1)).ahead == 2

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.engine import (
+    EngineError,
     Plant,
     PoleError,
     in_natural_units,
@@ -131,3 +132,10 @@ def test_natural_units_keep_poles_and_ranks_and_forget_the_units_of_a_file(seed:
     assert one.rank == observability(plant).rank == two.rank
     first, second = (np.sort([m.margin for m in report.modes]) for report in (one, two))
     assert np.all(np.abs(np.log2(first / second)) < 3)  # balancing stops within a factor of two in each state
+
+
+def test_a_gain_that_is_asked_to_be_lazier_than_nothing_is_refused_and_not_zero() -> None:
+    plant = plant_of(1, 3, 1, 1)
+    for eager in (0.0, -1.0, np.nan):
+        with pytest.raises(EngineError, match="positive number"):
+            starting_feedback(plant, eager)
