@@ -160,7 +160,8 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
         step, enter, shift = modes[key]
         stop = min(k + ahead, last)
         path = affine_scan(step, push[k:stop] + v[k:stop] @ enter.T + shift, w[k], stop - k)
-        asked = path @ loop.feedback.T + direct[k:stop + 1]
+        with np.errstate(over="ignore", invalid="ignore"):  # a diverging block may leave the floats before it is cut
+            asked = path @ loop.feedback.T + direct[k:stop + 1]
         other = ((asked > limit).astype(int) - (asked < -limit) != side).any(axis=1)
         good = int(np.argmax(other)) + 1 if other.any() else len(path)
         with np.errstate(invalid="ignore"):
@@ -198,13 +199,13 @@ def _stepping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, direct: np.nda
     low, now, product = -high, np.empty(N + m), np.empty(N + m)
     state, asked = now[:N], now[N:]
     state[:], asked[:] = w[k], loop.feedback @ w[k] + direct[k]
-    for j in range(last - k):
-        np.minimum(asked, high, out=asked)
-        np.maximum(asked, low, out=asked)
-        np.dot(step, now, out=product)
-        np.add(product, extra[j], out=now)
-        w[k + j + 1] = state
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(last - k):
+            np.minimum(asked, high, out=asked)
+            np.maximum(asked, low, out=asked)
+            np.dot(step, now, out=product)
+            np.add(product, extra[j], out=now)
+            w[k + j + 1] = state
         large = np.flatnonzero(~(np.abs(w[k + 1:last + 1]).max(axis=1) < DIVERGED))
     return k + int(large[0]) if len(large) else last
 
@@ -241,25 +242,25 @@ def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray,
     extra[:, :N] = push[k:last]
     extra[:, N:N + p] = extra[:, :N] @ (loop.Y.T / unit) + noise[1:]
     extra[:, N + p:] = extra[:, :N] @ loop.U[-1].T
-    for j in range(last - k):
-        if rounds:
-            np.rint(read, out=read)
-        if straight:
-            asked += direct @ read
-        if clips:
-            np.minimum(asked, limit, out=asked)
-            np.maximum(asked, -limit, out=asked)
-        np.dot(step, now, out=product)
-        np.add(product, extra[j], out=now)
-        w[k + j + 1] = state
-        if not settled:
-            i = min(k + j + 1, loop.varying)
-            asked[:] = loop.U[i] @ state
-            direct, settled = loop.T[i] * unit, k + j + 1 >= loop.varying
-            step = fused(loop, k + j + 1, unit)
-        if j % 256 == 255 and not np.abs(state).max() < DIVERGED:
-            break
-    with np.errstate(invalid="ignore"):
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(last - k):
+            if rounds:
+                np.rint(read, out=read)
+            if straight:
+                asked += direct @ read
+            if clips:
+                np.minimum(asked, limit, out=asked)
+                np.maximum(asked, -limit, out=asked)
+            np.dot(step, now, out=product)
+            np.add(product, extra[j], out=now)
+            w[k + j + 1] = state
+            if not settled:
+                i = min(k + j + 1, loop.varying)
+                asked[:] = loop.U[i] @ state
+                direct, settled = loop.T[i] * unit, k + j + 1 >= loop.varying
+                step = fused(loop, k + j + 1, unit)
+            if j % 256 == 255 and not np.abs(state).max() < DIVERGED:
+                break
         large = np.flatnonzero(~(np.abs(w[k + 1:k + j + 2]).max(axis=1) < DIVERGED))
     return k + int(large[0]) if len(large) else last
 

@@ -152,6 +152,14 @@ def test_an_unstable_loop_is_reported_and_ends_early() -> None:
     assert not caught.diverged and np.abs(caught.applied).max() <= 0.1
 
 
+@pytest.mark.parametrize("hardware", [IDEAL, Hardware(limit=1.0), Hardware(step=1e-3), Hardware(limit=1.0, step=1e-3)])
+def test_a_run_that_leaves_the_floats_within_a_block_ends_without_a_warning(hardware: Hardware) -> None:
+    racing = Plant([[300.0]], [[1.0]], [[1.0]])
+    loop = sampled_loop(racing, sampled_controller(Plant([[-1.0]], [[1.0]], [[1e3]]), 0.01), range(1), hardware=hardware)
+    run = run_trial(loop, 5000, start=np.eye(loop.n)[0])
+    assert run.diverged and len(run.t) < 50 and np.isfinite(run.w).all()
+
+
 def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(EngineError):
         Hardware(limit=0.0)
