@@ -119,8 +119,8 @@ def test_every_lesson_opens_over_the_wire(enter: Enter, newest: Newest, lesson: 
     tab.until(lambda: newest().picture.lesson.id == lesson, "the lesson")  # type: ignore[union-attr]
     tab.settle()
     knobs = [k for k in LESSONS[lesson].knobs if not k.hidden]
-    labels = {w["props"].get("label") or "" for w in tab.widgets.values()}
-    assert all(any(label.startswith(k.label.en) for label in labels) for k in knobs)
+    tab.until(lambda: all(any((w["props"].get("label") or "").startswith(k.label.en) for w in tab.widgets.values()) for k in knobs),
+              "a widget for every knob")
     assert not tab.notes
 
 
