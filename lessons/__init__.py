@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.lesson import Lesson
+from app.lesson.lesson import Lesson
 
 from .bilinear_observer.lesson import LESSON as bilinear_observer
 from .decoupling.lesson import LESSON as decoupling

@@ -23,12 +23,12 @@ from app.engine import (
     shift_poles,
     typical_rate,
 )
-from app.figures import Curve, TimeFigure
-from app.knobs import Choice, KnobError, Number, Poles
-from app.lesson import Board, Design, Lesson, Stage, Task
+from app.lesson.figures import Curve, TimeFigure
+from app.lesson.knobs import Choice, KnobError, Number, Poles
+from app.lesson.lesson import Board, Design, Lesson, Stage, Task
 from app.plants.model import Model, Signal, Window
 from app.plants.names import called
-from app.words import Text, same, symbol
+from app.text.words import Text, same, symbol
 
 MOST_ENTRIES = 24  # of a matrix that is written out
 BY_POLES, BY_WEIGHTS = "poles", "weights"

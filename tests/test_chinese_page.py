@@ -9,12 +9,12 @@ from typing import Any
 
 import pytest
 
-from app.figures import MapFigure
-from app.lesson import Design, Lesson
+from app.lesson.figures import MapFigure
+from app.lesson.lesson import Design, Lesson
 from app.plants.examples import EXAMPLES, example
 from app.plants.names import TITLES, called, title_of, with_unit
 from app.plants.own import plant_of, read
-from app.words import LANGUAGES, Text, same, symbol
+from app.text.words import LANGUAGES, Text, same, symbol
 from lessons import LESSONS
 
 WORD = re.compile(r"(?<![A-Za-z\\_])[A-Za-z]{3,}")

@@ -15,13 +15,13 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from app import commands
-from app.cli import main
+from app.cli import commands
+from app.cli.entry import main
 from app.engine import EngineError
-from app.lesson import Check, Job, Lesson
+from app.lesson.lesson import Check, Job, Lesson
 from app.published import records
-from app.state import write_design
-from app.words import same
+from app.tab.state import write_design
+from app.text.words import same
 from lessons import LESSONS
 
 SEPARATION = LESSONS["separation"]

@@ -7,15 +7,15 @@ import re
 import numpy as np
 import pytest
 
-from app.figures import Curve, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TimeFigure
-from app.knobs import Number
-from app.lesson import Lesson
+from app.lesson.figures import Curve, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TimeFigure
+from app.lesson.knobs import Number
+from app.lesson.lesson import Lesson
+from app.text.words import Text, same, squared, symbol
 from app.view.boards import NAME_HEIGHT, Place, free_place
 from app.view.charts import even
 from app.view.knobs import ends, in_tens, slider_label
 from app.view.lettering import Box, beside, width
 from app.view.svg import FRAME, H, W, draw
-from app.words import Text, same, squared, symbol
 from lessons import LESSONS
 
 TEXT = re.compile(r'<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]*)</text>')

@@ -16,7 +16,7 @@ from app.export import fonts
 from app.export.data import HEADER, csv_rows, plain, run_record, save_csv
 from app.export.figure import SUFFIXES, ExportError, draw_page, save_figures
 from app.export.wrap import width, wrap
-from app.figures import (
+from app.lesson.figures import (
     COLOURS,
     FLOOR,
     Curve,
@@ -29,8 +29,8 @@ from app.figures import (
     TableFigure,
     TimeFigure,
 )
-from app.lesson import Check, Design, Outcome
-from app.words import Text, same
+from app.lesson.lesson import Check, Design, Outcome
+from app.text.words import Text, same
 
 T = np.linspace(0.0, 2.0, 120)
 F = np.geomspace(0.1, 100.0, 90)

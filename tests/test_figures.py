@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.figures import (
+from app.lesson.figures import (
     FLOOR,
     Curve,
     FrequencyFigure,
@@ -27,7 +27,7 @@ from app.figures import (
     tabs,
     thin,
 )
-from app.words import Text, same
+from app.text.words import Text, same
 
 quick = settings(max_examples=200, deadline=None, derandomize=True, database=None)
 sane = st.floats(-1e9, 1e9)

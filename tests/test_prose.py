@@ -6,10 +6,10 @@ import re
 
 import pytest
 
-from app.prose import ProseError, parse_prose, read_prose
+from app.lesson.prose import ProseError, parse_prose, read_prose
+from app.text.words import Text, same
 from app.view import phrases
 from app.view.prose import mathml, render, with_minus
-from app.words import Text, same
 
 GOOD = """# A title
 > A question

@@ -7,14 +7,14 @@ import html
 import numpy as np
 import pytest
 
-from app.figures import Curve, FrequencyFigure, TimeFigure
-from app.lesson import Lesson
+from app.lesson.figures import Curve, FrequencyFigure, TimeFigure
+from app.lesson.lesson import Lesson
 from app.plants import platform
 from app.plants.body import with_longer_arrows
+from app.text.words import LANGUAGES, Text, same
 from app.view.charts import decades, on_the_clock
 from app.view.svg import draw
 from app.view.transport import step_of
-from app.words import LANGUAGES, Text, same
 from lessons import LESSONS
 
 

@@ -13,7 +13,7 @@ from raised import Hole, Raised, Source, samples, source
 
 from app.engine import EngineError, Plant, PoleError, RiccatiError, ShapeError, lqr, observer_gain, place
 from app.sentences import TABLES, chinese, kind_of, recognise, told
-from app.words import Text
+from app.text.words import Text
 
 HAN = re.compile(r"[\u4e00-\u9fff]")
 PAIRS = [pair for table in TABLES for pair in table.SENTENCES]

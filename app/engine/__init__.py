@@ -1,13 +1,43 @@
 """The engine: pure numerics of observers and estimate feedback. Arrays in, frozen records out."""
 
-from .adc import AdcNoise, with_coloured_noise
-from .analysis import Controllability, Mode, Observability, controllability, observability
-from .belief import Belief, Correction, RootBelief, as_covariance, symmetric
-from .bilinear import BilinearForm, BilinearObserver, BilinearPlant, bilinear_functional_observer
-from .bilinear_run import BilinearRun, simulate_bilinear
-from .canonise import Canonisation, canonise, canonise_right
-from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
-from .consistency import (
+from .design.diophantine import Diophantine, diophantine, sylvester
+from .design.optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
+from .design.placement import Placement, match_poles, move_pole, observer_gain, place
+from .design.siso import (
+    LoopShape,
+    diagonal_controller,
+    loop_shaped,
+    negated,
+    polynomial_roots,
+    rational,
+    realise,
+    series,
+)
+from .design.starting import (
+    StartingGain,
+    in_natural_units,
+    shift_observer,
+    shift_poles,
+    starting_feedback,
+    starting_observer,
+    typical_rate,
+)
+from .feedback.compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
+from .feedback.loop_spectrum import NoisyLoop, noisy_loop
+from .feedback.lqg import Lqg, lqg
+from .feedback.ltr import Recovered, recover, recover_at_output, transmission_zeros
+from .feedback.margins import (
+    ChannelMargins,
+    DiskMargin,
+    LoopMargins,
+    MultiMargins,
+    loop_margins,
+    state_feedback_margins,
+)
+from .feedback.sensitivity import Sensitivity, sensitivity
+from .filters.adc import AdcNoise, with_coloured_noise
+from .filters.belief import Belief, Correction, RootBelief
+from .filters.consistency import (
     InnovationTest,
     SquaredError,
     Whiteness,
@@ -18,39 +48,24 @@ from .consistency import (
     nis,
     whiteness,
 )
-from .convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
-from .coprime import CoprimeFactors, coprime_factors
-from .decomposition import KalmanDecomposition, kalman_decomposition, reachable_subspace, unobservable_subspace
-from .diophantine import Diophantine, diophantine, sylvester
-from .dominance import Dominance, dominance, dominance_of, relative_gains
-from .errors import EngineError, PoleError, RiccatiError, ShapeError
-from .fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
-from .filter_trial import FilterTrial, filter_trial
-from .flow import Flow, NonlinearPlant, slopes
-from .functional import FunctionalObserver, functional_observer
-from .functional_loop import (
-    FunctionalRun,
-    error_index,
-    error_transfer,
-    peak_gain,
-    perturbed_loop,
-    run_functional,
-    worst_error_gain,
+from .filters.filter_trial import FilterTrial, filter_trial
+from .filters.kalman import KalmanFilter, gain_of, joseph, short_form
+from .filters.linear_filter import LinearFilter
+from .filters.many_filters import (
+    Beliefs,
+    Corrections,
+    ExtendedFilters,
+    LinearFilters,
+    ManyFilters,
+    PrintedUnscentedFilters,
+    UnscentedFilters,
 )
-from .gramian import (
-    Gramians,
-    StableSplit,
-    Truncation,
-    balanced_truncation,
-    gramians,
-    hankel_singular_values,
-    observability_gramian,
-    reachability_gramian,
-    split_stable,
-)
-from .hardware import Hardware, coil_driver
-from .hold import continuous_of
-from .intermittent import (
+from .filters.many_runs import Experiment, Sample, Steering, errors_squared, march_many
+from .filters.nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
+from .filters.square_root import SquareRootFilter
+from .filters.track import Schedule, Track, as_record, means_along
+from .filters.trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
+from .network.intermittent import (
     CriticalLoss,
     critical_loss,
     intermittent_covariances,
@@ -63,37 +78,24 @@ from .intermittent import (
     riccati_step,
     spectral_radius,
 )
-from .jacobian import columns, each_column, expand, jacobian
-from .kalman import KalmanFilter, gain_of, joseph, short_form
-from .linear_filter import LinearFilter
-from .loop_spectrum import NoisyLoop, noisy_loop
-from .lqg import Lqg, lqg
-from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
-from .ltr import Recovered, recover, recover_at_output, transmission_zeros
-from .many_filters import (
-    Beliefs,
-    Corrections,
-    ExtendedFilters,
-    LinearFilters,
-    ManyFilters,
-    PrintedUnscentedFilters,
-    UnscentedFilters,
+from .network.network_loop import delayed_loop, mean_square_growth
+from .network.networked import NetworkRun, NetworkScenario, network_meter, promised_error, simulate_network
+from .network.packets import Link
+from .observers.bilinear import BilinearForm, BilinearObserver, BilinearPlant, bilinear_functional_observer
+from .observers.bilinear_run import BilinearRun, simulate_bilinear
+from .observers.fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
+from .observers.functional import FunctionalObserver, functional_observer
+from .observers.functional_loop import (
+    FunctionalRun,
+    error_index,
+    error_transfer,
+    peak_gain,
+    perturbed_loop,
+    run_functional,
+    worst_error_gain,
 )
-from .many_runs import Experiment, Sample, Steering, errors_squared, march_many
-from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
-from .mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
-from .monte_carlo import MonteCarlo, monte_carlo, welch_expectation
-from .network_loop import delayed_loop, mean_square_growth
-from .networked import NetworkRun, NetworkScenario, network_meter, promised_error, simulate_network
-from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
-from .optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
-from .packets import Link
-from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
-from .placement import Placement, match_poles, move_pole, observer_gain, place
-from .plant import Plant, as_matrix
-from .pole_sets import Poles, check_poles, pole_text, sorted_poles
-from .recovery import RecoveryMap, recovery_map
-from .residual_threshold import (
+from .observers.perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
+from .observers.residual_threshold import (
     alarm_probability,
     binomial_band,
     needed_noncentrality,
@@ -101,29 +103,49 @@ from .residual_threshold import (
     window_energy,
     window_mean,
 )
-from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
-from .sampled_control import SampledController, recursive_controller, sampled_controller
-from .sampled_loop import SampledLoop, sampled_loop
-from .sampled_spectrum import MechanicsResponse, loop_density, mechanics_response
-from .scenario import Run, Scenario
-from .sensitivity import Sensitivity, sensitivity
-from .simulate import autonomous_error, separation_meter, simulate
-from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
-from .spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd
-from .square_root import SquareRootFilter
-from .starting import (
-    StartingGain,
-    in_natural_units,
-    shift_observer,
-    shift_poles,
-    starting_feedback,
-    starting_observer,
-    typical_rate,
+from .observers.rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
+from .observers.unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
+from .sampled.hardware import Hardware, coil_driver
+from .sampled.lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
+from .sampled.monte_carlo import MonteCarlo, monte_carlo, welch_expectation
+from .sampled.sampled_control import SampledController, recursive_controller, sampled_controller
+from .sampled.sampled_loop import SampledLoop, sampled_loop
+from .sampled.sampled_spectrum import MechanicsResponse, loop_density, mechanics_response
+from .sampled.trial import ResponseMeasures, Trial, response_measures, run_trial
+from .simulation.recovery import RecoveryMap, recovery_map
+from .simulation.scenario import Run, Scenario
+from .simulation.simulate import autonomous_error, separation_meter, simulate
+from .structure.analysis import Controllability, Mode, Observability, controllability, observability
+from .structure.canonise import Canonisation, canonise, canonise_right
+from .structure.coprime import CoprimeFactors, coprime_factors
+from .structure.decomposition import (
+    KalmanDecomposition,
+    kalman_decomposition,
+    reachable_subspace,
+    unobservable_subspace,
 )
-from .track import Schedule, Track, as_record, means_along
-from .trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
-from .trial import ResponseMeasures, Trial, response_measures, run_trial
-from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
+from .structure.dominance import Dominance, dominance, dominance_of, relative_gains
+from .structure.gramian import (
+    Gramians,
+    StableSplit,
+    Truncation,
+    balanced_truncation,
+    gramians,
+    hankel_singular_values,
+    observability_gramian,
+    reachability_gramian,
+    split_stable,
+)
+from .structure.mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
+from .systems.arrays import as_covariance, symmetric
+from .systems.convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
+from .systems.errors import EngineError, PoleError, RiccatiError, ShapeError
+from .systems.flow import Flow, NonlinearPlant, slopes
+from .systems.jacobian import columns, each_column, expand, jacobian
+from .systems.plant import Plant, as_matrix
+from .systems.pole_sets import Poles, check_poles, pole_text, sorted_poles
+from .systems.sampling import continuous_of
+from .systems.spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd
 
 __all__ = [
     "AdcNoise",

@@ -11,9 +11,18 @@ from typing import Any
 
 import numpy as np
 
-from ..figures import Curve, Figure, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, TimeFigure
-from ..lesson import Design, Outcome
-from ..words import wording
+from ..lesson.figures import (
+    Curve,
+    Figure,
+    FrequencyFigure,
+    MapFigure,
+    MatrixFigure,
+    PlaneFigure,
+    TableFigure,
+    TimeFigure,
+)
+from ..lesson.lesson import Design, Outcome
+from ..text.words import wording
 
 __all__ = ["HEADER", "csv_rows", "plain", "run_record", "save_csv"]
 

@@ -11,7 +11,7 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Page
 
-from ..figures import Figure, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, TimeFigure
+from ..lesson.figures import Figure, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, TimeFigure
 from .grids import draw_matrix, draw_table
 from .panels import draw_frequency, draw_map, draw_plane, draw_time
 from .style import INK, SMALL, TITLE, look, words

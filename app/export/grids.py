@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
-from ..figures import COLOURS, MatrixFigure, TableFigure, finite
-from ..words import symbol, wording
+from ..lesson.figures import COLOURS, MatrixFigure, TableFigure, finite
+from ..text.words import symbol, wording
 from .style import INK, RULE, SMALL, words
 from .wrap import width
 

@@ -12,8 +12,18 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 from scipy.ndimage import distance_transform_cdt
 
-from ..figures import COLOURS, FLOOR, Curve, FrequencyFigure, MapFigure, PlaneFigure, TimeFigure, axis_range, finite
-from ..words import wording
+from ..lesson.figures import (
+    COLOURS,
+    FLOOR,
+    Curve,
+    FrequencyFigure,
+    MapFigure,
+    PlaneFigure,
+    TimeFigure,
+    axis_range,
+    finite,
+)
+from ..text.words import wording
 from .labels import label_curves
 from .style import GRID, INK, RULE, SMALL, pen, words
 

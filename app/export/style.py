@@ -10,7 +10,7 @@ from typing import Any
 
 import matplotlib
 
-from ..figures import COLOURS, Curve, Dash
+from ..lesson.figures import COLOURS, Curve, Dash
 from .fonts import families
 
 INK, RULE, GRID = "#20242b", "#5b626d", "#e6e9ee"

@@ -15,10 +15,10 @@ from typing import Literal
 
 import numpy as np
 
-from ..engine.errors import EngineError
-from ..engine.flow import NonlinearPlant
-from ..engine.plant import Plant
-from ..words import Text
+from ..engine.systems.errors import EngineError
+from ..engine.systems.flow import NonlinearPlant
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 from .body import (
     COPPER,
     DARK,

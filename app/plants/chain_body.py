@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..words import Text
+from ..text.words import Text
 from .body import (
     COPPER,
     DARK,

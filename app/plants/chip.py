@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..engine.plant import Plant
-from ..words import Text
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 from .body import COPPER, DARK, METAL, PLANT, STEEL, Arrow, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded
 from .body import force_arrow as arrow
 from .model import Model, Signal, Window

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import cos, sin
 
-from ..words import Text
+from ..text.words import Text
 from .body import (
     COPPER,
     DARK,

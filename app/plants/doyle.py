@@ -12,8 +12,8 @@ from math import sqrt
 
 import numpy as np
 
-from ..engine.plant import Plant
-from ..words import Text
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 from .body import Body
 from .gauge_body import gauge_body
 from .model import Model, Signal, Window

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.perturbation import Perturbations, perturbations
-from ..engine.plant import Plant
+from ..engine.observers.perturbation import Perturbations, perturbations
+from ..engine.systems.plant import Plant
 
 __all__ = ["EXAMPLE_1", "EXAMPLE_2", "Example", "push"]
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..words import Text
+from ..text.words import Text
 from .body import DARK, METAL, PLANT, STEEL, Arrow, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded, force_arrow
 
 FLOOR, ZERO = 0.12, 1.0  # top of the base, level of the value 0

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
-from ..words import Text
+from ..text.words import Text
 from .own import Misfit, read
 
 __all__ = ["EXAMPLES", "Example", "example"]

@@ -13,8 +13,8 @@ from math import exp, hypot
 
 import numpy as np
 
-from ..engine.flow import NonlinearPlant
-from ..words import Text
+from ..engine.systems.flow import NonlinearPlant
+from ..text.words import Text
 from .body import (
     COPPER,
     DARK,

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.plant import Plant
-from ..engine.starting import StartingGain
-from ..words import Text
+from ..engine.design.starting import StartingGain
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 from .body import Body
 
 

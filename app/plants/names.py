@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ..engine.plant import Plant
-from ..words import Text, same
+from ..engine.systems.plant import Plant
+from ..text.words import Text, same
 
 __all__ = ["TITLES", "Title", "called", "title_of", "with_unit"]
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine.flow import NonlinearPlant
+from ..engine.systems.flow import NonlinearPlant
 from . import platform
 
 

@@ -10,16 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.convert import from_json, read_plant, to_json
-from ..engine.decomposition import state_scale
-from ..engine.errors import EngineError
-from ..engine.hold import continuous_of
-from ..engine.plant import Plant
-from ..engine.scenario import Run, Scenario
-from ..engine.simulate import simulate
-from ..engine.starting import StartingGain, starting_feedback, starting_observer, typical_rate
+from ..engine.design.starting import StartingGain, starting_feedback, starting_observer, typical_rate
+from ..engine.simulation.scenario import Run, Scenario
+from ..engine.simulation.simulate import simulate
+from ..engine.structure.decomposition import state_scale
+from ..engine.systems.convert import from_json, read_plant, to_json
+from ..engine.systems.errors import EngineError
+from ..engine.systems.plant import Plant
+from ..engine.systems.sampling import continuous_of
 from ..sentences import told
-from ..words import Text
+from ..text.words import Text
 from .model import Model, Signal, Window
 from .names import called, title_of
 from .own_body import tubes_body

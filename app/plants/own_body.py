@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from ..words import Text
+from ..text.words import Text
 from .body import (
     DARK,
     METAL,

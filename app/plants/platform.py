@@ -17,8 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.plant import Plant
-from ..words import Text
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 from .body import Body
 from .deck_body import deck_body, platform_body
 from .model import Model, Signal, Window

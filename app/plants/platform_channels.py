@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.plant import Plant
-from ..words import Text
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 
 
 def _fixed(rows: list[list[float]]) -> np.ndarray:

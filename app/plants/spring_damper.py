@@ -8,8 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..engine.plant import Plant
-from ..words import Text
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 from .body import (
     COPPER,
     DARK,

@@ -15,9 +15,9 @@ from typing import Literal
 
 import numpy as np
 
-from ..engine.errors import EngineError
-from ..engine.plant import Plant
-from ..words import Text
+from ..engine.systems.errors import EngineError
+from ..engine.systems.plant import Plant
+from ..text.words import Text
 from .chain_body import chain_body
 from .model import Model, Signal, Window
 

@@ -19,7 +19,7 @@ from ..engine import (
     march_many,
     short_form,
 )
-from ..engine.sigma_points import sigma_weights
+from ..engine.filters.sigma_points import sigma_weights
 from ..plants import falling_body, growth
 from .record import Published
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from functools import lru_cache
 
-from ..words import Text
+from ..text.words import Text
 from . import estimation, filters, lessons, loops, matrices, optimal, phrases, plants, poles, runs
 
 TABLES = (matrices, plants, poles, optimal, estimation, filters, loops, runs, lessons, phrases)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from ..words import Text
+from ..text.words import Text
 
 KINDS = MappingProxyType({
     "LinAlgError": Text("a matrix is singular or an iteration did not converge", "矩阵奇异或迭代不收敛"),

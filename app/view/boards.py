@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import viser
 
-from ..engine.placement import move_pole
-from ..figures import COLOURS
-from ..lesson import Board
+from ..engine.design.placement import move_pole
+from ..lesson.figures import COLOURS
+from ..lesson.lesson import Board
 from . import phrases
 from .lettering import width
 from .meshes import bolt, cross, landscape

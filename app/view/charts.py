@@ -10,18 +10,8 @@ from typing import Any
 import numpy as np
 import viser
 
-from ..figures import (
-    COLOURS,
-    FLOOR,
-    Curve,
-    Figure,
-    FrequencyFigure,
-    TimeFigure,
-    calm_range,
-    finite,
-    thin,
-)
-from ..words import wording
+from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, FrequencyFigure, TimeFigure, calm_range, finite, thin
+from ..text.words import wording
 from .prose import with_minus
 from .svg import draw
 from .ticks import ticks

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 import viser
 
-from ..engine.placement import move_pole
-from ..knobs import Choice, Knob, Number, Poles, Switch, Track
+from ..engine.design.placement import move_pole
+from ..lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
 from . import phrases
 
 Post = Callable[[str, Any], None]  # knob name, value

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import viser
 
-from ..figures import COLOURS, MapFigure
-from ..words import wording
+from ..lesson.figures import COLOURS, MapFigure
+from ..text.words import wording
 from . import phrases
 from .stage import rgb
 from .ticks import ticks

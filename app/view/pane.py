@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from PIL import Image, ImageDraw
 
-from ..lesson import Board
+from ..lesson.lesson import Board
 from .ticks import ticks
 
 SIZE = (1100, 860)  # pixels of the s-plane across and up

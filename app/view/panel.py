@@ -7,10 +7,10 @@ from typing import Any
 
 import viser
 
-from ..edits import Do, SetKnobs
-from ..knobs import Knob, Poles
-from ..picture import Picture, TaskState
-from ..words import Text
+from ..lesson.knobs import Knob, Poles
+from ..tab.edits import Do, SetKnobs
+from ..tab.picture import Picture, TaskState
+from ..text.words import Text
 from . import phrases
 from .knobs import Widget, make_widget
 from .plants import PlantRow

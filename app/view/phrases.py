@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..words import Text
+from ..text.words import Text
 
 LESSON = Text("lesson", "课程")
 PREDICTION = Text("Predict", "预测")

@@ -7,13 +7,13 @@ from functools import lru_cache
 
 import viser
 
-from ..edits import Do, SetKnobs
-from ..picture import Picture
 from ..plants.examples import EXAMPLES, example
 from ..plants.names import title_of
 from ..plants.own import plant_of
-from ..session import YOURS
-from ..words import Text
+from ..tab.edits import Do, SetKnobs
+from ..tab.picture import Picture
+from ..tab.session import YOURS
+from ..text.words import Text
 from . import phrases
 
 MOST_BYTES = 1_000_000

@@ -9,11 +9,11 @@ from typing import Any
 
 import viser
 
-from ..edits import COMMANDS, Do, SetKnobs
-from ..figures import MapFigure, tabs
-from ..lesson import Board
-from ..picture import Picture
-from ..words import Text
+from ..lesson.figures import MapFigure, tabs
+from ..lesson.lesson import Board
+from ..tab.edits import COMMANDS, Do, SetKnobs
+from ..tab.picture import Picture
+from ..text.words import Text
 from . import phrases, quirks
 from .boards import BoardView
 from .charts import Chart

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import viser
 
-from ..edits import Do
-from ..lesson import Lesson
-from ..session import Session
+from ..lesson.lesson import Lesson
+from ..tab.edits import Do
+from ..tab.session import Session
 from . import quirks
 from .plants import MOST_BYTES
 from .screen import Screen

@@ -9,10 +9,10 @@ from types import MappingProxyType
 import numpy as np
 import viser
 
-from ..figures import COLOURS
-from ..lesson import Stage
+from ..lesson.figures import COLOURS
+from ..lesson.lesson import Stage
 from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Spring, Vector
-from ..words import wording
+from ..text.words import wording
 from . import phrases
 from .meshes import helix
 

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from ..figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
-from ..words import symbol, wording
+from ..lesson.figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from ..text.words import symbol, wording
 from .lettering import DASHES, Box, beside, key, width
 from .prose import with_minus
 from .ticks import ticks

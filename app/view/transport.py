@@ -9,8 +9,8 @@ from typing import Any
 
 import viser
 
-from ..edits import Do, SetKnobs
-from ..picture import Picture
+from ..tab.edits import Do, SetKnobs
+from ..tab.picture import Picture
 from . import phrases
 from .style import clock
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import BilinearForm, BilinearObserver
-from app.lesson import Formula
+from app.lesson.lesson import Formula
 
 from ..toolkit import matrix, number
 from .page import base_of, pole_of

@@ -7,14 +7,14 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import BilinearObserver
-from app.figures import Figure
-from app.knobs import Choice, Number, Poles, Track
-from app.lesson import Board, Check, Design, Lesson, Outcome, Stage
+from app.lesson.figures import Figure
+from app.lesson.knobs import Choice, Number, Poles, Track
+from app.lesson.lesson import Board, Check, Design, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants.bilinear import PLANT, POLE, PRINTED_FORM, PRINTED_L
 from app.plants.body import Body
 from app.plants.model import Window
-from app.prose import read_prose
-from app.words import Text, same
+from app.text.words import Text, same
 
 from ..toolkit import listed, run_knobs, settle_time
 from .formulas import formulas_of

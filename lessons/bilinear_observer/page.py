@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.engine import BilinearObserver
-from app.figures import TableFigure
+from app.lesson.figures import TableFigure
 from app.plants.bilinear import POLE, PRINTED_L
-from app.words import Text, same
+from app.text.words import Text, same
 
 from .problems import PAPER, PROBLEMS
 

@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import BilinearObserver
-from app.figures import Curve, Dash, Figure, TableFigure, TimeFigure
-from app.lesson import Check, Outcome
-from app.words import Text, same
+from app.lesson.figures import Curve, Dash, Figure, TableFigure, TimeFigure
+from app.lesson.lesson import Check, Outcome
+from app.text.words import Text, same
 
 from ..toolkit import TIME_TAB
 from .page import steps_figures, words

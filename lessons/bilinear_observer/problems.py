@@ -12,7 +12,7 @@ from app.engine import BilinearObserver, BilinearPlant, bilinear_functional_obse
 from app.plants import bilinear as example
 from app.plants.body import Body
 from app.plants.gauge_body import gauge_body
-from app.words import Text
+from app.text.words import Text
 
 PAPER, BLIND, TUNED, STUCK = "paper", "three", "three-fitting", "stuck"
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.engine import BilinearForm, BilinearPlant, BilinearRun, simulate_bilinear
-from app.lesson import Design
+from app.lesson.lesson import Design
 from app.plants.bilinear import X0
 
 HORIZON, DT = 2.0, 0.005

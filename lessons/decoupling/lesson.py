@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 
 from app.engine import polynomial_roots
-from app.figures import Figure
-from app.knobs import Choice, Number, Poles, Switch
-from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome, Stage
+from app.lesson.figures import Figure
+from app.lesson.knobs import Choice, Number, Poles, Switch
+from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants import platform_siso as siso
 from app.plants.body import with_longer_arrows
 from app.plants.platform_channels import HORIZONTAL
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import number, run_knobs
 from .loops import (

@@ -24,14 +24,14 @@ from app.engine import (
     negated,
     noisy_loop,
 )
-from app.engine.scan import held_scan
-from app.knobs import KnobError
-from app.lesson import Design
+from app.engine.systems.scan import held_scan
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Design
 from app.plants import MODELS, platform
 from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y, in_channels
 from app.plants.platform_lqg import coils, ground
-from app.words import Text
+from app.text.words import Text
 
 PUBLISHED, SHAPED, POLES, GAIN, OPEN = "published", "shaped", "poles", "gain", "open"
 NONE, OWN, BEST = "none", "own", "best"

@@ -5,11 +5,21 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import Plant, frequency_response, polynomial_roots
-from app.figures import FLOOR, Curve, Figure, FrequencyFigure, MapFigure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.lesson import Outcome
+from app.lesson.figures import (
+    FLOOR,
+    Curve,
+    Figure,
+    FrequencyFigure,
+    MapFigure,
+    PlaneFigure,
+    Point,
+    TableFigure,
+    TimeFigure,
+)
+from app.lesson.lesson import Outcome
 from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y
-from app.words import Text, same
+from app.text.words import Text, same
 
 from .loops import (
     A_EDGE,

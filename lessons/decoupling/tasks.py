@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.lesson import Outcome, Task, Verdict
-from app.words import Text
+from app.lesson.lesson import Outcome, Task, Verdict
+from app.text.words import Text
 
 from .loops import BEST, NONE, POLES, SHAPED
 

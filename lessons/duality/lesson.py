@@ -9,11 +9,11 @@ from types import MappingProxyType
 import numpy as np
 
 from app.engine import Scenario, simulate, sorted_poles
-from app.knobs import Choice, Number, Poles, Switch
-from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
+from app.lesson.knobs import Choice, Number, Poles, Switch
+from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
+from app.lesson.prose import read_prose
 from app.plants import Model, Window
-from app.prose import read_prose
-from app.words import Text, same
+from app.text.words import Text, same
 
 from ..toolkit import BY_POLES, BY_WEIGHTS, WEIGHTS, gain_words, kicks, listed, run_knobs, stage
 from .pictures import all_figures

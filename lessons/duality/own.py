@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from app.engine import controllability, observability
-from app.knobs import Choice, Knob, KnobError, Number, Poles
-from app.lesson import Lesson
+from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles
+from app.lesson.lesson import Lesson
 from app.plants import Model, Window
 from app.plants.names import with_unit
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import BY_POLES, BY_WEIGHTS, run_knobs, sizes
 from .lesson import KNOBS, LESSON, compute

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure, nice
-from app.lesson import Outcome
-from app.words import Text, same, symbol
+from app.lesson.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure, nice
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same, symbol
 
 from ..toolkit import error_figure, input_figure, pole_words, state_figures
 from .twins import Setting, Twins, weights_of

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson import Outcome, Task, Verdict
-from app.words import Text
+from app.lesson.lesson import Outcome, Task, Verdict
+from app.text.words import Text
 
 from ..toolkit import BY_POLES, BY_WEIGHTS
 

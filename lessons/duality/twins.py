@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import Plant, Scenario, lqe, lqr, observer_gain, place, reachability_gramian, simulate
-from app.lesson import Design
+from app.lesson.lesson import Design
 from app.plants import MODELS, Model, Window
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import BY_POLES
 from .proofs import filter_riccati, observer_by_polynomial, output_energy

@@ -11,12 +11,12 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import Plant, Run, Scenario, observer_gain, simulate, sorted_poles
-from app.figures import Curve, Figure, TableFigure, TimeFigure
-from app.knobs import Choice, Number, Poles, Track
-from app.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
+from app.lesson.figures import Curve, Figure, TableFigure, TimeFigure
+from app.lesson.knobs import Choice, Number, Poles, Track
+from app.lesson.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
+from app.lesson.prose import read_prose
 from app.plants import MODELS, Model
-from app.prose import read_prose
-from app.words import Text, same
+from app.text.words import Text, same
 
 from ..toolkit import (
     TIME_TAB,

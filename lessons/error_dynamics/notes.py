@@ -11,9 +11,9 @@ from types import MappingProxyType
 import numpy as np
 
 from app.engine import Plant
-from app.figures import Figure, PlaneFigure, Point, TableFigure
+from app.lesson.figures import Figure, PlaneFigure, Point, TableFigure
 from app.plants import spring_damper
-from app.words import Text
+from app.text.words import Text
 
 PLANT = spring_damper.MODEL.plant
 TARGET = (-1.0, -1.0)

@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from app.engine import typical_rate
-from app.knobs import Choice, Knob, Number, Poles, Track
-from app.lesson import Lesson
+from app.lesson.knobs import Choice, Knob, Number, Poles, Track
+from app.lesson.lesson import Lesson
 from app.plants import Model
 from app.plants.names import called
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import injection, run_knobs
 from .lesson import KNOBS, LESSON, POLES, Setting, compute, figures

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson import ExamItem, Outcome, Verdict
-from app.words import Text
+from app.lesson.lesson import ExamItem, Outcome, Verdict
+from app.text.words import Text
 
 from .notes import FIRST, GAIN, MATRIX, NONE, RIGHT_GAIN
 

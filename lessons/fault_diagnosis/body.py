@@ -12,7 +12,7 @@ from dataclasses import replace
 from app.plants.body import METAL, Ball, Body, Box, Part, Pose, Rod, Vector, between
 from app.plants.deck_body import deck_body
 from app.plants.platform import Parameters
-from app.words import Text
+from app.text.words import Text
 
 K = Parameters()
 FAILING, HONEST, COIL, STEEL_GREY = (204, 121, 167), (86, 180, 233), (184, 115, 51), (138, 147, 160)

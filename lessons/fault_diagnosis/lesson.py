@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from app.knobs import Choice, Knob, Number
-from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
-from app.prose import read_prose
-from app.words import Text
+from app.lesson.knobs import Choice, Knob, Number
+from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
+from app.text.words import Text
 
 from ..toolkit import listed, matrix, number, run_knobs
 from .bank import COUNT, DT, HORIZON, MODEL, PLACES, guard

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.figures import Curve, Dash, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.lesson import Outcome
-from app.words import Text, same
+from app.lesson.figures import Curve, Dash, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same
 
 from .bank import COILS, COUNT, DT, NAMES, PLACES, guard
 from .diagnosis import ENERGY, POWER

@@ -9,7 +9,7 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import Decoupling, binomial_band, decoupling
-from app.lesson import Design
+from app.lesson.lesson import Design
 
 from .bank import DT, MODEL, NAMES, PLACES
 from .diagnosis import Forecast, Rule, Verdict, forecast, judge

@@ -19,7 +19,7 @@ from app.engine import (
 from app.plants import two_mass
 from app.plants.chain_body import chain_body
 from app.plants.model import Model
-from app.words import Text
+from app.text.words import Text
 
 COMMON = np.kron(np.eye(2), np.array([[1.0, 1.0]])) / np.sqrt(2)  # both blocks alike: position and velocity, 2×4
 RELATIVE = np.kron(np.eye(2), np.array([[-1.0, 1.0]])) / np.sqrt(2)  # one against the other, 2×4

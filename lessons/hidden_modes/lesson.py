@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import Placement, Scenario, observer_gain, place, simulate
-from app.figures import Figure
-from app.knobs import Choice, Number, Poles
-from app.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
+from app.lesson.figures import Figure
+from app.lesson.knobs import Choice, Number, Poles
+from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
+from app.lesson.prose import read_prose
 from app.plants import Model
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import kicks, matrix, number, pole_words, run_knobs, stage
 from .cases import CASES, UNMOVED, UNSEEN, Case

@@ -18,12 +18,12 @@ from app.engine import (
     simulate,
     sorted_poles,
 )
-from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
-from app.knobs import Knob, Number
-from app.lesson import Check, Design, Formula, Lesson, Outcome
+from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.lesson.knobs import Knob, Number
+from app.lesson.lesson import Check, Design, Formula, Lesson, Outcome
 from app.plants import Model
 from app.plants.names import called
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import (
     ERROR_TAB,

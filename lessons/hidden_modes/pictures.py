@@ -8,9 +8,9 @@ from itertools import accumulate
 import numpy as np
 
 from app.engine import Mode, Run
-from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.lesson import Check, Outcome
-from app.words import Text, same, symbol
+from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.lesson import Check, Outcome
+from app.text.words import Text, same, symbol
 
 from ..toolkit import ERROR_TAB, TIME_TAB, input_figure, pole_words
 from .cases import CASES, COMMON, RELATIVE, Case

@@ -9,13 +9,13 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import InnovationTest, SquaredError, Track, innovation_test, nees, nis
-from app.knobs import Choice, Number
-from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.knobs import Choice, Number
+from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants import Model
 from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as SCALE_OF_STAGE
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import matrix, number, run_knobs
 from .filters import (

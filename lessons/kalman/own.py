@@ -9,12 +9,12 @@ from functools import partial
 import numpy as np
 
 from app.engine import FilterTrial, InnovationTest, SquaredError, chi2_band, filter_trial, innovation_test, nees, nis
-from app.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure
-from app.knobs import Choice, Knob, KnobError, Number
-from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure
+from app.lesson.knobs import Choice, Knob, KnobError, Number
+from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model, Signal
 from app.plants.names import called, with_unit
-from app.words import Text, same, symbol
+from app.text.words import Text, same, symbol
 
 from ..toolkit import TIME_TAB, gain_words, noise_units, number, run_knobs
 from .lesson import LESSON, PREDICT, RUNS, UPDATE

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import chi2_band, psd
-from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
-from app.lesson import Outcome
-from app.words import Text, same
+from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same
 
 from ..toolkit import TIME_TAB
 from .filters import CARRIED, DT, SKIP, STEPS

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.figures import TableFigure
-from app.lesson import Outcome
-from app.words import Text, same
+from app.lesson.figures import TableFigure
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same
 
 NONE, GAIN, JOSEPH, SHORT, NEAR_R, MEANS = "none", "gain", "joseph", "short", "near-r", "means"
 SLIPS = (SHORT, NEAR_R, MEANS)

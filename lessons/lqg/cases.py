@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from app.engine import NoisyLoop, Plant, noisy_loop, typical_rate
-from app.lesson import Design
+from app.lesson.lesson import Design
 from app.plants import MODELS, doyle, platform_lqg
 from app.plants.model import Model
 from app.plants.names import called
 from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_y
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import sizes
 

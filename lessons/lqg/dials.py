@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.knobs import Choice, Number
+from app.lesson.knobs import Choice, Number
 from app.plants.names import called
-from app.words import Text, same
+from app.text.words import Text, same
 
 from ..toolkit import run_knobs
 from .cases import DOYLE, REPORT, Case

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import EngineError, Optimal, closed_loop
-from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants.doyle import gains as gains_of_paper
 from app.plants.model import Model, Window
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import number
 from .cases import DOYLE, Case, case_of, doyle_case, report_case

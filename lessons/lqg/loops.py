@@ -27,7 +27,7 @@ from app.engine import (
     simulate,
     state_feedback_margins,
 )
-from app.lesson import Design
+from app.lesson.lesson import Design
 
 from .cases import Case, Factors
 

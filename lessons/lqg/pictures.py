@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import ChannelMargins
-from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, finite
-from app.lesson import Outcome
+from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, finite
+from app.lesson.lesson import Outcome
 from app.plants.names import called
-from app.words import Text, same, squared
+from app.text.words import Text, same, squared
 
 from ..toolkit import TIME_TAB, axis_name, within
 from .loops import Robustness

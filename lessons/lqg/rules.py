@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections import defaultdict
 
-from app.figures import TableFigure
-from app.lesson import Outcome
-from app.words import Text, same
+from app.lesson.figures import TableFigure
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same
 
 from ..toolkit import tiny
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.plants.doyle import gains
-from app.words import Text
+from app.text.words import Text
 
 from .cases import DOYLE, REPORT
 from .loops import real, setting_of

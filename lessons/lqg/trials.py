@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.engine import Belief, EngineError, NoisyLoop, Plant, SampledLqg, chi2_band, noisy_loop, psd
-from app.engine.noise import root, step_covariance
-from app.knobs import KnobError
-from app.lesson import Outcome
-from app.words import Text
+from app.engine.systems.noise import root, step_covariance
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Outcome
+from app.text.words import Text
 
 from .cases import Case
 from .loops import RECURSIVE, Setting, computer, setting_of

@@ -26,7 +26,7 @@ from app.plants.body import (
     bounded,
     force_arrow,
 )
-from app.words import Text
+from app.text.words import Text
 
 LIT, OUT = (255, 214, 90), (58, 64, 74)
 LAMPS = (("sensor", -0.75), ("input", 0.75))

@@ -16,7 +16,7 @@ from app.plants.chip import STAGE as CHIP_SCALE
 from app.plants.deck_body import GAIN as DECK_GAIN
 from app.plants.deck_body import STAGE as DECK_SCALE
 from app.plants.platform import deck_disturbance
-from app.words import Text
+from app.text.words import Text
 
 from .bodies import SCALE, columns_body, ridge_body, with_lamps
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from app.knobs import Choice, Number
-from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
-from app.prose import read_prose
-from app.words import Text
+from app.lesson.knobs import Choice, Number
+from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
+from app.text.words import Text
 
 from ..toolkit import matrix, number, run_knobs
 from .cases import CART, CHIP, DECK, HORIZON, KINDS, SAMPLES, SCALAR, SLOWEST

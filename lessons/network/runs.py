@@ -19,7 +19,7 @@ from app.engine import (
     simulate_network,
     spectral_radius,
 )
-from app.lesson import Design
+from app.lesson.lesson import Design
 
 from .cases import DECK, KINDS, SAMPLES, SCALAR, TWO, Watched, sampled, watched
 

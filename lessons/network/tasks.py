@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from app.lesson import ExamItem, Outcome, Task, Verdict
-from app.words import Text
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.text.words import Text
 
 from .cases import CART, SCALAR, TWO
 from .runs import AHEAD

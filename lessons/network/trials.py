@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.engine import intermittent_steps
-from app.lesson import Design, Outcome
+from app.lesson.lesson import Design, Outcome
 
 from .cases import SAMPLES, watched
 from .runs import MOST, key

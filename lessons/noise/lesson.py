@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import ErrorParts, Optimal, Run, Scenario, error_parts, lqe, observer_gain, simulate
-from app.knobs import Choice, KnobError, Number, Poles
-from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.knobs import Choice, KnobError, Number, Poles
+from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants import MODELS, Model
 from app.plants.spring_damper import STAGE
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import kicks, listed, matrix, number, run_knobs
 from .pictures import all_figures

@@ -21,11 +21,11 @@ from app.engine import (
     simulate,
     sorted_poles,
 )
-from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.knobs import Choice, Knob, KnobError, Number, Poles
-from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome
+from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles
+from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model, Signal
-from app.words import Text, squared
+from app.text.words import Text, squared
 
 from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, noise_units, run_knobs, stage
 from .lesson import LESSON, POLES, RUNS

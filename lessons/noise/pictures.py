@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import chi2_band
-from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.lesson import Outcome
-from app.words import Text, same, squared
+from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same, squared
 
 from ..toolkit import TIME_TAB
 

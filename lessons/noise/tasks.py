@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson import ExamItem, Outcome, Task, Verdict
-from app.words import Text
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.text.words import Text
 
 WANTED = 1.01  # of the least variances: the bottom of the valley
 TWIN_SPEED = 0.3  # times Kalman: the slow observer whose fast twin is asked for

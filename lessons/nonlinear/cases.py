@@ -8,13 +8,13 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import Flow, NonlinearPlant, lqr
-from app.engine.noise import step_covariance
+from app.engine.systems.noise import step_covariance
 from app.plants import cart_pendulum, falling_body, nonlinear_platform, platform
 from app.plants.body import Body
 from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as DECK_STAGE
 from app.plants.model import Signal
-from app.words import Text
+from app.text.words import Text
 
 PLATFORM, PENDULUM, FALL = "platform", "pendulum", "fall"
 KF, EKF, UKF = "kf", "ekf", "ukf"

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from app.knobs import Choice, Number, Switch
-from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
-from app.prose import read_prose
-from app.words import Text, same
+from app.lesson.knobs import Choice, Number, Switch
+from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
+from app.text.words import Text, same
 
 from ..toolkit import number, run_knobs
 from .cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF

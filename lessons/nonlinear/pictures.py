@@ -7,10 +7,10 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import chi2_band
-from app.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.lesson import Outcome
+from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.lesson import Outcome
 from app.plants import cart_pendulum, falling_body, platform
-from app.words import Text, same
+from app.text.words import Text, same
 
 from ..toolkit import TIME_TAB
 from .cases import EKF, FALL, KF, LENGTH, PENDULUM, PLATFORM, UKF

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import joseph
-from app.words import Text
+from app.text.words import Text
 
 from .cases import case_of, flow_of, plant_of
 

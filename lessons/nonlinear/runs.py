@@ -23,7 +23,7 @@ from app.engine import (
     errors_squared,
     march_many,
 )
-from app.lesson import Design
+from app.lesson.lesson import Design
 
 from .cases import EKF, FALL, KF, PENDULUM, UKF, Case, case_of, flow_of, inputs_of, plant_of, starts
 

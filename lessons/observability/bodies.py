@@ -30,7 +30,7 @@ from app.plants.body import (
 )
 from app.plants.deck_body import deck_body
 from app.plants.platform import Parameters
-from app.words import Text
+from app.text.words import Text
 
 CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
 LEAST = 0.025  # an ellipsoid is never drawn thinner

@@ -15,9 +15,9 @@ import numpy as np
 from scipy.linalg import expm
 
 from app.engine import Observability, Plant, observability, observability_gramian
-from app.lesson import Design
+from app.lesson.lesson import Design
 from app.plants.platform import DECK, Parameters
-from app.words import Text
+from app.text.words import Text
 
 NOTES_A = np.array([[1.0, 2.0], [3.0, 4.0]])
 READING = 0.018  # m/s, a typical reading of the deck's sensors

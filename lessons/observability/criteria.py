@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.words import Text
+from app.text.words import Text
 
 from .cases import Sensed
 

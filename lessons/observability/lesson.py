@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from app.figures import Figure
-from app.knobs import Choice, Number, Switch
-from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Stage
+from app.lesson.figures import Figure
+from app.lesson.knobs import Choice, Number, Switch
+from app.lesson.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants import Model
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import matrix, number, pole_words
 from .bodies import body_of

@@ -7,11 +7,11 @@ from functools import partial
 
 import numpy as np
 
-from app.knobs import Knob, KnobError, Number, Switch
-from app.lesson import Design, Lesson, Outcome, Stage
+from app.lesson.knobs import Knob, KnobError, Number, Switch
+from app.lesson.lesson import Design, Lesson, Outcome, Stage
 from app.plants import Model
 from app.plants.names import called
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import sizes
 from .bodies import body_of

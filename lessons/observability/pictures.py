@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import Mode
-from app.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.lesson import Outcome
-from app.words import Text, same
+from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same
 
 from ..toolkit import pole_words
 from .cases import label, shown, unit

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.lesson import Design
+from app.lesson.lesson import Design
 
 from .cases import CASES, dynamics, rows
 

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import FunctionalObserver, FunctionalRun, error_index, perturbed_loop, run_functional
-from app.figures import Figure
-from app.knobs import Choice, Number, Poles, Switch
-from app.lesson import Board, Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.figures import Figure
+from app.lesson.knobs import Choice, Number, Poles, Switch
+from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants import Model
 from app.plants.duan import push
-from app.prose import read_prose
-from app.words import Text, same
+from app.text.words import Text, same
 
 from ..toolkit import listed, matrix, number, pole_words
 from .loops import (

@@ -20,12 +20,12 @@ from app.engine import (
     perturbed_loop,
     vertices,
 )
-from app.knobs import KnobError
-from app.lesson import Design
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Design
 from app.plants.body import Body
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, Example
 from app.plants.duan_body import rack_body
-from app.words import Text
+from app.text.words import Text
 
 ONE, TWO = "1", "2"
 HORIZON, DT = 6.0, 0.015

@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 
 from app.engine import FunctionalObserver
-from app.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import bolts, gain_words, number, pole_words
 from .lesson import LESSON, MET

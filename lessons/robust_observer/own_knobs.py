@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.knobs import Choice, Knob, Number, Poles
-from app.words import Text, same
+from app.lesson.knobs import Choice, Knob, Number, Poles
+from app.text.words import Text, same
 
 from .lesson import ERRORS, SEARCH, weight_knobs
 from .loops import NORMS

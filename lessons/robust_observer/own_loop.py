@@ -8,9 +8,9 @@ import numpy as np
 from scipy.linalg import expm
 
 from app.engine import EngineError, FunctionalObserver, Perturbations, Poles
-from app.knobs import KnobError
-from app.lesson import Design
-from app.words import Text
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Design
+from app.text.words import Text
 
 from ..toolkit import feedback
 from .loops import NORMS

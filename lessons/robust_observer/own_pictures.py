@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from app.engine import FunctionalObserver, RobustObserver, criterion
-from app.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
-from app.lesson import Design, Outcome
+from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.lesson import Design, Outcome
 from app.plants import Window
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import pole_words
 from .own_loop import Run

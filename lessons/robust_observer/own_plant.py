@@ -18,10 +18,10 @@ from app.engine import (
     perturbations,
     typical_rate,
 )
-from app.knobs import KnobError, Poles
+from app.lesson.knobs import KnobError, Poles
 from app.plants import Model
 from app.plants.names import called
-from app.words import Text, same
+from app.text.words import Text, same
 
 from .lesson import MET
 

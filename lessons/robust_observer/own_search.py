@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from app.engine import EngineError, Poles, Region, RobustObserver, rlo_steps
-from app.knobs import KnobError
-from app.lesson import Design, Outcome
-from app.words import Text
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Design, Outcome
+from app.text.words import Text
 
 from .loops import NORMS
 from .own_loop import errors, run_of, wanted_of, weighted

@@ -4,9 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.figures import Curve, Figure, FrequencyFigure, MapFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
-from app.lesson import Design, Outcome
-from app.words import Text, same
+from app.lesson.figures import (
+    Curve,
+    Figure,
+    FrequencyFigure,
+    MapFigure,
+    PlaneFigure,
+    Point,
+    TableFigure,
+    TimeFigure,
+    nice,
+)
+from app.lesson.lesson import Design, Outcome
+from app.text.words import Text, same
 
 from .loops import (
     CASES,

@@ -17,7 +17,7 @@ from app.engine import (
     vertices,
     worst_error_gain,
 )
-from app.lesson import Design, Outcome
+from app.lesson.lesson import Design, Outcome
 
 from .loops import CASES, MOST, NORMS, ONE, deltas, weighted
 

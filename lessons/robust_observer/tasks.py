@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson import Outcome, Task, Verdict
-from app.words import Text
+from app.lesson.lesson import Outcome, Task, Verdict
+from app.text.words import Text
 
 from .loops import BEST, ONE, TWO
 from .paper import COLUMNS, LINES, PRINTED_SIZES, REMARKS, claimed_columns, free_columns, remark_3, true_size

@@ -35,10 +35,10 @@ from app.engine import (
     sensitivity,
     split_stable,
 )
-from app.knobs import KnobError
+from app.lesson.knobs import KnobError
 from app.plants import Model
 from app.sentences import told
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import noise_units
 

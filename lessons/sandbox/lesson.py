@@ -21,14 +21,14 @@ from app.engine import (
     state_feedback_margins,
     typical_rate,
 )
-from app.figures import Figure
-from app.knobs import Choice, Knob, KnobError, Number, Switch
-from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Task
+from app.lesson.figures import Figure
+from app.lesson.knobs import Choice, Knob, KnobError, Number, Switch
+from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Task
+from app.lesson.prose import read_prose
 from app.plants import Model
 from app.plants.examples import example
 from app.plants.own import own_model, plant_of
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import fair, gain_words, gains, kicks, method_knobs, pole_boards, pole_knobs, run_knobs, stage
 from . import pictures

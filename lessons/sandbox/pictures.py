@@ -8,10 +8,10 @@ from typing import TypeVar
 import numpy as np
 
 from app.engine import ClosedLoop, Controllability, Mode, Observability, Plant, Run, autonomous_error, chi2_band
-from app.figures import Curve, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.lesson.figures import Curve, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
 from app.plants import Model
 from app.plants.names import called
-from app.words import Text, same
+from app.text.words import Text, same
 
 from ..toolkit import error_figure, input_figure, pole_words, state_figures, tiny
 from .analyses import Margins, Noise, Refusal, Structure, Trial

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import ClosedLoop, Mode
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import pole_words, tiny
 from .analyses import Margins, Noise, Refusal, Structure, Trial

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from app.engine import Run, Scenario, autonomous_error, separation_meter
-from app.figures import Curve, Figure
-from app.knobs import Choice, KnobError, Number
-from app.lesson import Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Task, Verdict
+from app.lesson.figures import Curve, Figure
+from app.lesson.knobs import Choice, KnobError, Number
+from app.lesson.lesson import Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Task, Verdict
+from app.lesson.prose import read_prose
 from app.plants import MODELS, Model
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import (
     error_figure,

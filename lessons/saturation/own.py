@@ -10,11 +10,11 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from app.engine import Plant, Run, Scenario, autonomous_error, recovery_map, separation_meter, simulate, sorted_poles
-from app.figures import Curve, Figure, MapFigure
-from app.knobs import Choice, Knob, KnobError, Number
-from app.lesson import Check, Design, Formula, Job, Lesson, Outcome
+from app.lesson.figures import Curve, Figure, MapFigure
+from app.lesson.knobs import Choice, Knob, KnobError, Number
+from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import (
     error_figure,

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from app.engine import EngineError, Plant, Scenario, recovery_map
-from app.figures import MapFigure
-from app.words import Text
+from app.lesson.figures import MapFigure
+from app.text.words import Text
 
 HORIZON = 8.0  # s
 NEAR = 0.05  # ‖x‖ at the horizon below which a start has come home (m, rad, m/s, rad/s)

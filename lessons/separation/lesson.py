@@ -20,13 +20,13 @@ from app.engine import (
     separation_meter,
     simulate,
 )
-from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
-from app.knobs import Number, Switch
-from app.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
+from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
+from app.lesson.knobs import Number, Switch
+from app.lesson.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict
+from app.lesson.prose import read_prose
 from app.plants import MODELS, Model, platform
 from app.plants.names import called
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import (
     error_figure,

@@ -8,11 +8,11 @@ from functools import partial
 import numpy as np
 
 from app.engine import typical_rate
-from app.knobs import Knob, Number, Switch
-from app.lesson import Lesson, Task
+from app.lesson.knobs import Knob, Number, Switch
+from app.lesson.lesson import Lesson, Task
 from app.plants import Model
 from app.plants.names import called
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import fair, method_knobs, pole_knobs, run_knobs, sizes, sped
 from .lesson import LESSON, Setting, compute, fast_observer, figures

@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import ResponseMeasures
-from app.knobs import Choice, Number, Switch
-from app.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.knobs import Choice, Number, Switch
+from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.prose import read_prose
 from app.plants import platform
 from app.plants.body import with_longer_arrows
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import number, run_knobs
 from .pictures import SHORT, all_figures

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from app.figures import FLOOR, Curve, Dash, Figure, FrequencyFigure, TableFigure, TimeFigure
-from app.lesson import Outcome
-from app.words import Text, same
+from app.lesson.figures import FLOOR, Curve, Dash, Figure, FrequencyFigure, TableFigure, TimeFigure
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same
 
 from .players import DECOUPLED, LQE, NAMES, ORDER, gain_gap
 

@@ -25,7 +25,7 @@ from app.engine import (
 from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.platform_lqg import GROUND_UNIT, H_MAG, V_MAG, Weights, coils, ground
-from app.words import Text
+from app.text.words import Text
 
 __all__ = ["DECOUPLED", "DT", "LQE", "NAMES", "OPEN", "ORDER", "OWN", "PUBLISHED", "RECURSIVE", "SISO", "Player", "gain_gap",
            "players", "recursion", "sampled_design"]

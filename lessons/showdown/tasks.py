@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson import ExamItem, Outcome, Task, Verdict
-from app.words import Text
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.text.words import Text
 
 WANTED = 20.0  # dB in every channel
 BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first task

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.engine import MonteCarlo, loop_density, mechanics_response, monte_carlo
-from app.lesson import Outcome
+from app.lesson.lesson import Outcome
 from app.plants import platform
 
 from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design

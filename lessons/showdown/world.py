@@ -19,7 +19,7 @@ from app.engine import (
     run_trial,
     sampled_loop,
 )
-from app.lesson import Design
+from app.lesson.lesson import Design
 from app.plants import platform
 from app.plants.platform_channels import T_y
 

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 
 from app.engine import Plant, Run, Scenario, observer_gain, simulate
-from app.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
-from app.knobs import Choice, Number, Poles
-from app.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
+from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
+from app.lesson.knobs import Choice, Number, Poles
+from app.lesson.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task
+from app.lesson.prose import read_prose
 from app.plants import MODELS, Model, chip
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import TIME_TAB, kicks, listed, matrix, number, run_knobs, stage
 from .tasks import HORIZON, RUNAWAY, TAME, exam, feel_the_core, lucky_copy, tame_the_runaway, wrong_fan

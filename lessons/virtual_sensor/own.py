@@ -8,12 +8,12 @@ from functools import partial
 import numpy as np
 
 from app.engine import Plant, Run, Scenario, simulate, sorted_poles
-from app.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
-from app.knobs import Knob, Number, Poles
-from app.lesson import Board, Design, Formula, Lesson, Outcome
+from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
+from app.lesson.knobs import Knob, Number, Poles
+from app.lesson.lesson import Board, Design, Formula, Lesson, Outcome
 from app.plants import Model, Signal
 from app.plants.names import called
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, number, run_knobs, sizes, sped, stage
 from .lesson import COPY, ERROR_TAB, LESSON, MOST_TRUST, OBSERVER, TRUE, TRUST_TAB, checks_of

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson import ExamItem, Outcome, Verdict
+from app.lesson.lesson import ExamItem, Outcome, Verdict
 from app.plants import chip
-from app.words import Text
+from app.text.words import Text
 
 TAME, RUNAWAY, HORIZON = chip.MODEL.id, chip.RUNAWAY.id, chip.MODEL.horizon
 

@@ -12,11 +12,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.lesson import Stage
+from app.lesson.lesson import Stage
 from app.plants.body import Body, Pose, between, bounded
 from app.plants.deck_body import MASS_REST, STAGE, platform_body
 from app.plants.platform import Parameters
-from app.words import Text
+from app.text.words import Text
 
 from .system import STATES, Motion, System, believed, relative
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.knobs import Choice, Number
-from app.lesson import Check, Design, Formula, Lesson, Outcome
+from app.lesson.knobs import Choice, Number
+from app.lesson.lesson import Check, Design, Formula, Lesson, Outcome
+from app.lesson.prose import read_prose
 from app.plants.platform import Parameters
-from app.prose import read_prose
-from app.words import Text
+from app.text.words import Text
 
 from ..toolkit import number
 from .body import NOMINAL, share, slower, swing

@@ -6,9 +6,9 @@ import re
 
 import numpy as np
 
-from app.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure
-from app.lesson import Outcome
-from app.words import Text, same
+from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from app.lesson.lesson import Outcome
+from app.text.words import Text, same
 
 from .body import share
 from .rank import RELATIVE, REPORT

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine import controllability, observability
 from app.plants.platform import in_time_units
-from app.words import Text
+from app.text.words import Text
 
 from .system import System
 

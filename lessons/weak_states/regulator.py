@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine import Lqg, NoisyLoop, Plant, lqg, noisy_loop
 from app.plants.platform_lqg import Weights, coils, ground
-from app.words import Text
+from app.text.words import Text
 
 from .system import STATES, System, model
 

@@ -20,7 +20,7 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / 
 
 from client import WireTab  # type: ignore[import-not-found]
 
-from app.knobs import Number
+from app.lesson.knobs import Number
 from app.view.knobs import label_of
 from app.view.server import LabServer
 from lessons import LESSONS, OPENING

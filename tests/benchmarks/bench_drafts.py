@@ -23,9 +23,9 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from app.engine import EngineError
-from app.engine.placement import move_pole
-from app.knobs import Choice, Knob, KnobError, Number, Poles, Switch
-from app.lesson import Design, Lesson
+from app.engine.design.placement import move_pole
+from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
+from app.lesson.lesson import Design, Lesson
 from lessons import LESSONS
 
 STEPS = 40  # positions of each knob, as a slow sweep of a slider sends them

@@ -29,7 +29,7 @@ from conftest import chromium, serving  # type: ignore[import-not-found]
 from geometry import on_screen  # type: ignore[import-not-found]
 from tab import FLAGS, Tab  # type: ignore[import-not-found]
 
-from app.knobs import Number
+from app.lesson.knobs import Number
 from app.view.knobs import label_of
 from lessons import LESSONS, OPENING
 

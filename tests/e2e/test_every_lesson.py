@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from tab import Tab, eventually
 
-from app.knobs import Number
-from app.lesson import Lesson
+from app.lesson.knobs import Number
+from app.lesson.lesson import Lesson
 from app.view.knobs import slider_label
 from lessons import LESSONS
 

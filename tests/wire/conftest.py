@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from client import WireTab
 
-from app.session import Session
+from app.tab.session import Session
 from app.view.server import LabServer
 from lessons import LESSONS
 

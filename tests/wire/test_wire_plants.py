@@ -8,7 +8,7 @@ import pytest
 from client import WireTab
 
 from app.plants.examples import FOLDER, example
-from app.session import Session
+from app.tab.session import Session
 from app.view.plants import MOST_BYTES
 from app.view.server import LabServer
 

@@ -10,7 +10,7 @@ from urllib.request import urlopen
 import pytest
 from client import WireTab
 
-from app.session import Session
+from app.tab.session import Session
 from app.view.server import LabServer
 from lessons import LESSONS
 

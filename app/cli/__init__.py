@@ -1,0 +1,5 @@
+"""The command line `observer-lab`."""
+
+from .entry import main
+
+__all__ = ["main"]

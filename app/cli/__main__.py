@@ -1,0 +1,7 @@
+"""`python -m app.cli` is `observer-lab`."""
+
+import sys
+
+from .entry import main
+
+sys.exit(main())

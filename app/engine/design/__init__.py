@@ -1,0 +1,1 @@
+"""Gains: pole placement, Riccati equations, LQR and LQE, Diophantine equations, scalar controllers."""

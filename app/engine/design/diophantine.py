@@ -1,0 +1,133 @@
+"""Pole placement by polynomials: A E + B F = Φ for a plant B/A and a controller F/E in negative feedback."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..systems.errors import EngineError, PoleError
+from ..systems.plant import Plant
+from .siso import coefficients, negated, polynomial_roots, rational
+
+__all__ = ["Diophantine", "diophantine", "sylvester"]
+
+WORST = 1e13  # condition of the scaled Sylvester matrix beyond which A and B count as having a common factor
+
+
+@dataclass(frozen=True, eq=False)
+class Diophantine:
+    """The solution of A E + B F = Φ, coefficients from the highest power down; E and Φ are as monic as A makes them.
+
+    residual: largest coefficient of A E + B F − Φ relative to the terms that make it up; condition: of the scaled
+    Sylvester matrix.
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    E: np.ndarray
+    F: np.ndarray
+    desired: np.ndarray
+    residual: float
+    condition: float
+
+    @property
+    def strictly_proper(self) -> bool:
+        """Whether deg F < deg E."""
+        return len(self.F) < len(self.E)
+
+    @property
+    def poles(self) -> np.ndarray:
+        """Roots of A E + B F, sorted by (real, imag)."""
+        whole = np.polyadd(np.polymul(self.A, self.E), np.polymul(self.B, self.F))
+        return np.sort_complex(polynomial_roots(whole))
+
+    def controller(self) -> Plant:
+        """u = −(F/E) y: a plant from y to u with the minus sign of the feedback inside."""
+        return negated(rational(self.F, self.E))
+
+
+def sylvester(A: object, B: object, degree: int) -> np.ndarray:
+    """M with M (e; f) = coefficients of A E + B F, square (degree + 1): deg E = degree − n, deg F = n − 1, n = deg A."""
+    a, b = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (A, B))
+    n = len(a) - 1
+    e, f = degree - n + 1, n
+    M = np.zeros((degree + 1, e + f))
+    for k in range(e):
+        M[k:k + len(a), k] = a
+    for k in range(f):
+        first = degree + 1 - f + k - (len(b) - 1)
+        M[first:first + len(b), e + k] = b
+    return M
+
+
+def diophantine(A: object, B: object, desired: object) -> Diophantine:
+    """E and F of least degree with A E + B F = Φ: the closed loop of B/A and u = −(F/E) y has exactly Φ's roots.
+
+    A: degree n; B: degree below n; Φ: degree 2n − 1 for a proper controller, 2n or more for a strictly proper one;
+    deg F ≤ n − 1, deg E = deg Φ − n. Powers of s are scaled by the size of Φ's roots, columns to unit size.
+    Raises PoleError for a Φ of too low degree, EngineError where B/A is not strictly proper or A and B share a factor
+    (named), which no controller can move. Source: report, eqs (27)–(30); Goodwin, Graebe and Salgado (2001), ch. 7.
+    """
+    a, b, phi = (_trimmed(p, name) for p, name in ((A, "A"), (B, "B"), (desired, "Φ")))
+    n, degree = len(a) - 1, len(phi) - 1
+    if n < 1 or len(b) - 1 >= n:
+        raise EngineError(f"B/A must be strictly proper: the degree of B is {len(b) - 1}, that of A {n}.")
+    if degree < 2 * n - 1:
+        raise PoleError(f"Φ has degree {degree}; a plant of order {n} needs at least {2 * n - 1} poles, and "
+                        f"{2 * n} for a strictly proper controller.")
+    scale = _frequency(phi)
+    powers = scale ** np.arange(degree, -1.0, -1.0)
+    scaled_a, scaled_b = (p * scale ** np.arange(len(p) - 1, -1.0, -1.0) for p in (a, b))
+    M = sylvester(scaled_a, scaled_b, degree)
+    right = phi * powers
+    columns = np.linalg.norm(M, axis=0)
+    columns[columns == 0] = 1.0
+    M = M / columns
+    condition = float(np.linalg.cond(M))
+    if not condition < WORST:
+        raise EngineError(f"A and B share the factor at s = {_shared(a, b)}, or nearly so: no controller moves that pole; "
+                          "cancel it in B/A first.")
+    solved = _refined(M, right) / columns
+    e = degree - n + 1
+    E = solved[:e] / scale ** np.arange(e - 1, -1.0, -1.0)
+    F = solved[e:] / scale ** np.arange(n - 1, -1.0, -1.0)
+    return Diophantine(a, b, E, F, phi, _residual(a, b, E, F, phi), condition)
+
+
+def _refined(M: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """M⁻¹ right with two steps of iterative refinement, so that small coefficients of A E + B F are right too."""
+    solved = np.linalg.solve(M, right)
+    for _ in range(2):
+        left = (right - M.astype(np.longdouble) @ solved).astype(float)
+        solved = solved + np.linalg.solve(M, left)
+    return solved
+
+
+def _trimmed(polynomial: object, name: str) -> np.ndarray:
+    p = coefficients(polynomial, name)
+    if not p.size:
+        raise EngineError(f"{name} must be a polynomial that is not zero.")
+    return p
+
+
+def _frequency(phi: np.ndarray) -> float:
+    """The geometric mean of the roots that are not zero: where all powers of s weigh alike."""
+    kept = np.trim_zeros(phi, "b")
+    return float((abs(kept[-1]) / abs(kept[0])) ** (1 / max(len(kept) - 1, 1))) or 1.0
+
+
+def _shared(a: np.ndarray, b: np.ndarray) -> str:
+    poles, zeros = polynomial_roots(a), polynomial_roots(b)
+    if not len(zeros):
+        return "unknown"
+    gap = np.abs(poles[:, None] - zeros[None]) / np.maximum(np.abs(poles)[:, None], 1e-12)
+    p = poles[np.unravel_index(gap.argmin(), gap.shape)[0]]
+    return f"{p.real:.4g}" if abs(p.imag) < 1e-9 * max(1.0, abs(p)) else f"{p.real:.4g} ± {abs(p.imag):.4g}j"
+
+
+def _residual(a: np.ndarray, b: np.ndarray, E: np.ndarray, F: np.ndarray, phi: np.ndarray) -> float:
+    gap = np.polysub(np.polyadd(np.polymul(a, E), np.polymul(b, F)), phi)
+    terms = np.polyadd(np.polyadd(np.polymul(np.abs(a), np.abs(E)), np.polymul(np.abs(b), np.abs(F))), np.abs(phi))
+    gap = np.pad(gap, (len(terms) - len(gap), 0))
+    return float((np.abs(gap)[terms > 0] / terms[terms > 0]).max(initial=0.0))

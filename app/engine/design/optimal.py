@@ -1,0 +1,220 @@
+"""Optimal gains: the linear-quadratic regulator, the Kalman–Bucy filter, and their discrete forms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..systems.errors import EngineError, RiccatiError, ShapeError
+from ..systems.plant import as_matrix
+from ..systems.pole_sets import Poles, pole_text, sorted_poles
+from .riccati import RiccatiProblem, solve_continuous, solve_discrete
+
+__all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]
+
+PSD_TOLERANCE = 1e-10
+RESIDUAL_LIMIT = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Optimal:
+    """An optimal gain with its certificate.
+
+    gain: K (m×n) or L (n×p). solution: S or P (n×n), symmetric. poles: closed-loop eigenvalues, sorted by (real, imag).
+    residual: norm of the Riccati residual relative to the sum of the norms of its terms.
+    """
+
+    gain: np.ndarray
+    solution: np.ndarray
+    poles: Poles
+    residual: float
+
+
+@dataclass(frozen=True, eq=False)
+class DiscreteFilter(Optimal):
+    """The steady Kalman filter in discrete time: gain is the predictor gain L = A·M, filter_gain is M.
+
+    Predictor: x̂⁺ = A x̂ + B u + L (y − C x̂ − D u), poles eig(A − LC). solution is the a-priori covariance P of x − x̂.
+    Filter: x̂ after y is x̂ + M (y − C x̂ − D u), with covariance `filtered` = (I − MC) P.
+    """
+
+    filter_gain: np.ndarray
+    filtered: np.ndarray
+
+    @property
+    def predictor_gain(self) -> np.ndarray:
+        """L = A·M, the same as `gain`."""
+        return self.gain
+
+
+def lqr(A: object, B: object, Q: object, R: object, N: object | None = None) -> Optimal:
+    """K = R⁻¹(BᵀS + Nᵀ) minimising ∫ xᵀQx + 2xᵀNu + uᵀRu dt for ẋ = Ax + Bu, u = −Kx.
+
+    S ≥ 0 solves AᵀS + SA − (SB + N)R⁻¹(BᵀS + Nᵀ) + Q = 0. Shapes: A n×n, B n×m, Q n×n symmetric and positive
+    semidefinite, R m×m symmetric and positive definite, N n×m. Raises ShapeError, EngineError for bad weights,
+    RiccatiError where no stabilising gain exists.
+    """
+    problem = _regulator(A, B, Q, R, N)
+    return _solved(problem, 0.0, _CONTROL)
+
+
+def dlqr(A: object, B: object, Q: object, R: object, N: object | None = None) -> Optimal:
+    """K = (R + BᵀSB)⁻¹(BᵀSA + Nᵀ) minimising Σ xᵀQx + 2xᵀNu + uᵀRu for x⁺ = Ax + Bu, u = −Kx.
+
+    S solves S = AᵀSA − (AᵀSB + N)(R + BᵀSB)⁻¹(BᵀSA + Nᵀ) + Q; A may be singular. Shapes and errors as `lqr`.
+    """
+    problem = _regulator(A, B, Q, R, N)
+    return _solved(problem, 1.0, _CONTROL)
+
+
+def lqe(A: object, G: object, C: object, W: object, V: object) -> Optimal:
+    """L = PCᵀV⁻¹ of the Kalman–Bucy filter for ẋ = Ax + Gw, y = Cx + v, white w, v of intensities W, V.
+
+    P ≥ 0 solves AP + PAᵀ − PCᵀV⁻¹CP + GWGᵀ = 0. Shapes: A n×n, G n×q, C p×n, W q×q ≥ 0, V p×p > 0. L depends on the
+    ratio of W and V alone. Raises as `lqr` does.
+    """
+    dual = _solved(_estimator(A, G, C, W, V), 0.0, _ESTIMATION)
+    return Optimal(_frozen(dual.gain.T), dual.solution, dual.poles, dual.residual)
+
+
+def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilter:
+    """Steady Kalman filter of x⁺ = Ax + Gw, y = Cx + v with covariances W, V: both the gain L = A·M and M.
+
+    P = APAᵀ − APCᵀ(CPCᵀ + V)⁻¹CPAᵀ + GWGᵀ and M = PCᵀ(CPCᵀ + V)⁻¹. Shapes and errors as `lqe`.
+    """
+    problem = _estimator(A, G, C, W, V)
+    dual = _solved(problem, 1.0, _ESTIMATION)
+    P, C_, V_ = dual.solution, problem.B.T, problem.R
+    M = np.linalg.solve(C_ @ P @ C_.T + V_, C_ @ P).T
+    I_MC = np.eye(P.shape[0]) - M @ C_
+    filtered = I_MC @ P @ I_MC.T + M @ V_ @ M.T
+    return DiscreteFilter(
+        _frozen(dual.gain.T), P, dual.poles, dual.residual, _frozen(M), _frozen((filtered + filtered.T) / 2)
+    )
+
+
+@dataclass(frozen=True)
+class _Words:
+    hidden: str  # what an unstable mode must not be
+    blind: str  # what a mode on the boundary must not be
+    weight: str
+    gain: str
+
+
+_CONTROL = _Words("uncontrollable", "the weight Q does not see it", "Q", "K")
+_ESTIMATION = _Words("unobservable", "the noise w does not excite it", "W", "L")
+
+
+def _regulator(A: object, B: object, Q: object, R: object, N: object | None) -> RiccatiProblem:
+    A, B = as_matrix(A, "A"), as_matrix(B, "B")
+    n = _square(A, "A")
+    if B.shape[0] != n:
+        raise ShapeError(f"B must have {n} rows, as A has; it is {B.shape[0]}×{B.shape[1]}.")
+    m = B.shape[1]
+    Q, R = _weight(Q, "Q", n), _positive(_weight(R, "R", m), "R")
+    cross = np.zeros((n, m)) if N is None else as_matrix(N, "N")
+    if cross.shape != (n, m):
+        raise ShapeError(f"N must be {n}×{m}; it is {cross.shape[0]}×{cross.shape[1]}.")
+    if np.any(cross):
+        _semidefinite(Q - cross @ np.linalg.solve(R, cross.T), "Q − N R⁻¹ Nᵀ", float(np.linalg.norm(Q, 2)))
+    return RiccatiProblem(A, B, Q, R, cross)
+
+
+def _estimator(A: object, G: object, C: object, W: object, V: object) -> RiccatiProblem:
+    A, G, C = as_matrix(A, "A"), as_matrix(G, "G"), as_matrix(C, "C")
+    n = _square(A, "A")
+    if G.shape[0] != n:
+        raise ShapeError(f"G must have {n} rows, as A has; it is {G.shape[0]}×{G.shape[1]}.")
+    if C.shape[1] != n:
+        raise ShapeError(f"C must have {n} columns, as A has; it is {C.shape[0]}×{C.shape[1]}.")
+    W, V = _weight(W, "W", G.shape[1]), _positive(_weight(V, "V", C.shape[0]), "V")
+    noise = G @ W @ G.T
+    return RiccatiProblem(A.T, C.T, (noise + noise.T) / 2, V, np.zeros((n, C.shape[0])))
+
+
+def _square(A: np.ndarray, name: str) -> int:
+    if A.shape[0] != A.shape[1] or A.size == 0:
+        raise ShapeError(f"{name} must be square; it is {A.shape[0]}×{A.shape[1]}.")
+    return A.shape[0]
+
+
+def _weight(value: object, name: str, size: int) -> np.ndarray:
+    """A symmetric positive semidefinite size×size matrix, made exactly symmetric."""
+    weight = as_matrix(value, name)
+    if weight.shape != (size, size):
+        raise ShapeError(f"{name} must be {size}×{size}; it is {weight.shape[0]}×{weight.shape[1]}.")
+    largest = float(np.abs(weight).max())
+    if np.abs(weight - weight.T).max() > PSD_TOLERANCE * largest:
+        raise EngineError(f"{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.")
+    weight = (weight + weight.T) / 2
+    _semidefinite(weight, name, largest)
+    return weight
+
+
+def _semidefinite(weight: np.ndarray, name: str, size: float) -> None:
+    if float(np.linalg.eigvalsh(weight)[0]) < -PSD_TOLERANCE * size:
+        raise EngineError(f"{name} has a negative eigenvalue; it must be positive semidefinite.")
+
+
+def _positive(weight: np.ndarray, name: str) -> np.ndarray:
+    values = np.linalg.eigvalsh(weight)
+    if values[0] <= 1e-15 * values[-1]:
+        raise EngineError(f"{name} must be positive definite: every eigenvalue above zero.")
+    return weight
+
+
+def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
+    """Solve, and check that the gain stabilises; `boundary` is 0 in continuous and 1 in discrete time."""
+    try:
+        S, K, residual = (solve_discrete if boundary else solve_continuous)(problem)
+    except RiccatiError as failure:
+        raise RiccatiError(_diagnosis(problem, boundary, words)) from failure
+    if not (np.all(np.isfinite(S)) and residual < RESIDUAL_LIMIT):
+        raise RiccatiError(_diagnosis(problem, boundary, words))
+    poles = sorted_poles(problem.A - problem.B @ K)
+    if np.any(_beyond(poles, boundary) >= 0):
+        raise RiccatiError(_diagnosis(problem, boundary, words))
+    return Optimal(_frozen(K), _frozen(S), _frozen(poles), residual)
+
+
+def _beyond(poles: Poles, boundary: float) -> np.ndarray:
+    """How far each pole lies beyond the stability boundary (negative: stable)."""
+    return np.abs(poles) - 1.0 if boundary else poles.real
+
+
+def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> str:
+    """The sentence that names the mode at fault, as far as it can be found."""
+    A, B, Q, N = problem.A, problem.B, problem.Q, problem.N
+    n, scale = A.shape[0], max(1.0, float(np.linalg.norm(A, 2)))
+    poles = np.linalg.eigvals(A).astype(complex)
+    for pole in poles[_beyond(poles, boundary) > -1e-9 * scale]:
+        shifted = A - pole * np.eye(n)
+        if _deficient(np.hstack([shifted / scale, B / max(float(np.linalg.norm(B, 2)), 1e-300)])):
+            return (
+                f"The mode at {pole_text(pole)} is not stable and is {words.hidden}: no {words.gain} can stabilise it; "
+                "change the plant."
+            )
+    A_bar = A - B @ np.linalg.solve(problem.R, N.T)
+    Q_bar = Q - N @ np.linalg.solve(problem.R, N.T)
+    poles = np.linalg.eigvals(A_bar).astype(complex)
+    for pole in poles[np.abs(_beyond(poles, boundary)) <= 1e-6 * scale]:
+        shifted = A_bar - pole * np.eye(n)
+        if _deficient(np.vstack([shifted / scale, Q_bar / max(float(np.linalg.norm(Q_bar, 2)), 1e-300)])):
+            return (
+                f"The mode at {pole_text(pole)} lies on the stability boundary and {words.blind}: "
+                f"make {words.weight} act on it."
+            )
+    return (
+        "The Riccati equation is too ill-conditioned to be solved; bring the weights or the units of the states closer."
+    )
+
+
+def _deficient(matrix: np.ndarray) -> bool:
+    return bool(np.linalg.svd(matrix, compute_uv=False)[-1] < 1e-8)
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    array = np.ascontiguousarray(array)
+    array.setflags(write=False)
+    return array

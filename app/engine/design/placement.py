@@ -1,0 +1,166 @@
+"""Pole placement: the gain K with eig(A − BK) as asked, and by duality the observer gain L."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import matrix_balance
+
+from ..systems.errors import PoleError, ShapeError
+from ..systems.plant import as_matrix
+from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
+from .eigenstructure import controllable_split, input_factors, place_by_deflation
+from .robust import place_robustly
+
+__all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
+
+SAME_POLE = 1e-5  # a fixed pole counts as requested within this distance, relative to its size
+POOR_EIGENVECTORS = 1e9  # above this condition number deflation is tried as well
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """A gain and what it achieves.
+
+    gain is K (m×n) from `place` and L (n×p) from `observer_gain`. reached[i] is the eigenvalue matched to asked[i], in
+    the order of the request. error = max |asked − reached|. condition is the 2-norm condition number of the closed-loop
+    eigenvectors of unit length, infinite if they are not independent. fixed holds the poles no gain can move.
+    """
+
+    gain: np.ndarray
+    asked: Poles
+    reached: Poles
+    error: float
+    condition: float
+    fixed: Poles
+
+    @property
+    def poles(self) -> Poles:
+        """The poles reached, sorted by (real, imag)."""
+        return np.sort_complex(self.reached)
+
+
+def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
+    """State-feedback gain K (m×n) with eig(A − BK) = poles, u = −Kx.
+
+    A is n×n, B n×m; n poles closed under conjugation, of any multiplicity. With several inputs the freedom left is
+    used to make the eigenvectors well conditioned (start: Kautsky, Nichols and Van Dooren 1985). Uncontrollable
+    modes must be among the poles. Raises PoleError with the reason where no gain exists, ShapeError where shapes
+    disagree.
+    """
+    matrices = _checked_pair(A, B, "A", "B")
+    return _place(*matrices, poles, _Wording("uncontrollable", "K"))
+
+
+def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
+    """Observer gain L (n×p) with eig(A − LC) = poles, by duality: L = place(Aᵀ, Cᵀ, poles).gainᵀ.
+
+    A is n×n, C p×n. Raises as `place` does, with unobservable in place of uncontrollable.
+    """
+    C = as_matrix(C, "C")
+    A_dual, C_dual = _checked_pair(as_matrix(A, "A").T, C.T, "Aᵀ", "Cᵀ")
+    dual = _place(A_dual, C_dual, poles, _Wording("unobservable", "L"))
+    return Placement(_frozen(dual.gain.T), dual.asked, dual.reached, dual.error, dual.condition, dual.fixed)
+
+
+@dataclass(frozen=True)
+class _Wording:
+    hidden: str
+    gain: str
+
+
+def _checked_pair(A: object, B: object, a: str, b: str) -> tuple[np.ndarray, np.ndarray]:
+    first, second = as_matrix(A, a), as_matrix(B, b)
+    if first.shape[0] != first.shape[1] or first.size == 0:
+        raise ShapeError(f"A must be square; it is {first.shape[0]}×{first.shape[1]}.")
+    if second.shape[0] != first.shape[0]:
+        raise ShapeError(f"{b} must have {first.shape[0]} rows, as {a} has; it is {second.shape[0]}×{second.shape[1]}.")
+    return first, second
+
+
+def _place(A: np.ndarray, B: np.ndarray, poles: Iterable[complex], words: _Wording) -> Placement:
+    n = A.shape[0]
+    asked = check_poles(poles, n)
+    scales = matrix_balance(A, permute=False, separate=True)[1][0]
+    A_balanced, B_balanced = A * (scales / scales[:, None]), B / scales[:, None]
+    Q, reachable = controllable_split(A_balanced, B_balanced)
+    if reachable == n:
+        K, condition = _gain(A, B, asked, scales)
+        return _judge(A, B, K, asked, condition, np.empty(0, dtype=complex))
+    hidden = Q[:, reachable:]
+    fixed = sorted_poles(hidden.T @ A_balanced @ hidden)
+    free = _without_fixed(asked, fixed, words)
+    seen = Q[:, :reachable]
+    K = np.zeros((B.shape[1], n))
+    if reachable:
+        K = _gain(seen.T @ A_balanced @ seen, seen.T @ B_balanced, free, np.ones(reachable))[0] @ seen.T / scales
+    return _judge(A, B, K, asked, None, fixed)
+
+
+def _without_fixed(asked: Poles, fixed: Poles, words: _Wording) -> Poles:
+    """The request without the poles nobody can move; PoleError where one of them was not asked for."""
+    left = list(asked)
+    for mode in fixed:
+        nearest = min(range(len(left)), key=lambda i: abs(left[i] - mode))
+        if abs(left[nearest] - mode) > SAME_POLE * max(1.0, abs(mode)):
+            name = pole_text(mode)
+            raise PoleError(
+                f"The mode at {name} is {words.hidden}: no {words.gain} can move it, "
+                f"so keep {name} among the requested poles."
+            )
+        left.pop(nearest)
+    return check_poles(left, len(left))
+
+
+def _gain(A: np.ndarray, B: np.ndarray, asked: Poles, scales: np.ndarray) -> tuple[np.ndarray, float | None]:
+    """Gain of a controllable pair and the condition of its eigenvectors (None: to be measured).
+
+    Deflation works in the balanced coordinates x / scales; the condition of robust eigenvectors is one of x itself.
+    """
+
+    def deflated() -> np.ndarray:
+        return place_by_deflation(A * (scales / scales[:, None]), B / scales[:, None], asked) / scales
+
+    rank = input_factors(B)[0].shape[1]
+    multiplicity = max(int(np.count_nonzero(asked == pole)) for pole in asked)
+    if multiplicity > rank:
+        return deflated(), np.inf
+    if rank == 1:
+        return deflated(), None
+    K, condition = place_robustly(A, B, asked)
+    if condition < POOR_EIGENVECTORS:
+        return K, condition
+    other = deflated()
+    if np.isfinite(condition) and _miss(A, B, K, asked) <= _miss(A, B, other, asked):
+        return K, condition
+    return other, np.inf if multiplicity > 1 else None
+
+
+def _miss(A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: Poles) -> float:
+    return match_poles(asked, np.linalg.eigvals(A - B @ K))[1]
+
+
+def _judge(
+    A: np.ndarray, B: np.ndarray, K: np.ndarray, asked: Poles, condition: float | None, fixed: Poles
+) -> Placement:
+    if not np.all(np.isfinite(K)):
+        raise PoleError("No finite gain reaches these poles: the plant is nearly uncontrollable; ask for poles "
+                        "nearer to its own.")
+    closed = A - B @ K
+    if condition is None:
+        reached, X = np.linalg.eig(closed)
+        s = np.linalg.svd(X, compute_uv=False)
+        condition = float(s[0] / s[-1]) if s[-1] > asked.size * np.finfo(float).eps * s[0] else np.inf
+    else:
+        reached = np.linalg.eigvals(closed)
+    order, error = match_poles(asked, reached)
+    reached = reached.astype(complex)[order]
+    return Placement(_frozen(K), _frozen(asked), _frozen(reached), error, condition, _frozen(fixed))
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    array = np.ascontiguousarray(array)
+    array.setflags(write=False)
+    return array

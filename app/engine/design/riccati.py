@@ -1,0 +1,125 @@
+"""Riccati equations at unit scale, polished by Newton steps and certified by their residual."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import (
+    LinAlgWarning,
+    solve_continuous_are,
+    solve_continuous_lyapunov,
+    solve_discrete_are,
+    solve_discrete_lyapunov,
+)
+
+from ..systems.errors import RiccatiError
+
+__all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
+
+NEWTON_STEPS = 4  # at most; none or one nearly always does
+GOOD_RESIDUAL = 2e-15
+
+
+@dataclass(frozen=True, eq=False)
+class RiccatiProblem:
+    """The data of min ∫ xᵀQx + 2xᵀNu + uᵀRu (or the sum, in discrete time) along ẋ = Ax + Bu."""
+
+    A: np.ndarray
+    B: np.ndarray
+    Q: np.ndarray
+    R: np.ndarray
+    N: np.ndarray
+
+
+def continuous_residual(problem: RiccatiProblem, S: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+    """Residual AᵀS + SA + Q − KᵀRK, its norm relative to the sum of the norms of its terms, and K = R⁻¹(BᵀS + Nᵀ)."""
+    A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
+    K = np.linalg.solve(R, B.T @ S + N.T)
+    SA = S @ A
+    quadratic = K.T @ R @ K
+    residual = SA + SA.T + Q - quadratic
+    return residual, _relative(residual, 2 * np.linalg.norm(SA), Q, quadratic), K
+
+
+def discrete_residual(problem: RiccatiProblem, S: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+    """Residual AᵀSA − S + Q − Kᵀ(R + BᵀSB)K, its relative norm, and K = (R + BᵀSB)⁻¹(BᵀSA + Nᵀ)."""
+    A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
+    BS = B.T @ S
+    weight = R + BS @ B
+    K = np.linalg.solve(weight, BS @ A + N.T)
+    ASA, quadratic = A.T @ S @ A, K.T @ weight @ K
+    residual = ASA - S + Q - quadratic
+    return residual, _relative(residual, np.linalg.norm(S) + np.linalg.norm(ASA), Q, quadratic), K
+
+
+def _relative(residual: np.ndarray, size: float | np.floating, *terms: np.ndarray) -> float:
+    total = float(size) + sum(float(np.linalg.norm(term)) for term in terms)
+    return float(np.linalg.norm(residual)) / total if total > 0 else 0.0
+
+
+def solve_continuous(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, float]:
+    """Stabilising S, K and the relative residual of the CARE. Raises RiccatiError where there is none."""
+
+    def newton(p: RiccatiProblem, K: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        return solve_continuous_lyapunov((p.A - p.B @ K).T, -residual)
+
+    return _solve(problem, solve_continuous_are, newton, continuous_residual)
+
+
+def solve_discrete(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, float]:
+    """Stabilising S, K and the relative residual of the DARE (A may be singular: SciPy's extended pencil)."""
+
+    def newton(p: RiccatiProblem, K: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        return solve_discrete_lyapunov((p.A - p.B @ K).T, residual)
+
+    return _solve(problem, solve_discrete_are, newton, discrete_residual)
+
+
+def _solve(
+    problem: RiccatiProblem,
+    library: Callable[..., np.ndarray],
+    newton: Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray],
+    evaluate: Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]],
+) -> tuple[np.ndarray, np.ndarray, float]:
+    scaled, cost_scale, input_scale = unit_scale(problem)
+    try:
+        S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None)
+    except (np.linalg.LinAlgError, ValueError) as failure:
+        raise RiccatiError("The Riccati equation has no stabilising solution; change the weights or the plant.") from failure
+    S = (S + S.T) / 2
+    residual, size, K = evaluate(scaled, S)
+    for _ in range(NEWTON_STEPS):
+        if size < GOOD_RESIDUAL:
+            break
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                better = S + newton(scaled, K, residual)
+            better = (better + better.T) / 2
+            new_residual, new_size, new_K = evaluate(scaled, better)
+        except (np.linalg.LinAlgError, ValueError, RuntimeWarning, LinAlgWarning):
+            break
+        if not new_size < size:
+            break
+        S, residual, size, K = better, new_residual, new_size, new_K
+    return cost_scale * S, input_scale * K, size
+
+
+def unit_scale(problem: RiccatiProblem) -> tuple[RiccatiProblem, float, float]:
+    """The same problem with Q, R and BR⁻¹Bᵀ of comparable size, and the factors of S and K that lead back.
+
+    The cost is divided by c and the input by b, powers of two near c = √(‖Q‖‖R‖)/‖B‖ and b² = c/‖R‖: no rounding, and
+    a common factor of Q and R falls out of the gain.
+    """
+    A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
+    q, r, b = (float(np.linalg.norm(M, 2)) for M in (Q, R, B))
+    half_r = 2 * round(np.log2(r) / 2)  # an even power, so that its root is exact too
+    ratio = np.log2(q) - half_r if q > 0 else 0.0
+    log_b = int(np.clip(round(ratio / 4 - (np.log2(b) if b > 0 else 0.0) / 2), -250, 250))
+    input_scale, cost = 2.0**log_b, 2.0 ** (half_r + 2 * log_b)
+    # û = u / input_scale turns B into input_scale·B, uᵀRu/cost into ûᵀ(R·input_scale²/cost)û
+    scaled = RiccatiProblem(A, B * input_scale, Q / cost, R / 2.0**half_r, N * (input_scale / cost))
+    return scaled, cost, input_scale

@@ -1,0 +1,1 @@
+"""The loop closed: compensators, sensitivity, margins, spectra, LQG and its recovery."""

@@ -1,0 +1,188 @@
+"""Estimate feedback: the compensator from y to u, and the loop it closes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.signal import ss2tf
+
+from ..systems.errors import ShapeError
+from ..systems.plant import Plant, as_matrix
+from ..systems.pole_sets import Poles, all_stable, match_poles, sorted_poles
+
+__all__ = ["ClosedLoop", "TransferFunction", "closed_loop", "compensator", "to_tf"]
+
+
+@dataclass(frozen=True, eq=False)
+class TransferFunction:
+    """H(s) = num[i][j](s) / den(s) from input j to output i; coefficients from the highest power down.
+
+    num has shape (p, m, n+1), den (n+1,), monic.
+    """
+
+    num: np.ndarray
+    den: np.ndarray
+    dt: float = 0.0
+
+    def __call__(self, s: complex) -> np.ndarray:
+        """H(s), p×m."""
+        powers = complex(s) ** np.arange(self.den.size - 1, -1, -1)
+        return (self.num @ powers) / (self.den @ powers)
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedLoop:
+    """Plant, observer and feedback of the estimate as one system of 2n states.
+
+    A_xxhat drives (x, x̂), A_xe = T A_xxhat T⁻¹ drives (x, e), e = x − x̂, T = [[I, 0], [I, −I]] = T⁻¹. Where the model
+    is the plant, A_xe = [[A − BK, BK], [0, A − LC]] and separation holds.
+    poles: eig(A_xxhat). controller_poles, observer_poles: eig(A − BK), eig(A − LC) of the model, what the designer
+    believes. union_error: largest matched distance between poles and that union, relative to the largest pole; multiple
+    poles scatter by rounding (like ε^(1/k)), so for them read polynomial_error: the two characteristic polynomials
+    compared around the spectrum, relative.
+    """
+
+    A_xxhat: np.ndarray
+    A_xe: np.ndarray
+    T: np.ndarray
+    poles: Poles
+    controller_poles: Poles
+    observer_poles: Poles
+    union_error: float
+    polynomial_error: float
+    compensator: Plant
+    compensator_poles: Poles
+    compensator_stable: bool
+    stable: bool
+
+
+def compensator(plant: Plant, K: object, L: object) -> Plant:
+    """The compensator from y to u: x̂̇ = (A − BK − LC + LDK) x̂ + L y, u = −K x̂.
+
+    K is m×n, L n×p. The plant's period travels along. Raises ShapeError where the gains do not fit the plant.
+    """
+    K, L = _gains(plant, K, L)
+    A = plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
+    names = tuple(f"{name}_hat" for name in plant.state_names)
+    title = f"compensator of {plant.name}".strip()
+    return Plant(A, L, -K, np.zeros((plant.m, plant.p)), plant.dt, names, plant.output_names, plant.input_names, name=title)
+
+
+def closed_loop(plant: Plant, K: object, L: object, model: Plant | None = None) -> ClosedLoop:
+    """The 2n-state loop of a plant and the compensator built on `model` (None: on the plant itself).
+
+    ẋ = A x − B K x̂ and x̂̇ = L C x + (Aₘ − BₘK − LCₘ + L(Dₘ − D)K) x̂, with m for the model. Raises ShapeError where
+    the gains do not fit, or the model has other numbers of states, inputs, outputs or another period than the plant.
+    """
+    K, L = _gains(plant, K, L)
+    believed = plant if model is None else _same_shape(plant, model)
+    n = plant.n
+    BK, LC = plant.B @ K, L @ plant.C
+    regulated, observed = believed.A - believed.B @ K, believed.A - L @ believed.C
+    observer = regulated - L @ believed.C + L @ (_through(believed) - _through(plant)) @ K
+    A_xxhat = np.block([[plant.A, -BK], [LC, observer]])
+    A_xe = np.block([[plant.A - BK, BK], _error_rows(plant, believed, K, L)])
+    identity, zero = np.eye(n), np.zeros((n, n))
+    union = _spectrum(regulated), _spectrum(observed)
+    poles = _spectrum(A_xxhat)
+    distance = match_poles(np.concatenate(union), poles)[1]
+    largest = float(np.abs(np.concatenate(union)).max(initial=0.0))
+    built = compensator(believed, K, L)
+    edge = _spectrum(built.A)
+    return ClosedLoop(
+        A_xxhat=_frozen(A_xxhat),
+        A_xe=_frozen(A_xe),
+        T=_frozen(np.block([[identity, zero], [identity, -identity]])),
+        poles=poles,
+        controller_poles=union[0],
+        observer_poles=union[1],
+        union_error=distance / largest if largest > 0 else distance,
+        polynomial_error=_polynomial_error(A_xxhat, (regulated, observed), largest),
+        compensator=built,
+        compensator_poles=edge,
+        compensator_stable=all_stable(edge, plant.dt),
+        stable=all_stable(poles, plant.dt),
+    )
+
+
+def to_tf(plant: Plant) -> TransferFunction:
+    """Transfer function H(s) = C(sI − A)⁻¹B + D of a plant or a compensator, as polynomials.
+
+    Leading coefficients that vanish by structure (the relative degree, read from the Markov parameters D, CB, CAB, …)
+    are exact zeros. Polynomials of high degree are ill-conditioned: above some ten states trust the state space.
+    """
+    num = np.empty((plant.p, plant.m, plant.n + 1))
+    den = np.ones(1)
+    for j in range(plant.m):
+        columns, den = ss2tf(plant.A, plant.B, plant.C, plant.D, input=j)
+        num[:, j, :] = columns
+    num[_leading_zeros(plant)] = 0.0
+    return TransferFunction(_frozen(num), _frozen(np.atleast_1d(den)), plant.dt)
+
+
+def _leading_zeros(plant: Plant) -> np.ndarray:
+    """Mask (p, m, n+1) of the leading numerator coefficients that vanish with their Markov parameters."""
+    vanishing = np.ones((plant.p, plant.m), dtype=bool)
+    mask = np.zeros((plant.p, plant.m, plant.n + 1), dtype=bool)
+    markov, bound, column = _through(plant), np.abs(_through(plant)), plant.B
+    size = np.abs(plant.B)
+    for k in range(plant.n):
+        vanishing &= np.abs(markov) <= 1e-14 * bound
+        mask[:, :, k] = vanishing
+        markov, bound = plant.C @ column, np.abs(plant.C) @ size
+        column, size = plant.A @ column, np.abs(plant.A) @ size
+    return mask
+
+
+def _through(plant: Plant) -> np.ndarray:
+    """D, which is an array in every finished plant."""
+    return np.asarray(plant.D)
+
+
+def _gains(plant: Plant, K: object, L: object) -> tuple[np.ndarray, np.ndarray]:
+    K, L = as_matrix(K, "K"), as_matrix(L, "L")
+    if K.shape != (plant.m, plant.n):
+        raise ShapeError(f"K must be {plant.m}×{plant.n}, inputs by states; it is {K.shape[0]}×{K.shape[1]}.")
+    if L.shape != (plant.n, plant.p):
+        raise ShapeError(f"L must be {plant.n}×{plant.p}, states by outputs; it is {L.shape[0]}×{L.shape[1]}.")
+    return K, L
+
+
+def _same_shape(plant: Plant, model: Plant) -> Plant:
+    if (model.n, model.m, model.p, model.dt) != (plant.n, plant.m, plant.p, plant.dt):
+        raise ShapeError("The model must have as many states, inputs and outputs as the plant, and the same period dt.")
+    return model
+
+
+def _error_rows(plant: Plant, model: Plant, K: np.ndarray, L: np.ndarray) -> list[np.ndarray]:
+    """ė = (ΔA − ΔB K − L ΔC + L ΔD K) x + (Aₘ − LCₘ + ΔB K − L ΔD K) e, with Δ = plant − model: zero if they agree."""
+    through_input = (plant.B - model.B - L @ (_through(plant) - _through(model))) @ K
+    from_state = plant.A - model.A - L @ (plant.C - model.C) - through_input
+    return [from_state, model.A - L @ model.C + through_input]
+
+
+def _spectrum(A: np.ndarray) -> Poles:
+    return _frozen(sorted_poles(A))
+
+
+def _polynomial_error(whole: np.ndarray, parts: tuple[np.ndarray, np.ndarray], largest: float) -> float:
+    """max |det(sI − whole)/∏ det(sI − part) − 1| on a circle of twice the largest pole."""
+    radius = 2 * largest if largest > 0 else 1.0
+    s = radius * np.exp(1j * np.pi * (np.arange(8) + 0.5) / 8)
+
+    def value(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.linalg.slogdet(s[:, None, None] * np.eye(matrix.shape[0]) - matrix)
+
+    sign, log = value(whole)
+    for part in parts:
+        part_sign, part_log = value(part)
+        sign, log = sign / part_sign, log - part_log
+    with np.errstate(over="ignore"):
+        return float(np.abs(sign * np.exp(np.minimum(log, 700.0)) - 1).max())
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    array = np.ascontiguousarray(array)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,59 @@
+"""Linear-quadratic Gaussian control: regulator and filter in series, and what the loop costs on average."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..design.optimal import Optimal, lqe, lqr
+from ..systems.arrays import as_covariance
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import Plant, as_matrix
+from .compensator import compensator
+
+__all__ = ["Lqg", "lqg"]
+
+
+@dataclass(frozen=True, eq=False)
+class Lqg:
+    """An LQG design. K (m×n), L (n×p), controller from y to u with its sign, u = −K x̂.
+
+    regulator, estimator: the two Riccati solutions S and P with their certificates. The least average of
+    xᵀQx + uᵀRu, if the noise is as it was believed, is tr(S G W Gᵀ) + tr(P KᵀRK): `known_state`, what a regulator that
+    knows x would pay, and `estimation`, what not knowing it adds.
+    """
+
+    K: np.ndarray
+    L: np.ndarray
+    controller: Plant
+    regulator: Optimal
+    estimator: Optimal
+    known_state: float
+    estimation: float
+
+    @property
+    def cost(self) -> float:
+        """tr(S G W Gᵀ) + tr(P KᵀRK)."""
+        return self.known_state + self.estimation
+
+
+def lqg(plant: Plant, Q: object, R: object, W: object, V: object, G: object | None = None) -> Lqg:
+    """u = −K x̂ minimising the average of xᵀQx + uᵀRu for ẋ = A x + B u + G w, y = C x + D u + v.
+
+    Q n×n ≥ 0, R m×m > 0; W q×q ≥ 0, V p×p > 0 intensities of white w, v (a number is that number times I); G n×q, by
+    default B. K depends on Q, R alone, L on W, V alone: separation. Platform report (003), equations (71)–(74), (79),
+    (86)–(89). Raises ShapeError, EngineError for bad weights or a sampled plant, RiccatiError where no stabilising gain
+    exists.
+    """
+    if plant.dt:
+        raise EngineError("This is for a continuous plant; design a sampled loop with sampled_lqg.")
+    G = plant.B if G is None else as_matrix(G, "G")
+    if G.shape[0] != plant.n:
+        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+    R, W = as_covariance(R, "R", plant.m), as_covariance(W, "W", G.shape[1])
+    regulator = lqr(plant.A, plant.B, Q, R)
+    estimator = lqe(plant.A, G, plant.C, W, as_covariance(V, "V", plant.p))
+    K, L = regulator.gain, estimator.gain
+    return Lqg(K, L, compensator(plant, K, L), regulator, estimator,
+               float(np.trace(regulator.solution @ G @ W @ G.T)), float(np.trace(estimator.solution @ K.T @ R @ K)))

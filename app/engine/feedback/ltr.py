@@ -1,0 +1,109 @@
+"""Loop transfer recovery: an observer so tuned that the loop gets back the margins of state feedback."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eigvals
+
+from ..design.optimal import lqe, lqr
+from ..systems.arrays import as_covariance
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import Plant, as_matrix
+from .compensator import compensator
+from .margins import LoopMargins, loop_margins, state_feedback_margins
+from .sensitivity import Sensitivity, sensitivity
+
+__all__ = ["Recovered", "recover", "recover_at_output", "transmission_zeros"]
+
+
+@dataclass(frozen=True, eq=False)
+class Recovered:
+    """One step of recovery, with the knob q.
+
+    gain_K (m×n), gain_L (n×p), compensator from y to u, margins of the loop, target: margins of the loop to recover.
+    gap: max over ω of ‖S − S_target‖, the sensitivities at the recovered place; it goes to 0 as q grows if the plant
+    has no zeros in the right half plane and as many outputs as inputs at least (at the output: at most).
+    """
+
+    q: float
+    gain_K: np.ndarray
+    gain_L: np.ndarray
+    compensator: Plant
+    margins: LoopMargins
+    target: LoopMargins
+    gap: float
+    minimum_phase: bool | None
+
+
+def recover(plant: Plant, K: object, W: object, V: object, q: float, G: object | None = None) -> Recovered:
+    """Recovery at the plant's input: the filter is told of noise G W Gᵀ + q² B Bᵀ, so L Kc P → K (sI − A)⁻¹ B.
+
+    K (m×n) is a state feedback, usually of `lqr`; W, V intensities (a number is that number times I), G n×q_w, default
+    B. q = 0 is plain LQG. Doyle and Stein (1979). Raises ShapeError, EngineError, RiccatiError.
+    """
+    K = as_matrix(K, "K")
+    _check(plant, q)
+    G = plant.B if G is None else as_matrix(G, "G")
+    if G.shape[0] != plant.n:
+        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+    noise = G @ as_covariance(W, "W", G.shape[1]) @ G.T + q**2 * plant.B @ plant.B.T
+    L = lqe(plant.A, np.eye(plant.n), plant.C, (noise + noise.T) / 2, as_covariance(V, "V", plant.p)).gain
+    aim = sensitivity(_whole(plant), -K)
+    return _recovered(plant, K, L, q, aim, state_feedback_margins(plant, K), slice(0, plant.m))
+
+
+def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -> Recovered:
+    """Recovery at the plant's output, the dual: the regulator is told of Q + q² Cᵀ C, so P Kc → −C (sI − A)⁻¹ L.
+
+    L (n×p) is a filter gain, usually of `lqe`; Q (n×n), R (m×m) weights. Raises ShapeError, EngineError, RiccatiError.
+    """
+    L = as_matrix(L, "L")
+    _check(plant, q)
+    weight = as_covariance(Q, "Q", plant.n) + q**2 * plant.C.T @ plant.C
+    K = lqr(plant.A, plant.B, (weight + weight.T) / 2, as_covariance(R, "R", plant.m)).gain
+    fed = Plant(plant.A, L, plant.C)
+    target = loop_margins(fed, -np.eye(plant.p))
+    aim = sensitivity(fed, -np.eye(plant.p))
+    return _recovered(plant, K, L, q, aim, target, slice(plant.m, plant.m + plant.p))
+
+
+def transmission_zeros(plant: Plant) -> np.ndarray | None:
+    """Zeros of a plant with as many inputs as outputs, sorted by (real, imag); None for other plants.
+
+    Finite generalised eigenvalues of [A B; C D] and [I 0; 0 0]. A plant that loses rank at every s has none.
+    """
+    if plant.m != plant.p:
+        return None
+    n, size = plant.n, plant.n + plant.m
+    pencil = np.block([[plant.A, plant.B], [plant.C, np.asarray(plant.D)]])
+    shift = np.zeros((size, size))
+    shift[:n, :n] = np.eye(n)
+    top, bottom = np.asarray(eigvals(pencil, shift, homogeneous_eigvals=True))
+    finite = np.abs(bottom) > 1e-8 * np.abs(top) / max(float(np.linalg.norm(plant.A, 2)), 1e-300)
+    return np.sort_complex((top[finite] / bottom[finite]).astype(complex))
+
+
+def _check(plant: Plant, q: float) -> None:
+    if plant.dt:
+        raise EngineError("Recovery is for continuous plants; a sampled loop has the delay of a step that remains.")
+    if not (np.isfinite(q) and q >= 0):
+        raise EngineError("The recovery knob q must be a finite number that is not negative.")
+
+
+def _whole(plant: Plant) -> Plant:
+    return Plant(plant.A, plant.B, np.eye(plant.n))
+
+
+def _recovered(plant: Plant, K: np.ndarray, L: np.ndarray, q: float, aim: Sensitivity, target: LoopMargins,
+               place: slice) -> Recovered:
+    built = compensator(plant, K, L)
+    loop = sensitivity(plant, built)
+    here = slice(0, plant.m) if place.start == 0 else slice(plant.p, 2 * plant.p)  # of the target: its own inputs first
+    omega = loop.omega
+    difference = loop.values[:, place, place] - aim.at(omega)[:, here, here]
+    zeros = transmission_zeros(plant)
+    return Recovered(float(q), K, L, built, loop_margins(plant, built), target,
+                     float(np.linalg.svd(difference, compute_uv=False).max()),
+                     None if zeros is None else bool(np.all(np.real(zeros) < 0)))

@@ -1,0 +1,131 @@
+"""The sensitivities of a feedback loop, cut at the plant's inputs and at its outputs, and where to sample them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import Plant, as_matrix
+from ..systems.pole_sets import Poles, all_stable, sorted_poles
+from ..systems.spectrum import frequency_response, modal_coordinates
+
+__all__ = ["Sensitivity", "sensitivity"]
+
+BASE = 400  # points of the logarithmic sweep
+AROUND = 31  # points around the frequency of each pole
+DECADES = 2.0  # that the sweep reaches beyond the slowest and the fastest pole
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """S(s) = C (sI − A)⁻¹ B + D from disturbances at the cuts (plant inputs, then outputs) to the signals behind them.
+
+    With the loop u = Kc(s) y, y = P(s) u: S = (I − X)⁻¹, X = [0 Kc; P 0], of size m + p; its blocks on the diagonal are
+    (I − Kc P)⁻¹ (cut at the inputs) and (I − P Kc)⁻¹ (at the outputs). `omega` (n_ω,) in rad/s begins at 0 and ends
+    at ∞ (at π/dt for a sampled loop).
+    """
+
+    A: np.ndarray
+    B: np.ndarray
+    C: np.ndarray
+    D: np.ndarray
+    dt: float
+    inputs: int
+    open_poles: Poles
+
+    @cached_property
+    def poles(self) -> Poles:
+        """Poles of the closed loop, sorted by (real, imag)."""
+        return sorted_poles(self.A)
+
+    @property
+    def stable(self) -> bool:
+        """Whether the closed loop is stable."""
+        return all_stable(self.poles, self.dt)
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """A logarithmic sweep, denser around the poles of the closed and of the open loop, with 0 and ∞."""
+        poles = np.concatenate([self.poles, self.open_poles])
+        if self.dt:
+            with np.errstate(divide="ignore"):
+                poles = np.log(poles[np.abs(poles) > 1e-12]) / self.dt
+        size = np.abs(poles)
+        size = size[size > 1e-12 * size.max(initial=0.0)]
+        low, high = (size.min(), size.max()) if size.size else (1.0, 1.0)
+        sweep = np.geomspace(low / 10**DECADES, high * 10**DECADES, BASE)
+        ringing = poles[poles.imag > 0]
+        turn = np.tan(np.linspace(-1.55, 1.55, AROUND))
+        width = np.maximum(np.abs(ringing.real), 1e-9 * np.abs(ringing))
+        around = (ringing.imag[:, None] + width[:, None] * turn).ravel()
+        grid = np.unique(np.concatenate([sweep, around[around > 0]]))
+        top = np.pi / self.dt if self.dt else np.inf
+        return np.concatenate([[0.0], grid[grid < top], [top]])
+
+    @cached_property
+    def modal(self) -> tuple[Poles, np.ndarray] | None:
+        """Poles and residues (N, m+p, m+p) of S, None where the eigenvectors are ill conditioned."""
+        found = modal_coordinates(self.A, self.B, self.C)
+        return None if found is None else (found[0], found[1].T[:, :, None] * found[2][:, None, :])
+
+    def at(self, omega: np.ndarray) -> np.ndarray:
+        """S at frequencies in rad/s of any shape, ∞ included: complex (…, m+p, m+p)."""
+        if self.modal is None:
+            flat, finite = omega.ravel(), np.isfinite(omega.ravel())
+            values = np.empty((flat.size, *self.D.shape), dtype=complex)
+            values[~finite] = self.D
+            if finite.any():
+                values[finite] = frequency_response(self.A, self.B, self.C, self.D, flat[finite], self.dt)
+            return values.reshape(*omega.shape, *self.D.shape)
+        residues = self.modal[1].reshape(len(self.A), -1)
+        return (self._weights(omega) @ residues).reshape(*omega.shape, *self.D.shape) + self.D
+
+    def entry(self, i: int, omega: np.ndarray) -> np.ndarray:
+        """S_ii alone, complex (…)."""
+        if self.modal is None:
+            return self.at(omega)[..., i, i]
+        return self._weights(omega) @ self.modal[1][:, i, i] + self.D[i, i]
+
+    def _weights(self, omega: np.ndarray) -> np.ndarray:
+        """1/(λ − λ_k) at λ = jω or e^{jω dt}, zero at ∞: (…, N)."""
+        poles = self.poles if self.modal is None else self.modal[0]
+        points = np.exp(1j * omega * self.dt) if self.dt else 1j * np.where(np.isfinite(omega), omega, 0.0)
+        return np.where(np.isfinite(omega)[..., None], 1 / (points[..., None] - poles), 0.0)
+
+    @cached_property
+    def values(self) -> np.ndarray:
+        """S on `omega`."""
+        return self.at(self.omega)
+
+
+def sensitivity(plant: Plant, controller: Plant | object) -> Sensitivity:
+    """The loop of a plant P and a controller u = Kc(s) y, sign included, as `compensator` gives it; or a gain u = F y.
+
+    Raises ShapeError where the two do not fit, EngineError where they have different periods or the loop is ill-posed
+    (I − D_k D singular).
+    """
+    built = controller if isinstance(controller, Plant) else _static(plant, as_matrix(controller, "The controller"))
+    if (built.m, built.p) != (plant.p, plant.m):
+        raise ShapeError(f"The controller must have {plant.p} inputs and {plant.m} outputs, the plant's turned around; "
+                         f"it has {built.m} and {built.p}.")
+    if built.dt != plant.dt:
+        raise EngineError("Plant and controller must both be continuous, or share one sampling period.")
+    n, m, p = plant.n, plant.m, plant.p
+    cross = np.block([[np.zeros((m, m)), np.asarray(built.D)], [np.asarray(plant.D), np.zeros((p, p))]])
+    well = np.eye(m + p) - cross
+    if np.linalg.cond(np.eye(m) - np.asarray(built.D) @ np.asarray(plant.D)) > 1e12:
+        raise EngineError("The loop is ill-posed: the direct paths of plant and controller form a loop of gain one.")
+    S0 = np.linalg.inv(well)  # (u, y) = S0 (cut disturbances + [C_k x_k; C x])
+    A = np.block([[plant.A, np.zeros((n, built.n))], [np.zeros((built.n, n)), built.A]])
+    B = np.block([[plant.B, np.zeros((n, p))], [np.zeros((built.n, m)), built.B]])
+    C = np.block([[np.zeros((m, n)), built.C], [plant.C, np.zeros((p, built.n))]])
+    opened = np.concatenate([plant.poles, built.poles]) if built.n else plant.poles
+    return Sensitivity(A + B @ S0 @ C, B @ S0, S0 @ C, S0, plant.dt, m, opened)
+
+
+def _static(plant: Plant, gain: np.ndarray) -> Plant:
+    none = np.zeros
+    return Plant(none((0, 0)), none((0, gain.shape[1])), none((gain.shape[0], 0)), gain, plant.dt)

@@ -1,0 +1,169 @@
+"""Many runs of a nonlinear plant, watched by several kinds of filter at once on the same noise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.flow import Flow, Map
+from ..systems.noise import root
+from .many_filters import Beliefs, Corrections, ExtendedFilters, ManyFilters
+
+__all__ = ["Experiment", "Sample", "Steering", "errors_squared", "march_many"]
+
+FAR = 1e12  # a state, an estimate or a variance beyond this is given up
+
+
+@dataclass(frozen=True, eq=False)
+class Steering:
+    """u = reference − K x̂, x̂ the estimate of the filter named `by`, clipped to ±u_max (m,)."""
+
+    by: str
+    gain: np.ndarray
+    u_max: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """What N runs share. x[k+1] = flow(x[k], u[k]) + w[k], y[k] = output(x[k]) + v[k], white w, v of covariances Q, R.
+
+    x0 (n, N): true starts; start: the beliefs before the first measurement; inputs (n_t, m): known inputs, to which
+    `steering` may add; kicks: (sample, jump of the true state (n,)), of which no filter is told.
+    """
+
+    flow: Flow | Map
+    output: Map
+    Q: np.ndarray
+    R: np.ndarray
+    x0: np.ndarray
+    start: Beliefs
+    inputs: np.ndarray
+    filters: Mapping[str, ManyFilters]
+    steering: Steering | None = None
+    kicks: tuple[tuple[int, np.ndarray], ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Sample k of all runs: states x (n, N), readings y (p, N), inputs u (m, N) from here on, and each filter's corrections.
+
+    lost (N,), by filter: runs that this filter has given up, its numbers no longer finite or no longer a covariance; its
+    beliefs in these rest at those of its start and mean nothing.
+    """
+
+    k: int
+    x: np.ndarray
+    y: np.ndarray
+    u: np.ndarray
+    corrections: Mapping[str, Corrections]
+    lost: Mapping[str, np.ndarray]
+
+
+def march_many(e: Experiment, rng: np.random.Generator) -> Iterator[Sample]:
+    """Yield one sample after another; noise is drawn from `rng`, the same whichever filters watch.
+
+    Raises EngineError where a true state leaves the region in which the plant's equations hold.
+    """
+    n, N = e.x0.shape
+    if e.start.mean.shape != (n, N):
+        raise ShapeError(f"The start is about {e.start.mean.shape} states and runs; the true states are {(n, N)}.")
+    shake, blur, kicks = root(e.Q), root(e.R), dict(e.kicks)
+    x = e.x0
+    priors: dict[str, Beliefs] = dict.fromkeys(e.filters, e.start)
+    lost = {name: np.zeros(N, dtype=bool) for name in e.filters}
+    last = len(e.inputs) - 1
+    for k, reference in enumerate(e.inputs):
+        v, w = blur @ rng.standard_normal((len(e.R), N)), shake @ rng.standard_normal((n, N))
+        if k in kicks:
+            x = x + kicks[k][:, None]
+        known = reference[:, None]
+        y = e.output(x, known) + v
+        steps: dict[str, Corrections] = {}
+        for name, filter_ in e.filters.items():
+            with np.errstate(all="ignore"):
+                step = filter_.correct(priors[name], y, known)
+            beliefs, lost[name] = _kept(step.beliefs, lost[name], e.start)
+            steps[name] = step if beliefs is step.beliefs else replace(step, beliefs=beliefs)
+        u = known if e.steering is None else _steered(e.steering, known, steps)
+        yield Sample(k, x, y, u, steps, dict(lost))
+        if k == last:
+            return
+        with np.errstate(over="ignore", invalid="ignore"):
+            x, priors = _ahead(e, x, u, steps)
+            x = x + w
+        if not (np.abs(x) < FAR).all():
+            raise EngineError("A true state has left the region where the plant's equations hold; start it nearer to rest.")
+
+
+def _ahead(e: Experiment, x: np.ndarray, u: np.ndarray,
+           steps: Mapping[str, Corrections]) -> tuple[np.ndarray, dict[str, Beliefs]]:
+    """States and beliefs one step later; all that needs the flow goes through it at once, slopes at the front."""
+    n, N = x.shape
+    ahead: dict[str, Beliefs] = {}
+    expanded: dict[str, ExtendedFilters] = {}
+    pointed: dict[str, np.ndarray] = {}
+    for name, filter_ in e.filters.items():
+        if filter_.f is e.flow and isinstance(filter_, ExtendedFilters) and isinstance(e.flow, Flow):
+            expanded[name] = filter_
+        elif filter_.f is e.flow and (points := filter_.wanted(steps[name].beliefs)) is not None:
+            pointed[name] = points
+        else:
+            ahead[name] = filter_.predict(steps[name].beliefs, u)
+    means = [steps[name].beliefs.mean[:, None] for name in expanded]
+    together = np.concatenate([*means, *pointed.values(), x[:, None]], axis=1)
+    flat, each = together.reshape(n, -1), np.tile(u, (1, together.shape[1])) if u.shape[1] == N and N > 1 else u
+    images, F = e.flow.expand(flat, each, N * len(means)) if expanded and isinstance(e.flow, Flow) else (e.flow(flat, each), x)
+    images = images.reshape(n, -1, N)
+    for i, (name, filter_) in enumerate(expanded.items()):
+        ahead[name] = filter_.along(steps[name].beliefs, images[:, i], F[i * N:(i + 1) * N])
+    at = len(means)
+    for name, points in pointed.items():
+        ahead[name] = e.filters[name].predicted(steps[name].beliefs, images[:, at:at + points.shape[1]])
+        at += points.shape[1]
+    return images[:, -1], ahead
+
+
+def _steered(s: Steering, known: np.ndarray, steps: Mapping[str, Corrections]) -> np.ndarray:
+    limit = s.u_max[:, None]
+    return np.clip(known - s.gain @ steps[s.by].beliefs.mean, -limit, limit)
+
+
+def _kept(beliefs: Beliefs, lost: np.ndarray, start: Beliefs) -> tuple[Beliefs, np.ndarray]:
+    """The beliefs with the runs given up put back to the start, and which those are."""
+    mean, P = beliefs.mean, beliefs.covariance
+    variances = np.diagonal(P, axis1=1, axis2=2)
+    if np.abs(mean).max() < FAR and variances.min() > 0 and variances.max() < FAR and not lost.any():
+        return beliefs, lost
+    bad = ~((np.abs(mean) < FAR).all(axis=0) & ((variances > 0) & (variances < FAR)).all(axis=1))
+    lost = lost | bad
+    if len(P) == 1 and len(lost) > 1:
+        P = np.repeat(P, len(lost), axis=0)
+    mean, P = mean.copy(), P.copy()
+    mean[:, lost] = start.mean[:, lost]
+    P[lost] = start.covariance[lost]
+    return Beliefs(mean, P), lost
+
+
+def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
+    """eᵀ P⁻¹ e (…,) of errors e (…, n) with covariances P (…, n, n); NaN where P is not positive definite.
+
+    States are brought to unit variance first, so that units do not matter.
+    """
+    P = np.broadcast_to(P, (*e.shape, e.shape[-1]))
+    spread = np.sqrt(np.maximum(np.diagonal(P, axis1=-2, axis2=-1), 1e-300))
+    correlation = P / (spread[..., :, None] * spread[..., None, :])
+    scaled = (e / spread)[..., None]
+    if e.shape[-1] == 1:
+        return np.where(P[..., 0, 0] > 0, scaled[..., 0, 0]**2, np.nan)
+    try:
+        half = np.linalg.solve(np.linalg.cholesky(correlation), scaled)
+        return (half[..., 0]**2).sum(axis=-1)
+    except np.linalg.LinAlgError:
+        values, vectors = np.linalg.eigh(correlation)
+        turned = (vectors.swapaxes(-1, -2) @ scaled)[..., 0]
+        good = values[..., 0] > 0
+        squares = (turned**2 / np.where(values > 0, values, 1.0)).sum(axis=-1)
+        return np.where(good, squares, np.nan)

@@ -1,0 +1,48 @@
+"""Sigma points of the unscented filters: 2n + 1 of them, in one run or in many at once."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..systems.errors import EngineError
+
+SMALLEST_ALPHA = 0.1
+
+
+def check_spread(n: int, alpha: float, beta: float, kappa: float) -> None:
+    """Raises EngineError for α outside [0.1, 1], κ ≤ −n, or a number that is not finite."""
+    if not SMALLEST_ALPHA <= alpha <= 1:
+        raise EngineError(f"α must lie between {SMALLEST_ALPHA} and 1; smaller ones give weights that only magnify "
+                          "rounding.")
+    if not (np.isfinite(beta) and np.isfinite(kappa) and n + kappa > 0):
+        raise EngineError("β and κ must be finite numbers, and κ larger than −n.")
+
+
+def sigma_weights(n: int, alpha: float, beta: float, kappa: float) -> tuple[float, np.ndarray, np.ndarray]:
+    """√(n+λ) and the weights of means and of covariances (2n + 1,), λ = α²(n+κ) − n."""
+    reach = alpha**2 * (n + kappa)
+    mean = np.full(2 * n + 1, 0.5 / reach)
+    mean[0] = 1 - n / reach
+    covariance = mean.copy()
+    covariance[0] += 1 - alpha**2 + beta
+    return float(np.sqrt(reach)), mean, covariance
+
+
+def sigma_points(mean: np.ndarray, factor: np.ndarray) -> np.ndarray:
+    """x̂ and x̂ ± each column of the factor, (n, 2n + 1, …): mean (n, …), factor (n, n, …)."""
+    n, middle = len(mean), mean[:, None]
+    points = np.empty((n, 2 * n + 1, *mean.shape[1:]))
+    points[:, :1] = middle
+    np.add(middle, factor, out=points[:, 1:n + 1])
+    np.subtract(middle, factor, out=points[:, n + 1:])
+    return points
+
+
+def centred(values: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Weighted mean (·, …) of values (·, 2n + 1, …), and the values without it.
+
+    The mean is taken about the first value, against cancellation.
+    """
+    first = values[:, :1]
+    mean = first[:, 0] + np.moveaxis(values - first, 1, -1) @ weights
+    return mean, values - mean[:, None]

@@ -1,0 +1,144 @@
+"""A whole record through a filter: covariances first, which no measurement changes, then the means."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.scan import affine_scan
+from .belief import Belief
+
+__all__ = ["Schedule", "Track", "as_record", "means_along"]
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """Covariances and gains of `steps` time steps; the s stored entries cover them all, the last one repeating.
+
+    prior P[k|k−1], posterior P[k|k]: (s, n, n); S: (s, p, p) covariance of the innovation; gains: (s, n, p) filter
+    gain M. s < steps once the filter has settled.
+    """
+
+    steps: int
+    prior: np.ndarray
+    posterior: np.ndarray
+    S: np.ndarray
+    gains: np.ndarray
+
+    @property
+    def settled(self) -> int | None:
+        """The step from which the gain is constant, or None."""
+        return len(self.gains) - 1 if len(self.gains) < self.steps else None
+
+    @property
+    def index(self) -> np.ndarray:
+        """Which stored entry belongs to each step (steps,)."""
+        return np.minimum(np.arange(self.steps), len(self.gains) - 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Track:
+    """A record filtered: row k holds what is known at sample k.
+
+    predicted x̂[k|k−1] (n_t, n), means x̂[k|k] (n_t, n), innovations ν = y − ŷ (n_t, p; NaN where no measurement
+    came). The covariances are in `schedule` and unfolded on demand.
+    """
+
+    predicted: np.ndarray
+    means: np.ndarray
+    innovations: np.ndarray
+    schedule: Schedule
+
+    @property
+    def settled(self) -> int | None:
+        """The sample from which the gain is constant, or None."""
+        return self.schedule.settled
+
+    @property
+    def covariances(self) -> np.ndarray:
+        """P[k|k], (n_t, n, n)."""
+        return self.schedule.posterior[self.schedule.index]
+
+    @property
+    def prior_covariances(self) -> np.ndarray:
+        """P[k|k−1], (n_t, n, n)."""
+        return self.schedule.prior[self.schedule.index]
+
+    @property
+    def variances(self) -> np.ndarray:
+        """The diagonals of P[k|k], (n_t, n)."""
+        return np.diagonal(self.schedule.posterior, axis1=1, axis2=2)[self.schedule.index]
+
+    @property
+    def S(self) -> np.ndarray:
+        """Covariance of each innovation, (n_t, p, p)."""
+        return self.schedule.S[self.schedule.index]
+
+    @property
+    def gains(self) -> np.ndarray:
+        """Filter gain M of each sample, (n_t, n, p)."""
+        return self.schedule.gains[self.schedule.index]
+
+    @property
+    def last(self) -> Belief:
+        """The belief after the last sample."""
+        return Belief(self.means[-1], self.schedule.posterior[-1])
+
+
+def as_record(value: object, name: str, columns: int, rows: int | None = None) -> np.ndarray:
+    """A time-first array (n_t, columns); a vector is one column, None is zeros of `rows` rows. NaN stays.
+
+    Raises ShapeError where the shape is another, EngineError where an entry is infinite.
+    """
+    if value is None:
+        return np.zeros((rows or 0, columns))
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError) as problem:
+        raise EngineError(f"{name} must be an array of real numbers.") from problem
+    if array.ndim == 1 and columns == 1:
+        array = array[:, None]
+    if array.ndim != 2 or array.shape[1] != columns or len(array) == 0 or len(array) != (rows or len(array)):
+        raise ShapeError(f"{name} must be {rows or 'n_t'}×{columns}, one row a sample; its shape is {array.shape}.")
+    if np.isinf(array).any():
+        raise EngineError(f"{name} holds infinity; cut the record where it diverged.")
+    return array
+
+
+def means_along(A: np.ndarray, C: np.ndarray, schedule: Schedule, start: np.ndarray, known: np.ndarray,
+                push: np.ndarray | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Predicted means, means and innovations for measurements `known` = y − D u (n_t, p) and `push` = B u (n_t, n) or None.
+
+    x̂[k+1|k] = A (I − M C) x̂[k|k−1] + A M (y − D u) + B u: one step after another while M changes, in parallel blocks
+    once it is constant.
+    """
+    steps = len(known)
+    tail = steps if schedule.settled is None else schedule.settled  # a record with gaps never settles
+    heard = known if tail < steps else np.nan_to_num(known)
+    predicted = np.empty((steps + 1, len(start)))
+    predicted[0] = x = start
+    gains = schedule.gains[:tail]
+    AM = A @ gains
+    Phi = A - AM @ C
+    forcing = (AM @ heard[:tail, :, None])[..., 0]
+    if push is not None:
+        forcing += push[:tail]
+    for k in range(tail):
+        x = Phi[k] @ x
+        x += forcing[k]
+        predicted[k + 1] = x
+    if tail < steps:
+        AM = A @ schedule.gains[-1]
+        forcing = heard[tail:] @ AM.T
+        if push is not None:
+            forcing += push[tail:]
+        predicted[tail:] = affine_scan(A - AM @ C, forcing, x, steps - tail)
+    predicted = predicted[:-1]
+    innovations = known - predicted @ C.T
+    nu = innovations if tail < steps else np.nan_to_num(innovations)
+    means = np.empty_like(predicted)
+    np.add(predicted[:tail], (gains @ nu[:tail, :, None])[..., 0], out=means[:tail])
+    np.add(predicted[tail:], nu[tail:] @ schedule.gains[-1].T, out=means[tail:])
+    return predicted, means, innovations

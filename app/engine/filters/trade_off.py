@@ -1,0 +1,116 @@
+"""From a deaf observer to a nervous one: what each lets through of the process noise and of the sensor noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solve_continuous_lyapunov
+
+from ..design.optimal import dlqe, lqe
+from ..systems.arrays import as_covariance
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import Plant, as_matrix
+from ..systems.scan import step_matrices
+
+__all__ = ["ErrorParts", "Ladder", "error_parts", "growing_error", "noise_ladder"]
+
+SLOWEST = 1e-10  # beside the fastest pole: slower ones count as not settling
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorParts:
+    """Covariances (n×n) of the settled error of an observer: what process noise leaves and what sensor noise adds."""
+
+    process: np.ndarray
+    sensor: np.ndarray
+
+    @property
+    def total(self) -> np.ndarray:
+        """P = P_w + P_v: the noises are independent."""
+        return self.process + self.sensor
+
+
+@dataclass(frozen=True, eq=False)
+class Ladder:
+    """Kalman filters that believe `ratio` (k,) times the true process noise; parts[i] is what the i-th does with the truth.
+
+    The one at ratio 1 has the least covariance of all observers: P_i − P ⪰ 0 for every i.
+    """
+
+    ratio: np.ndarray
+    gains: tuple[np.ndarray, ...]
+    parts: tuple[ErrorParts, ...]
+
+
+def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> ErrorParts:
+    """F P + P Fᵀ + G W Gᵀ = 0 and F P + P Fᵀ + L V Lᵀ = 0, F = A − LC; F P Fᵀ − P + … = 0 for a plant with dt > 0.
+
+    L n×p, G n×q, W q×q and V p×p intensities (covariances of a sample where dt > 0; a number is that number times I).
+    Raises ShapeError, EngineError where the error does not settle.
+    """
+    L, G = _gain(plant, L), as_matrix(G, "G")
+    if G.shape[0] != plant.n:
+        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+    W, V = as_covariance(W, "W", G.shape[1]), as_covariance(V, "V", plant.p)
+    F = plant.A - L @ plant.C
+    poles = np.linalg.eigvals(F)
+    worst = float((np.abs(poles) - 1 if plant.dt else np.real(poles)).max())
+    if worst >= -SLOWEST * max(float(np.abs(poles).max()), 1e-300):
+        raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move its poles.")
+    pushes = (G @ W @ G.T, L @ V @ L.T)
+    found = [_summed(F, Q) if plant.dt else solve_continuous_lyapunov(F, -Q) for Q in pushes]
+    return ErrorParts(*((P + P.T) / 2 for P in found))
+
+
+def _gain(plant: Plant, L: object) -> np.ndarray:
+    L = as_matrix(L, "L")
+    if L.shape != (plant.n, plant.p):
+        raise ShapeError(f"L must be {plant.n}×{plant.p}; it is {L.shape[0]}×{L.shape[1]}.")
+    return L
+
+
+def _summed(F: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Σ Fᵏ Q Fᵀᵏ by doubling: P ← P + F P Fᵀ, F ← F²."""
+    P, power = Q, F
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(64):
+            more = power @ P @ power.T
+            P = P + more
+            if np.abs(more).max() <= 1e-17 * np.abs(P).max():
+                return P
+            power = power @ power
+    raise EngineError("The observer's error settles too slowly for its variance to be found; move its poles.")
+
+
+def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: float, rows: object, steps: int) -> np.ndarray:
+    """Variances (steps, k) of rows @ e at 0, dt, … from P(0) = 0, as a simulation with v held over a step draws them.
+
+    `parts` as `error_parts` gives them, rows k×n, dt the step in s (the plant's own period where it is sampled).
+    P_j = P_h − Φʲ P_h Φᵀʲ, with P_h the limit for sensor noise of covariance V/dt held over a step.
+    """
+    L, V, C = _gain(plant, L), as_covariance(V, "V", plant.p), as_matrix(rows, "rows")
+    if C.shape[1] != plant.n:
+        raise ShapeError(f"rows must have {plant.n} columns, one for each state; it has {C.shape[1]}.")
+    F = plant.A - L @ plant.C
+    if plant.dt:
+        Phi, limit = F, parts.total
+    else:
+        Phi, inner = step_matrices(F, dt)
+        push = inner @ L
+        limit = parts.process + _summed(Phi, push @ V @ push.T / dt)
+    found, far = np.empty((steps, len(C))), C
+    for j in range(steps):
+        found[j] = np.einsum("ki,ij,kj->k", C, limit, C) - np.einsum("ki,ij,kj->k", far, limit, far)
+        far = far @ Phi
+    return np.maximum(found, 0.0)
+
+
+def noise_ladder(plant: Plant, G: object, W: object, V: object, ratio: np.ndarray) -> Ladder:
+    """The filters of `ratio` times W, and what each does with W and V themselves.
+
+    Raises EngineError, RiccatiError where there is no filter.
+    """
+    W, design = as_matrix(W, "W"), dlqe if plant.dt else lqe
+    gains = tuple(design(plant.A, G, plant.C, float(r) * W, V).gain for r in ratio)
+    return Ladder(np.asarray(ratio, dtype=float), gains, tuple(error_parts(plant, L, G, W, V) for L in gains))

@@ -1,0 +1,1 @@
+"""Filters and loops over packets that can be lost or late."""

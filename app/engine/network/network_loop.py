@@ -1,0 +1,71 @@
+"""Delay and loss without noise: the spectrum of the loop with late inputs, and whether a lossy loop dies out on average."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import Plant, as_matrix
+
+__all__ = ["delayed_loop", "mean_square_growth"]
+
+
+def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, told: Literal["asked", "applied"] = "applied",
+                 ahead: int = 0) -> np.ndarray:
+    """The loop of filter gain M with inputs `delay` samples late, as z⁺ = F z on z = (x, u[k−1] … u[k−delay], e).
+
+    e = x − x̂[k|k−1], u = −K x̂[k|k] (`ahead` > 0: of the state predicted so far on). The lower left block, from
+    (x, u) into e, is zero where the observer is told the applied input; F is (2n + delay m) square. Raises ShapeError,
+    EngineError.
+    """
+    A, B, C, K, M = plant.A, plant.B, plant.C, as_matrix(K, "K"), as_matrix(M, "M")
+    n, m = B.shape
+    if K.shape != (m, n) or M.shape != (n, plant.p):
+        raise ShapeError(f"K must be {m}×{n} and M {n}×{plant.p}; they are {K.shape} and {M.shape}.")
+    N = n + delay * m
+    E = np.eye(n) - M @ C
+    if ahead > delay:
+        raise EngineError("The controller cannot predict farther than the delay, where no input asked for is under "
+                          "way; predict less far.")
+    u = np.zeros((m, N + n))
+    step = np.linalg.matrix_power(A, ahead)
+    u[:, :n], u[:, N:] = -K @ step, K @ step @ E
+    for i in range(ahead):
+        u[:, n + i * m:n + (i + 1) * m] = -K @ np.linalg.matrix_power(A, i) @ B
+    applied = u
+    if delay:
+        applied = np.zeros((m, N + n))
+        applied[:, N - m:N] = np.eye(m)
+    F = np.zeros((N + n, N + n))
+    F[:n, :n] = A
+    F[:n] += B @ applied
+    if delay:
+        F[n:n + m] = u
+        F[n + m:N, n:N - m] = np.eye((delay - 1) * m)
+    F[N:, N:] = A @ E
+    if told == "asked":
+        F[N:] += B @ (applied - u)
+    return F
+
+
+def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Literal["hold", "zero"]) -> float:
+    """Growth of E‖x‖² a sample under u = −K x when each input is lost with probability `loss`: below 1 it dies out.
+
+    The spectral radius of X ↦ (1 − loss) F X Fᵀ + loss G X Gᵀ, F and G being the loop with and without the packet,
+    (x, last input) where inputs are held. Raises EngineError.
+    """
+    if not 0 <= loss <= 1:
+        raise EngineError("A loss is a probability: choose it within 0 … 1.")
+    if on_loss not in ("hold", "zero"):
+        raise EngineError('on_loss must be "hold" or "zero".')
+    A, B = plant.A, plant.B
+    n, m = B.shape
+    if on_loss == "zero":
+        F, G = A - B @ K, A
+    else:
+        F = np.block([[A - B @ K, np.zeros((n, m))], [-K, np.zeros((m, m))]])
+        G = np.block([[A, B], [np.zeros((m, n)), np.eye(m)]])
+    T = (1 - loss) * np.kron(F, F) + loss * np.kron(G, G)
+    return float(np.abs(np.linalg.eigvals(T)).max())

@@ -1,0 +1,55 @@
+"""Packets on a link: which are lost, when the others arrive, and how old the newest is that has."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..systems.errors import EngineError
+
+__all__ = ["Link"]
+
+LOST = -1
+LATEST = 64  # samples a packet may be late
+
+
+@dataclass(frozen=True)
+class Link:
+    """What happens to packets: each is lost with probability `loss`, and arrives `delay` + 0 … `jitter` samples late.
+
+    Losses are independent, every extra delay up to `jitter` is equally likely, so packets may overtake each other.
+    """
+
+    loss: float = 0.0
+    delay: int = 0
+    jitter: int = 0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.loss <= 1:
+            raise EngineError("A loss is a probability: choose it within 0 … 1.")
+        if not all(isinstance(late, (int, np.integer)) and late >= 0 for late in (self.delay, self.jitter)) or self.latest > LATEST:
+            raise EngineError(f"Delay and jitter are whole numbers of samples ≥ 0, together at most {LATEST}.")
+
+    @property
+    def latest(self) -> int:
+        """The longest delay in samples."""
+        return self.delay + self.jitter
+
+    def draw(self, steps: int, rng: np.random.Generator) -> np.ndarray:
+        """The sample at which each packet arrives (steps,), −1 if it is lost.
+
+        Of two losses drawn from equal generators the larger one loses all that the smaller one loses.
+        """
+        chance, extra = rng.random(steps), rng.random(steps)
+        arrivals = np.arange(steps) + self.delay + np.floor(extra * (self.jitter + 1)).astype(int)
+        return np.where(chance < self.loss, LOST, arrivals)
+
+
+def age_of(arrivals: np.ndarray) -> np.ndarray:
+    """How many samples old the newest packet is that has arrived by each sample (N,); k + 1 where none has."""
+    newest = np.full(len(arrivals), LOST)
+    for j, k in enumerate(arrivals):
+        if LOST < k < len(arrivals):
+            newest[k] = j  # j rises, so the newest packet of this sample stays
+    return np.arange(len(arrivals)) - np.maximum.accumulate(newest)

@@ -1,0 +1,120 @@
+"""What may be wrong in a model: ΔA = Σ δᵢ Aᵢ, ΔC = Σ δᵢ Cᵢ, and the criterion J that weighs it."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import Plant
+
+__all__ = ["Norm", "Perturbations", "criterion", "every_entry", "perturbations", "vertices"]
+
+Norm = Literal[1, 2, "inf"]
+MOST_VERTICES = 4096
+
+
+@dataclass(frozen=True, eq=False)
+class Perturbations:
+    """Directions A (l_a, n, n) and C (l_c, p, n) of the model error, weights alpha (l_a,), beta and gamma (l_c,)."""
+
+    A: np.ndarray
+    C: np.ndarray
+    alpha: np.ndarray
+    beta: np.ndarray
+    gamma: np.ndarray
+
+
+def perturbations(plant: Plant, A: Any = (), C: Any = (), alpha: Any = 1.0, beta: Any = 1.0,
+                  gamma: Any = 1.0) -> Perturbations:
+    """Known directions Aᵢ (n×n) and Cᵢ (p×n) of ΔA = Σ δᵃᵢ Aᵢ, ΔC = Σ δᶜᵢ Cᵢ with weights αᵢ, βᵢ, γᵢ ≥ 0 (or one each).
+
+    Raises ShapeError where a direction does not fit the plant, EngineError for a weight that is negative.
+    Source: Duan, Li, Zhou (1993), (5), (6).
+    """
+    in_A, in_C = _stack(A, "A", (plant.n, plant.n)), _stack(C, "C", (plant.p, plant.n))
+    return Perturbations(in_A, in_C, _weights(alpha, "alpha", len(in_A)), _weights(beta, "beta", len(in_C)),
+                         _weights(gamma, "gamma", len(in_C)))
+
+
+def every_entry(plant: Plant) -> Perturbations:
+    """Each non-zero entry of A and of C wrong by itself, in proportion to its size; all weights 1."""
+    def each(matrix: np.ndarray) -> list[np.ndarray]:
+        out = []
+        for i, j in np.argwhere(matrix):
+            single = np.zeros_like(matrix)
+            single[i, j] = matrix[i, j]
+            out.append(single)
+        return out
+
+    return perturbations(plant, each(plant.A), each(plant.C))
+
+
+def _stack(given: Any, name: str, shape: tuple[int, int]) -> np.ndarray:
+    try:
+        stack = np.array(given, dtype=float) if len(given) else np.zeros((0, *shape))
+    except (TypeError, ValueError) as problem:
+        raise ShapeError(f"Every direction of Δ{name} must be a matrix {shape[0]}×{shape[1]}.") from problem
+    if stack.ndim != 3 or stack.shape[1:] != shape:
+        raise ShapeError(f"Every direction of Δ{name} must be a matrix {shape[0]}×{shape[1]}.")
+    if not np.isfinite(stack).all():
+        raise EngineError(f"A direction of Δ{name} holds NaN or infinity.")
+    stack.setflags(write=False)
+    return stack
+
+
+def _weights(given: Any, name: str, count: int) -> np.ndarray:
+    try:
+        weights = np.array(np.broadcast_to(np.asarray(given, dtype=float), (count,)))
+    except (TypeError, ValueError) as problem:
+        raise ShapeError(f"{name} must be one number or {count} numbers, one for each direction.") from problem
+    if not np.isfinite(weights).all() or np.any(weights < 0):
+        raise EngineError(f"{name} must hold finite numbers that are not negative.")
+    weights.setflags(write=False)
+    return weights
+
+
+def sizes(stack: np.ndarray, norm: Norm) -> np.ndarray:
+    """The norm of every matrix of a stack (l, r, c): column sum (1), spectral (2) or row sum ("inf")."""
+    if not len(stack):
+        return np.zeros(0)
+    if norm == 2 and 1 not in stack.shape[1:]:
+        return np.linalg.norm(stack, 2, axis=(1, 2))
+    if norm == 2:
+        return np.sqrt(np.sum(stack * stack, axis=(1, 2)))
+    return np.max(np.sum(np.abs(stack), axis=1 if norm == 1 else 2), axis=1)
+
+
+def check_norm(norm: Any) -> Norm:
+    """1, 2 or "inf" (∞ as a number is taken too). Raises EngineError otherwise."""
+    if norm in ("inf", np.inf):
+        return "inf"
+    if norm in (1, 2):
+        return 1 if norm == 1 else 2
+    raise EngineError('norm must be 1, 2 or "inf".')
+
+
+def criterion(T: np.ndarray, L: np.ndarray, M: np.ndarray, wrong: Perturbations, norm: Norm = 2) -> float:
+    """J = Σ [αᵢ ‖T Aᵢ‖ + βᵢ ‖L Cᵢ‖ + γᵢ ‖M Cᵢ‖] for T q×n, L q×p, M r×p.
+
+    J depends on the coordinates of the observer and does not see N: compare only observers whose rows of T were
+    scaled alike. Source: Duan, Li, Zhou (1993), (6).
+    """
+    return float(wrong.alpha @ sizes(T @ wrong.A, norm) + wrong.beta @ sizes(L @ wrong.C, norm)
+                 + wrong.gamma @ sizes(M @ wrong.C, norm))
+
+
+def vertices(wrong: Perturbations, delta_A: Any, delta_C: Any) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
+    """(ΔA, ΔC) at all sign patterns of the sizes δᵃ (l_a,), δᶜ (l_c,): 2^(l_a + l_c) pairs, all-plus first.
+
+    Raises EngineError where there are more than 4096.
+    """
+    a, c = _weights(np.abs(delta_A), "delta_A", len(wrong.A)), _weights(np.abs(delta_C), "delta_C", len(wrong.C))
+    if 2 ** (a.size + c.size) > MOST_VERTICES:
+        raise EngineError(f"{a.size + c.size} perturbations have too many sign patterns; keep to 12.")
+    signs = itertools.product((1.0, -1.0), repeat=a.size + c.size)
+    return tuple((np.tensordot(a * s[:a.size], wrong.A, 1), np.tensordot(c * s[a.size:], wrong.C, 1)) for s in
+                 map(np.array, signs))

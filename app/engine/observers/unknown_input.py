@@ -1,0 +1,168 @@
+"""Observers that a given unknown input cannot disturb: when they exist, and how they are built."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..design.placement import observer_gain
+from ..structure.decomposition import unobservable_subspace
+from ..systems.errors import EngineError, PoleError, ShapeError
+from ..systems.plant import Plant, as_matrix
+from ..systems.pole_sets import Poles, pole_text, sorted_poles
+
+__all__ = ["Decoupling", "UnknownInputObserver", "decoupling", "unknown_input_observer"]
+
+RANK = 1e-9  # singular values below this, of columns of length one, count as zero
+
+
+@dataclass(frozen=True, eq=False)
+class Decoupling:
+    """Whether an observer can ignore the unknown input d of ẋ = A x + B u + E d, y = C x + D u.
+
+    rank_CE, rank_E: the first condition is that they are equal. Then H (n×p) solves (I − H C) E = 0, T = I − H C,
+    A1 = T A, and `zeros` are the invariant zeros of (A, E, C), which are the modes of A1 that C does not see; the
+    second condition is that all of them are stable: `unstable` is empty. H, T, A1 and zeros are None where the first
+    condition fails. `reason` says in one sentence why no observer exists, empty if one does.
+    """
+
+    rank_CE: int
+    rank_E: int
+    H: np.ndarray | None
+    T: np.ndarray | None
+    A1: np.ndarray | None
+    zeros: Poles | None
+    unstable: Poles
+    reason: str
+
+    @property
+    def exists(self) -> bool:
+        """Whether there is an observer of the whole state whose error d does not disturb."""
+        return not self.reason
+
+
+@dataclass(frozen=True, eq=False)
+class UnknownInputObserver:
+    """ż = F z + T B u + K (y − D u), x̂ = z + H (y − D u) with e = x − x̂, ė = F e whatever d does (x⁺, e⁺ if sampled).
+
+    F, T n×n; K, H n×p; K = K1 + F H. poles: eig(F), sorted by (real, imag), of which `fixed` are the invariant zeros
+    of (A, E, C) that no gain moves. `plant` has inputs (u, y) and output x̂.
+    """
+
+    F: np.ndarray
+    T: np.ndarray
+    K: np.ndarray
+    H: np.ndarray
+    K1: np.ndarray
+    poles: Poles
+    fixed: Poles
+    conditions: Decoupling
+    plant: Plant
+
+    def residuals(self, plant: Plant, E: object) -> tuple[float, float, float]:
+        """How far the three conditions are missed, relative to their terms: T + H C = I, T E = 0, T A = F T + K C.
+
+        They are what ε = T x − z, ε̇ = F ε + (T A − F T − K C) x + T E d asks for.
+        """
+        E = _unknown(plant, E)
+        terms = ((self.T, self.H @ plant.C, -np.eye(plant.n)), (E, -self.H @ plant.C @ E),
+                 (self.T @ plant.A, -self.F @ self.T, -self.K @ plant.C))
+        first, second, third = (float(np.linalg.norm(sum(t)) / max(max(np.linalg.norm(x) for x in t), 1e-300))
+                                for t in terms)
+        return first, second, third
+
+
+def decoupling(plant: Plant, E: object, weight: object | None = None) -> Decoupling:
+    """The two conditions for ignoring an unknown input that enters through E (n×q).
+
+    They are rank(C E) = rank(E), and no invariant zero of (A, E, C), s with rank [sI − A, −E; C, 0] < n + rank(E), in
+    the closed right half plane (on or outside the unit circle for a sampled plant). H = E ((C E)ᵀ V⁻¹ C E)⁻¹ (C E)ᵀ V⁻¹
+    with V = `weight` (p×p > 0, default I): with the covariance of the sensor noise, what is left of y after H tells
+    nothing about the noise that H lets in. Raises ShapeError, EngineError. Chen and Patton (1999), theorem 3.1.
+    """
+    E = _range(_unknown(plant, E))
+    C, q = plant.C, E.shape[1]
+    V = np.eye(plant.p) if weight is None else as_matrix(weight, "weight")
+    if V.shape != (plant.p, plant.p):
+        raise ShapeError(f"weight must be {plant.p}×{plant.p}, a row for each output; it is {V.shape[0]}×{V.shape[1]}.")
+    if np.abs(V - V.T).max() > RANK * np.abs(V).max() or np.linalg.eigvalsh(V)[0] <= 0:
+        raise EngineError("The weight must be symmetric and positive definite, as the covariance of noise on every sensor is.")
+    size = np.linalg.norm(C, axis=1, keepdims=True)
+    rank = int(np.count_nonzero(np.linalg.svd(C / np.where(size > 0, size, 1.0) @ E, compute_uv=False) > RANK))
+    if rank < q:
+        return Decoupling(rank, q, None, None, None, None, np.empty(0, dtype=complex),
+                          f"rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not reach the outputs "
+                          "at once; measure nearer to where it enters.")
+    CE = C @ E
+    weighted = np.linalg.solve(V, CE).T
+    H = E @ np.linalg.solve(weighted @ CE, weighted)
+    T = np.eye(plant.n) - H @ C
+    A1 = T @ plant.A
+    zeros = _hidden(A1, C)
+    bad = _unstable(zeros, plant)
+    reason = "" if not len(bad) else (
+        f"(A, E, C) has an invariant zero at {pole_text(bad[-1])}, which is not stable: the unknown input can move the "
+        "state along it without any output noticing; measure something more.")
+    return Decoupling(rank, q, _frozen(H), _frozen(T), _frozen(A1), zeros, bad, reason)
+
+
+def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) -> UnknownInputObserver:
+    """The observer whose error an unknown input through E (n×q) does not disturb, with eig(F) = poles and fixed ones.
+
+    F = A − H C A − K1 C, T = I − H C, K = K1 + F H; `poles` are those that can be chosen: n less the number of
+    invariant zeros of (A, E, C), which stay. Raises EngineError where a condition of `decoupling` fails, PoleError for
+    another number of poles. Chen and Patton (1999), section 3.2.
+    """
+    known = decoupling(plant, E)
+    if not known.exists or known.H is None or known.T is None or known.A1 is None or known.zeros is None:
+        raise EngineError(known.reason)
+    wanted, free = list(poles), plant.n - len(known.zeros)
+    if len(wanted) != free:
+        raise PoleError(f"Give {free} poles: this observer has {plant.n}, and {len(known.zeros)} stay at the invariant "
+                        f"zeros of (A, E, C); you gave {len(wanted)}.")
+    rows = _range(plant.C)
+    K1 = observer_gain(known.A1, rows.T @ plant.C, [*wanted, *known.zeros]).gain @ rows.T
+    F = known.A1 - K1 @ plant.C
+    K = K1 + F @ known.H
+    D = np.asarray(plant.D)
+    system = Plant(F, np.hstack([known.T @ plant.B - K @ D, K]), np.eye(plant.n), np.hstack([-known.H @ D, known.H]),
+                   plant.dt, plant.state_names, (*plant.input_names, *plant.output_names))
+    return UnknownInputObserver(_frozen(F), known.T, _frozen(K), known.H, _frozen(K1),
+                                sorted_poles(F), known.zeros, known, system)
+
+
+def _unknown(plant: Plant, E: object) -> np.ndarray:
+    E = as_matrix(E, "E")
+    if E.shape[0] != plant.n:
+        raise ShapeError(f"E must have {plant.n} rows, one for each state; it has {E.shape[0]}.")
+    if not np.any(E):
+        raise EngineError("E is zero: there is no unknown input to ignore.")
+    return E
+
+
+def _range(M: np.ndarray) -> np.ndarray:
+    """Orthonormal columns that span the range of M."""
+    size = np.linalg.norm(M, axis=0)
+    U, s, _ = np.linalg.svd(M / np.where(size > 0, size, 1.0), full_matrices=False)
+    return U[:, s > RANK]
+
+
+def _hidden(A1: np.ndarray, C: np.ndarray) -> Poles:
+    """The modes of A1 that C does not see, sorted by (real, imag)."""
+    basis, count = unobservable_subspace(A1, C)
+    hidden = basis[:, A1.shape[0] - count:]
+    return sorted_poles(hidden.T @ A1 @ hidden)
+
+
+def _unstable(zeros: Poles, plant: Plant) -> Poles:
+    if plant.dt:
+        return zeros[np.abs(zeros) >= 1 - RANK]
+    return zeros[zeros.real >= -RANK * float(np.linalg.norm(plant.A, 2))]
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    array = np.ascontiguousarray(array)
+    array.setflags(write=False)
+    return array

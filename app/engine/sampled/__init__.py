@@ -1,0 +1,1 @@
+"""Loops with sampled controllers and real hardware, one run or many."""

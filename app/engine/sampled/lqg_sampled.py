@@ -1,0 +1,179 @@
+"""LQG on a computer: exact sampling of plant, cost and noise, with the steady filter or the recursive one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ..design.optimal import Optimal, dlqr
+from ..feedback.compensator import compensator
+from ..feedback.loop_spectrum import NoisyLoop, noisy_loop
+from ..filters.belief import Belief
+from ..filters.kalman import KalmanFilter
+from ..filters.track import Schedule
+from ..systems.arrays import as_covariance
+from ..systems.errors import EngineError, ShapeError
+from ..systems.noise import root, step_covariance
+from ..systems.plant import Plant, as_matrix
+from ..systems.scan import affine_scan
+
+__all__ = ["SampledLqg", "SampledRun", "sampled_cost", "sampled_lqg"]
+
+
+@dataclass(frozen=True, eq=False)
+class SampledRun:
+    """A run of a sampled loop, time first: t (n_t,), x, xhat (after the reading), u, y (with its noise)."""
+
+    t: np.ndarray
+    x: np.ndarray
+    xhat: np.ndarray
+    u: np.ndarray
+    y: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLqg:
+    """An LQG loop that runs every `plant.dt` seconds: u[k] = −K x̂[k|k], held until the next sample.
+
+    plant: x⁺ = A x + B u, exact. K (m×n), regulator with its Riccati solution, filter: the Kalman filter with the
+    noise of one step (R = V/dt). controller is the compensator with the steady gain M, from y to u; it uses the
+    reading of its own sample.
+    """
+
+    plant: Plant
+    K: np.ndarray
+    regulator: Optimal
+    filter: KalmanFilter
+
+    @cached_property
+    def controller(self) -> Plant:
+        """x̂⁻⁺ = (A − BK)(x̂⁻ + M(y − C x̂⁻)), u = −K(x̂⁻ + M(y − C x̂⁻)) with x̂⁻ the prediction: sign included."""
+        return self.controller_with(self.filter.steady.filter_gain)
+
+    @cached_property
+    def late_controller(self) -> Plant:
+        """The compensator that answers one sample late, u[k] = −K x̂[k|k−1]: x̂⁺ = (A − BK − LC) x̂ + L y, L = A M."""
+        return compensator(self.plant, self.K, self.filter.steady.predictor_gain)
+
+    def controller_with(self, M: np.ndarray) -> Plant:
+        """The compensator with a filter gain M (n×p) frozen at one instant of the recursive filter."""
+        p, K = self.plant, self.K
+        keep, step = np.eye(p.n) - M @ p.C, p.A - p.B @ K
+        return Plant(step @ keep, step @ M, -K @ keep, -K @ M, p.dt, tuple(f"{s}_hat" for s in p.state_names),
+                     p.output_names, p.input_names, name=f"sampled compensator of {p.name}".strip())
+
+    def loop(self, process: object | None = None, readings: object | None = None) -> NoisyLoop:
+        """The loop with the steady filter under white noise: covariances of a step (n×n) and of a reading (p×p).
+
+        By default those that the filter believes. Signals are taken at the samples.
+        """
+        return noisy_loop(self.plant, self.controller, np.eye(self.plant.n),
+                          self.filter.Q if process is None else process, self.filter.R if readings is None else readings)
+
+    def schedule(self, P0: object, steps: int) -> Schedule:
+        """Gains of the recursive filter (Joseph's form) over `steps` samples, from the covariance P0 of x̂⁻[0]."""
+        return self.filter.schedule(Belief(np.zeros(self.plant.n), as_covariance(P0, "P0", self.plant.n)), steps)
+
+    def draw(self, steps: int, seed: int, process: object | None = None,
+             readings: object | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """White noise of a seed: jumps of the state (steps, n) and noise of the readings (steps, p).
+
+        process (n×n) and readings (p×p) are their covariances, by default those that the filter believes.
+        """
+        for_w, for_v = np.random.default_rng(seed).spawn(2)
+        w = self.filter.Q if process is None else as_covariance(process, "process", self.plant.n)
+        v = self.filter.R if readings is None else as_covariance(readings, "readings", self.plant.p)
+        return (for_w.standard_normal((steps, len(w))) @ root(w).T, for_v.standard_normal((steps, len(v))) @ root(v).T)
+
+    def run(self, x0: object, w: np.ndarray, v: np.ndarray, gains: Schedule | None = None, xhat0: object | None = None,
+            truth: Plant | None = None) -> SampledRun:
+        """The loop from x0 and the prediction xhat0 (default zero) under jumps w (n_t, n) and reading noise v (n_t, p).
+
+        w[k] joins the state after sample k. `gains`: a schedule of the recursive filter, or None for the steady one.
+        `truth`: what the plant really is, sampled alike; filter and gain keep to their own. Raises ShapeError.
+        """
+        w, v = as_matrix(w, "w"), as_matrix(v, "v")
+        p, n, steps = self.plant, self.plant.n, len(v)
+        real = p if truth is None else truth
+        if (real.n, real.m, real.p, real.dt) != (n, p.m, p.p, p.dt):
+            raise ShapeError("The true plant must have the states, inputs, outputs and period of the one designed for.")
+        if w.shape != (steps, n) or v.shape != (steps, p.p):
+            raise ShapeError(f"Noise must be of shapes (n_t, {n}) and (n_t, {p.p}); it is {w.shape} and {v.shape}.")
+        z = np.concatenate([_vector(x0, "x0", n), _vector(np.zeros(n) if xhat0 is None else xhat0, "xhat0", n)])
+        early, M = (0, self.filter.steady.filter_gain) if gains is None else (min(steps, len(gains.gains)), gains.gains[-1])
+        path = np.empty((steps, 2 * n))
+        for k in range(early):  # gains that still change
+            path[k] = z
+            z = self._next(real, z, gains.gains[k], w[k], v[k])  # type: ignore[union-attr]
+        if early < steps:
+            A, E = self._step(real, M)
+            forcing = v[early:-1] @ E.T
+            forcing[:, :n] += w[early:-1]
+            path[early:] = affine_scan(A, forcing, z, steps - 1 - early)
+        x, predicted = path[:, :n], path[:, n:]
+        seen = x @ real.C.T + v - predicted @ p.C.T
+        xhat = predicted + seen @ M.T
+        if early:
+            xhat[:early] = predicted[:early] + np.einsum("knp,kp->kn", gains.gains[:early], seen[:early])  # type: ignore[union-attr]
+        return SampledRun(p.dt * np.arange(steps), x, xhat, -xhat @ self.K.T, x @ real.C.T + v)
+
+    def _next(self, real: Plant, z: np.ndarray, M: np.ndarray, w: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """(x, x̂⁻) one sample later, with the filter gain M at this one."""
+        p, n = self.plant, self.plant.n
+        x, predicted = z[:n], z[n:]
+        xhat = predicted + M @ (real.C @ x + v - p.C @ predicted)
+        u = -self.K @ xhat
+        return np.concatenate([real.A @ x + real.B @ u + w, p.A @ xhat + p.B @ u])
+
+    def _step(self, real: Plant, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(x, x̂⁻)⁺ = A (x, x̂⁻) + E v with the filter gain M."""
+        built = self.controller_with(M)
+        Dk = np.asarray(built.D)
+        A = np.block([[real.A + real.B @ Dk @ real.C, real.B @ built.C], [built.B @ real.C, built.A]])
+        return A, np.vstack([real.B @ Dk, built.B])
+
+
+def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(Q_d, R_d, N_d) with ∫₀ᵈᵗ xᵀQx + uᵀRu dt = xᵀQ_d x + 2xᵀN_d u + uᵀR_d u for u held over the step.
+
+    From ∫ e^{Mᵀs} diag(Q, R) e^{Ms} ds with M = [A B; 0 0]. Shapes n×n, m×m, n×m. Raises EngineError.
+    """
+    if not (np.isfinite(dt) and dt > 0):
+        raise EngineError("Sampling needs a period dt > 0 in seconds.")
+    n, m = plant.n, plant.m
+    M = np.zeros((n + m, n + m))
+    M[:n, :n], M[:n, n:] = plant.A, plant.B
+    weight = np.zeros_like(M)
+    weight[:n, :n], weight[n:, n:] = as_covariance(Q, "Q", n), as_covariance(R, "R", m)
+    whole = step_covariance(M.T, weight, dt)
+    return whole[:n, :n], whole[n:, n:], whole[:n, n:]
+
+
+def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: float, G: object | None = None) -> SampledLqg:
+    """The LQG loop that minimises the continuous cost average of xᵀQx + uᵀRu with a computer's held input.
+
+    Plant, cost and noise are sampled exactly (Van Loan), R = V/dt; K from the discrete Riccati equation. Weights and
+    intensities as in `lqg`. Platform report (003), equations (53)–(59) and section 5.3.2. Raises as `lqg` does.
+    """
+    if plant.dt:
+        raise EngineError("The plant is sampled already; give the continuous one.")
+    G = plant.B if G is None else as_matrix(G, "G")
+    if G.shape[0] != plant.n:
+        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+    kf = KalmanFilter.from_plant(plant, W, V, dt, G)
+    sampled = Plant(kf.A, kf.B, kf.C, kf.D, dt, plant.state_names, plant.input_names, plant.output_names, plant.units,
+                    plant.name)
+    if np.any(sampled.D):
+        raise EngineError("A sampled loop that answers in the same sample needs a plant without a direct path (D = 0).")
+    Qd, Rd, Nd = sampled_cost(plant, Q, R, dt)
+    regulator = dlqr(sampled.A, sampled.B, Qd, Rd, Nd)
+    return SampledLqg(sampled, regulator.gain, regulator, kf)
+
+
+def _vector(value: object, name: str, length: int) -> np.ndarray:
+    vector = np.asarray(value, dtype=float).ravel()
+    if vector.size != length or not np.isfinite(vector).all():
+        raise ShapeError(f"{name} must have {length} finite entries.")
+    return vector

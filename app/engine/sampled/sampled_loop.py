@@ -1,0 +1,284 @@
+"""A continuous plant in the hands of a computer: one linear step from sample to sample, and what bends it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from scipy.linalg import solve_discrete_lyapunov
+
+from ..feedback.loop_spectrum import NoisyLoop
+from ..systems.arrays import as_covariance
+from ..systems.errors import EngineError, ShapeError
+from ..systems.noise import step_covariance
+from ..systems.plant import Plant, as_matrix
+from ..systems.scan import step_matrices
+from .hardware import Hardware, coil_driver
+from .sampled_control import SampledController
+
+__all__ = ["SampledLoop", "sampled_loop"]
+
+IDEAL = Hardware()
+MOST_DELAY = 1000  # samples
+THIN = 1e-28  # share of a covariance below which its directions are left out
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLoop:
+    """w = (driver, plant, ground, controller, bias, commands on their way); at sample k
+
+        m = round(Y w + v), s = clip(U w + T m), w⁺ = F w + F_m m + F_s s + jumps.
+
+    F (N×N), F_m (N×p), F_s (N×m), Y (p×N), and U (k, m, N), T (k, m, p) for each sample, the last from then on; F too
+    is (k, N, N), F_m (k, N, p) and F_s (k, N, m). x, mechanics, control, bias: where the plant, all that is continuous,
+    the controller and the bias stand in w. ways: whole samples of delay, what the command then due does to the
+    mechanics, and what the one before it still does. outputs (q×N): what is recorded beside u. jump (N×r), sensor
+    (p×p): roots of the covariances of a sample's noise. Gamma (N×d): what the known disturbances do, held over a sample.
+    """
+
+    F: np.ndarray
+    F_m: np.ndarray
+    F_s: np.ndarray
+    Y: np.ndarray
+    U: np.ndarray
+    T: np.ndarray
+    x: slice
+    mechanics: slice
+    control: slice
+    bias: slice
+    ways: tuple[int, np.ndarray, np.ndarray]
+    outputs: np.ndarray
+    jump: np.ndarray
+    sensor: np.ndarray
+    Gamma: np.ndarray
+    hardware: Hardware
+    dt: float
+
+    @property
+    def n(self) -> int:
+        """Number of states."""
+        return self.F.shape[1]
+
+    @property
+    def varying(self) -> int:
+        """Samples for which the controller still changes."""
+        return len(self.F) - 1
+
+    def closed(self, k: int = -1) -> np.ndarray:
+        """The step w⁺ = F_c w of the loop as long as nothing clips or rounds, N×N; at sample k, by default the last."""
+        return self.F[k] + self.F_m[k] @ self.Y + self.F_s[k] @ (self.U[k] + self.T[k] @ self.Y)
+
+    @cached_property
+    def feedback(self) -> np.ndarray:
+        """u = feedback w of the settled loop, m×N, without sensor noise."""
+        return self.U[-1] + self.T[-1] @ self.Y
+
+    @cached_property
+    def noise_in(self) -> np.ndarray:
+        """How v enters the settled loop: w⁺ = F_c w + noise_in v, N×p."""
+        return self.F_m[-1] + self.F_s[-1] @ self.T[-1]
+
+    @cached_property
+    def radius(self) -> float:
+        """Largest |pole| of the settled loop; the bias, which nothing controls, does not count."""
+        return float(np.max(np.abs(np.linalg.eigvals(self._without_bias(self.closed()))), initial=0.0))
+
+    @property
+    def stable(self) -> bool:
+        """Whether the settled loop is, as long as nothing clips or rounds."""
+        return self.radius < 1.0
+
+    def _without_bias(self, matrix: np.ndarray) -> np.ndarray:
+        keep = np.ones(self.n, dtype=bool)
+        keep[self.bias] = False
+        return matrix[np.ix_(keep, keep)]
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """Stationary covariance of w (N×N), the bias taken for zero and rounding for white noise of step²/12.
+
+        P = F_c P F_cᵀ + jumps + noise. Raises EngineError where the loop is not stable.
+        """
+        if not self.stable:
+            raise EngineError("This loop is not stable, so it has no stationary covariance; stabilise it first.")
+        keep = np.ones(self.n, dtype=bool)
+        keep[self.bias] = False
+        push = self.jump @ self.jump.T + self.noise_in @ self.reading @ self.noise_in.T
+        P = np.zeros((self.n, self.n))
+        P[np.ix_(keep, keep)] = solve_discrete_lyapunov(self._without_bias(self.closed()), push[np.ix_(keep, keep)])
+        P = (P + P.T) / 2
+        P.setflags(write=False)
+        return P
+
+    @cached_property
+    def reading(self) -> np.ndarray:
+        """Covariance of one reading's noise (p×p): the sensor's, and step²/12 of the converter."""
+        return self.sensor @ self.sensor.T + self.hardware.step**2 / 12 * np.eye(len(self.sensor))
+
+    @cached_property
+    def noisy(self) -> NoisyLoop:
+        """The settled loop as long as nothing clips, under its own noise: densities and variances of (outputs, u).
+
+        Rounding counts as white noise of step²/12; a drifting bias enters as the white noise that it sums up. Its
+        `outputs(T)` take the recorded outputs, its `inputs(T)` the commands.
+        """
+        r, q, p = self.jump.shape[1], len(self.outputs), len(self.Y)
+        white = np.zeros((r + p, r + p))
+        white[:r, :r], white[r:, r:] = np.eye(r), self.reading
+        D = np.zeros((q + len(self.feedback), r + p))
+        D[q:, r:] = self.T[-1]
+        return NoisyLoop(self.closed(), np.hstack([self.jump, self.noise_in]), np.vstack([self.outputs, self.feedback]), D,
+                         white, r, q, self.dt)
+
+
+def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence[int], *, hardware: Hardware = IDEAL,
+                 W: object | None = None, V: object | None = None, shaping: Plant | None = None,
+                 disturbances: np.ndarray | None = None, outputs: np.ndarray | None = None) -> SampledLoop:
+    """The loop of a continuous plant and a sampled controller, exact at the samples.
+
+    The controller drives the inputs `controls`; the others are the ground. White noise of intensity W (q×q) is the
+    ground motion itself, or, with `shaping`, drives this filter, whose outputs are the ground motion. V (p×p) is the
+    intensity of the sensors' noise, V/dt its covariance at a sample. `disturbances` (n×d): how known disturbances enter
+    the plant's ẋ, the ground's columns of B by default. `outputs` (q×n): rows that are recorded of the plant's state, C
+    by default. Raises ShapeError, EngineError, one sentence each.
+    """
+    chosen = [int(i) for i in controls]
+    if len(set(chosen)) < len(chosen) or not all(0 <= i < plant.m for i in chosen):
+        raise ShapeError(f"The controlled inputs must be different numbers from 0 to {plant.m - 1}.")
+    others = [i for i in range(plant.m) if i not in chosen]
+    p, m, dt = plant.p, len(chosen), controller.dt
+    if plant.dt:
+        raise EngineError("The plant must be continuous; the loop samples it exactly.")
+    if np.any(np.asarray(plant.D)):
+        raise EngineError("A plant whose outputs feel an input at once (D ≠ 0) is not simulated here.")
+    if controller.B.shape[2] != p or controller.C.shape[1] != m:
+        raise ShapeError(f"The controller must take {p} outputs and drive {m} inputs; it takes {controller.B.shape[2]} and "
+                         f"drives {controller.C.shape[1]}.")
+    if hardware.delay > MOST_DELAY * dt:
+        raise EngineError(f"The delay is longer than {MOST_DELAY} samples; shorten it.")
+    rows = as_matrix(plant.C if outputs is None else outputs, "The outputs")
+    if rows.shape[1] != plant.n:
+        raise ShapeError(f"The outputs must have {plant.n} columns, one for each state; they have {rows.shape[1]}.")
+    mechanics = _Mechanics(plant, chosen, others, hardware, shaping, W, disturbances)
+    return _assembled(mechanics, controller, hardware, V, rows, p, m)
+
+
+class _Mechanics:
+    """Driver, plant and ground filter as one continuous system, and its noise."""
+
+    def __init__(self, plant: Plant, chosen: list[int], others: list[int], hardware: Hardware, shaping: Plant | None,
+                 W: object | None, disturbances: np.ndarray | None) -> None:
+        n, m = plant.n, len(chosen)
+        driver, ground = coil_driver(hardware, m), plant.B[:, others]
+        first, last = driver.n if driver else 0, shaping.n if shaping else 0
+        if shaping is not None and (shaping.p != ground.shape[1] or np.any(np.asarray(shaping.D))):
+            raise ShapeError(f"The shaping filter must have {ground.shape[1]} outputs, one for each ground motion, and D = 0.")
+        if shaping is not None and shaping.dt:
+            raise EngineError("The shaping filter must be continuous, as the plant is.")
+        N, self.x = first + n + last, slice(first, first + n)
+        self.A, self.B = np.zeros((N, N)), np.zeros((N, m))
+        self.A[self.x, self.x] = plant.A
+        if driver is None:
+            self.B[self.x] = plant.B[:, chosen]
+        else:
+            self.A[:first, :first], self.B[:first] = driver.A, driver.B
+            self.A[self.x, :first] = plant.B[:, chosen] @ driver.C
+        enter = np.zeros((N, shaping.m if shaping else ground.shape[1]))
+        if shaping is None:
+            enter[self.x] = ground
+        else:
+            self.A[first + n:, first + n:] = shaping.A
+            self.A[self.x, first + n:] = ground @ shaping.C
+            enter[first + n:] = shaping.B
+        known = ground if disturbances is None else as_matrix(disturbances, "The disturbances")
+        if known.shape[0] != n:
+            raise ShapeError(f"The disturbances must enter {n} states; their matrix has {known.shape[0]} rows.")
+        self.known = np.zeros((N, known.shape[1]))
+        self.known[self.x] = known
+        self.C = np.zeros((plant.p, N))
+        self.C[:, self.x] = plant.C
+        self.first, self.N = first, N
+        self.intensity = None if W is None else enter @ as_covariance(W, "W", enter.shape[1]) @ enter.T
+
+    def jump(self, dt: float) -> np.ndarray:
+        """A thin root (N×r) of the covariance that the ground's noise adds over a sample; the driver feels none of it."""
+        if self.intensity is None:
+            return np.zeros((self.N, 0))
+        after = slice(self.first, None)
+        Q = step_covariance(self.A[after, after], self.intensity[after, after], dt)
+        return np.vstack([np.zeros((self.first, 0 if not len(Q) else thin_root(Q).shape[1])), thin_root(Q)])
+
+
+def thin_root(Q: np.ndarray) -> np.ndarray:
+    """R (N×r) with R Rᵀ = Q to rounding and no more columns than it takes, for covariances of unequal units."""
+    spread = np.sqrt(np.maximum(np.diag(Q), 0.0))
+    divisor = np.where(spread > 0, spread, 1.0)
+    values, vectors = np.linalg.eigh(Q / np.outer(divisor, divisor))
+    keep = values > max(THIN, 4e-16 * len(Q)) * max(values[-1], 0.0)
+    return spread[:, None] * vectors[:, keep] * np.sqrt(values[keep])
+
+
+def _assembled(mechanics: _Mechanics, controller: SampledController, hardware: Hardware, V: object | None,
+               outputs: np.ndarray, p: int, m: int) -> SampledLoop:
+    dt, a, c = controller.dt, mechanics.N, controller.n
+    steps = hardware.delay / dt
+    whole = int(np.floor(steps + 1e-9))
+    part = steps - whole if steps - whole > 1e-9 else 0.0
+    lag = whole + (part > 0)
+    drifting = p if hardware.walk > 0 or hardware.ramp != 0 else 0
+    N = a + c + drifting + lag * m
+    control, bias, queue = slice(a, a + c), slice(a + c, a + c + drifting), a + c + drifting
+    Phi, Phi1 = step_matrices(mechanics.A, dt)
+    late, soon = np.zeros((a, m)), Phi1 @ mechanics.B  # what the older and the newer command do within the step
+    if part > 0:
+        rest = (1 - part) * dt
+        tail, tail1 = step_matrices(mechanics.A, rest)
+        soon = tail1 @ mechanics.B
+        late = tail @ step_matrices(mechanics.A, part * dt)[1] @ mechanics.B
+    k = len(controller.A)
+    F, F_m, F_s = np.zeros((k, N, N)), np.zeros((k, N, p)), np.zeros((k, N, m))
+    F[:, :a, :a], F[:, control, control], F[:, bias, bias] = Phi, controller.A, np.eye(drifting)
+    F_m[:, control], F_s[:, control] = controller.B, controller.E
+    ways = [slice(queue + i * m, queue + (i + 1) * m) for i in range(lag)]  # ways[0] is the oldest command
+    if lag:
+        F_s[:, ways[-1]] = np.eye(m)
+        for older, newer in pairwise(ways):
+            F[:, older, newer] = np.eye(m)
+    if part > 0:
+        F[:, :a, ways[0]] += late
+        if lag > 1:
+            F[:, :a, ways[1]] += soon
+        else:
+            F_s[:, :a] += soon
+    elif lag:
+        F[:, :a, ways[0]] += soon
+    else:
+        F_s[:, :a] += soon
+    Y, U = np.zeros((p, N)), np.zeros((k, m, N))
+    Y[:, :a], Y[:, bias] = mechanics.C, np.eye(p)[:, :drifting]
+    U[:, :, control] = controller.C
+    shown = np.zeros((len(outputs), N))
+    shown[:, mechanics.x] = outputs
+    jump = _padded(mechanics.jump(dt), N)
+    if hardware.walk > 0:
+        walk = np.zeros((N, p))
+        walk[bias] = hardware.walk * np.sqrt(dt) * np.eye(p)
+        jump = np.hstack([jump, walk])
+    sensor = np.zeros((p, p)) if V is None else _sensor_root(as_covariance(V, "V", p) / dt)
+    return SampledLoop(F, F_m, F_s, Y, U, controller.D, mechanics.x, slice(0, a), control, bias,
+                       (whole, soon, late), shown, jump, sensor,
+                       _padded(Phi1 @ mechanics.known, N), hardware, dt)
+
+
+def _padded(rows: np.ndarray, N: int) -> np.ndarray:
+    return np.vstack([rows, np.zeros((N - len(rows), rows.shape[1]))])
+
+
+def _sensor_root(covariance: np.ndarray) -> np.ndarray:
+    root = thin_root(covariance)
+    return np.hstack([root, np.zeros((len(root), len(root) - root.shape[1]))])
+
+

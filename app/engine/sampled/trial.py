@@ -1,0 +1,294 @@
+"""One run of a sampled loop, and what it says in time: recovery, overshoot, peak and energy of the input."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import as_matrix
+from ..systems.scan import affine_scan
+from .sampled_loop import SampledLoop
+
+__all__ = ["ResponseMeasures", "Trial", "response_measures", "run_trial"]
+
+MOST_NUMBERS = 40_000_000  # state numbers in one run
+DIVERGED = 1e12
+AHEAD = 256  # samples of the first block
+SHORT = 160  # a block that ends sooner is followed by BURST samples one by one, which takes less time
+BURST = 128  # twice as many each time, until a block of four times SHORT is met
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A run at the samples, time first and ended early where it diverged.
+
+    t (n_t,), x (n_t, n) of the plant, w (n_t, N) of the whole loop, outputs (n_t, q) as the loop records them, read
+    (n_t, p) what the controller was shown, asked and applied (n_t, m) its commands before and after clipping.
+    """
+
+    loop: SampledLoop
+    t: np.ndarray
+    w: np.ndarray
+    outputs: np.ndarray
+    read: np.ndarray
+    asked: np.ndarray
+    applied: np.ndarray
+    diverged: bool
+
+    @property
+    def x(self) -> np.ndarray:
+        """The plant's states."""
+        return self.w[:, self.loop.x]
+
+
+@dataclass(frozen=True)
+class ResponseMeasures:
+    """A response to a step or an impulse: recovery s (None: not within the run), overshoot, peak and energy of u.
+
+    recovery: from when on |y − final| stays within `band`; overshoot: how far y passes `final` to the other side, in
+    units of its largest deviation on the first side; peak: largest |u| of all inputs (N); energy: Σ ∫ u² dt (N² s).
+    """
+
+    recovery: float | None
+    overshoot: float
+    largest: float
+    peak: float
+    energy: float
+
+
+def run_trial(loop: SampledLoop, steps: int, seed: int | None = None, *, start: object | None = None,
+              disturbance: object | None = None, kicks: tuple[tuple[int, object], ...] = ()) -> Trial:
+    """`steps` samples from the state `start` (N,), by default rest, with the noise of a seed (None: none).
+
+    disturbance (n_t, d): the known disturbances, held over each sample. kicks: (sample, jump of the plant's state (n,)).
+    Linear stretches run in parallel blocks and are exact; a loop that clips or rounds goes sample by sample where it
+    must. Loops with the same plant feel the same noise from the same seed. Raises ShapeError, EngineError.
+    """
+    kicks = tuple((k, _jump(loop, jump)) for k, jump in kicks)
+    if steps < 1 or steps * loop.n > MOST_NUMBERS:
+        raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
+    push, v = _forcing(loop, steps, seed, disturbance, kicks)
+    w0 = np.zeros(loop.n) if start is None else as_matrix(start, "The start").ravel().copy()
+    if w0.size != loop.n:
+        raise ShapeError(f"The start must have {loop.n} entries; it has {w0.size}.")
+    for k, jump in kicks:
+        if k == 0:
+            w0[loop.x] += jump
+    w = np.empty((steps, loop.n))
+    w[0] = w0
+    done = _rounding(loop, w, push, v, 0, steps - 1) if loop.hardware.step > 0 else _clipping(loop, w, push, v)
+    w = w[:done + 1]
+    read, asked, applied = _seen(loop, w, v[:len(w)])
+    return Trial(loop, loop.dt * np.arange(len(w)), w, w @ loop.outputs.T, read, asked, applied, len(w) < steps)
+
+
+def _jump(loop: SampledLoop, jump: object) -> np.ndarray:
+    """The jump (n,) of a kick."""
+    jump, n = as_matrix(jump, "The jump of a kick").ravel(), loop.x.stop - loop.x.start
+    if jump.size != n:
+        raise ShapeError(f"The jump of a kick must have {n} entries; it has {jump.size}.")
+    return jump
+
+
+def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: object | None,
+             kicks: tuple[tuple[int, np.ndarray], ...]) -> tuple[np.ndarray, np.ndarray]:
+    """What jumps onto w at the end of each sample (n_t, N), and the noise of each reading (n_t, p)."""
+    push, v = np.zeros((steps, loop.n)), np.zeros((steps, len(loop.Y)))
+    if seed is not None:
+        for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
+        walks = len(loop.Y) if loop.hardware.walk > 0 else 0
+        ground = loop.jump[:, :loop.jump.shape[1] - walks]
+        push = for_ground.standard_normal((steps, ground.shape[1])) @ ground.T
+        if walks:
+            push += for_bias.standard_normal((steps, walks)) @ loop.jump[:, ground.shape[1]:].T
+        v = for_v.standard_normal(v.shape) @ loop.sensor.T
+    if loop.hardware.ramp:
+        push[:, loop.bias] += loop.hardware.ramp * loop.dt
+    if disturbance is not None:
+        given = as_matrix(disturbance, "The disturbance")
+        if given.shape != (steps, loop.Gamma.shape[1]):
+            raise ShapeError(f"The disturbance must be {steps}×{loop.Gamma.shape[1]}; its shape is {given.shape}.")
+        push += given @ loop.Gamma.T
+    for k, jump in kicks:
+        if not 0 <= k < steps:
+            raise EngineError("A kick must come at a sample of the run.")
+        if k > 0:
+            push[k - 1, loop.x] += jump
+    return push, v
+
+
+def _seen(loop: SampledLoop, w: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What the controller read, asked for and got, from the states."""
+    read = w @ loop.Y.T + v
+    if loop.hardware.step > 0:
+        read = loop.hardware.step * np.rint(read / loop.hardware.step)
+    asked = w @ loop.U[-1].T + read @ loop.T[-1].T
+    for k in range(min(loop.varying, len(w))):
+        asked[k] = loop.U[k] @ w[k] + loop.T[k] @ read[k]
+    limit = loop.hardware.limit
+    return read, asked, asked if np.isinf(limit) else np.clip(asked, -limit, limit)
+
+
+def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray) -> int:
+    """Fill w in blocks: as long as the same commands are clipped to the same side, the loop is affine.
+
+    A block goes on to the first sample at which that changes; where it changes all the time, sample by sample.
+    """
+    last, limit = len(w) - 1, loop.hardware.limit
+    k = min(loop.varying, last)
+    done = _rounding(loop, w, push, v, 0, k)
+    if done < k:
+        return done
+    if np.isinf(limit):
+        path = affine_scan(loop.closed(), push[k:last] + v[k:last] @ loop.noise_in.T, w[k], last - k)
+        with np.errstate(invalid="ignore"):
+            if max(path.max(), -path.min()) < DIVERGED:
+                w[k:] = path
+                return last
+            good = int(np.argmin(np.abs(path).max(axis=1) < DIVERGED))
+        w[k:k + good] = path[:good]
+        return k + good - 1
+    direct, read, modes, ahead, burst = v @ loop.T[-1].T, v @ loop.F_m[-1].T, {}, AHEAD, BURST
+    while k < last:
+        asked = loop.feedback @ w[k] + direct[k]
+        side = (asked > limit).astype(int) - (asked < -limit)
+        key = tuple(side)
+        if key not in modes:
+            modes[key] = _affine(loop, side)
+        step, enter, shift = modes[key]
+        stop = min(k + ahead, last)
+        path = affine_scan(step, push[k:stop] + v[k:stop] @ enter.T + shift, w[k], stop - k)
+        with np.errstate(over="ignore", invalid="ignore"):  # a diverging block may leave the floats before it is cut
+            asked = path @ loop.feedback.T + direct[k:stop + 1]
+        other = ((asked > limit).astype(int) - (asked < -limit) != side).any(axis=1)
+        good = int(np.argmax(other)) + 1 if other.any() else len(path)
+        with np.errstate(invalid="ignore"):
+            large = np.flatnonzero(~(np.abs(path[:good]).max(axis=1) < DIVERGED))
+        if len(large):
+            w[k:k + large[0]] = path[:large[0]]
+            return k + int(large[0]) - 1
+        w[k:k + good] = path[:good]
+        k += good - 1
+        ahead = 2 * ahead if good == len(path) else max(SHORT, 2 * good)
+        if good > 4 * SHORT:
+            burst = BURST
+        elif good <= SHORT and k < last:
+            stop, burst = min(k + burst, last), 2 * burst
+            done = _stepping(loop, w, push, direct, read, k, stop)
+            if done < stop:
+                return done
+            k = stop
+    return last
+
+
+def _stepping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, direct: np.ndarray, read: np.ndarray, k: int,
+              last: int) -> int:
+    """Fill w[k + 1 … last] of the settled loop sample by sample, clipping only: one product (w, s) → (w⁺, u⁺) a sample.
+
+    direct (n_t, m): T v; read (n_t, N): F_m v. Answers with the last sample that is finite.
+    """
+    N, m = loop.n, loop.U.shape[1]
+    top = np.hstack([loop.F[-1] + loop.F_m[-1] @ loop.Y, loop.F_s[-1]])
+    step = np.vstack([top, loop.feedback @ top])
+    extra = np.empty((last - k, N + m))
+    np.add(push[k:last], read[k:last], out=extra[:, :N])
+    extra[:, N:] = extra[:, :N] @ loop.feedback.T + direct[k + 1:last + 1]
+    high = np.full(m, loop.hardware.limit)
+    low, now, product = -high, np.empty(N + m), np.empty(N + m)
+    state, asked = now[:N], now[N:]
+    state[:], asked[:] = w[k], loop.feedback @ w[k] + direct[k]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(last - k):
+            np.minimum(asked, high, out=asked)
+            np.maximum(asked, low, out=asked)
+            np.dot(step, now, out=product)
+            np.add(product, extra[j], out=now)
+            w[k + j + 1] = state
+        large = np.flatnonzero(~(np.abs(w[k + 1:last + 1]).max(axis=1) < DIVERGED))
+    return k + int(large[0]) if len(large) else last
+
+
+def _affine(loop: SampledLoop, side: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Step, entry of v and shift of the settled loop while the commands with side ±1 stand at that limit."""
+    free = side == 0
+    carried = loop.F_s[-1][:, free]
+    step = loop.F[-1] + loop.F_m[-1] @ loop.Y + carried @ loop.feedback[free]
+    shift = loop.F_s[-1][:, ~free] @ (loop.hardware.limit * side[~free]) if not free.all() else np.zeros(loop.n)
+    return step, loop.F_m[-1] + carried @ loop.T[-1][free], shift
+
+
+def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray, k: int, last: int) -> int:
+    """Fill w[k + 1 … last] sample by sample, clipping and rounding; the last sample that is finite.
+
+    One product a sample: (w, m, s) → (w⁺, Y w⁺, U w⁺). Readings are carried in steps of the converter.
+    """
+    if k >= last:
+        return k
+    N, p, m = loop.n, len(loop.Y), loop.U.shape[1]
+    unit, limit = loop.hardware.step or 1.0, loop.hardware.limit
+    rounds, clips = loop.hardware.step > 0, bool(np.isfinite(limit))
+    now, product = np.empty(N + p + m), np.empty(N + p + m)
+    now[:N] = w[k]
+    state, read, asked = now[:N], now[N:N + p], now[N + p:]
+    noise = v[k:last + 1] / unit
+    i = min(k, loop.varying)
+    read[:] = loop.Y @ state / unit + noise[0]
+    asked[:] = loop.U[i] @ state
+    direct, straight = loop.T[i] * unit, bool(np.any(loop.T))
+    step, settled = fused(loop, k, unit), k >= loop.varying
+    extra = np.empty((last - k, N + p + m))
+    extra[:, :N] = push[k:last]
+    extra[:, N:N + p] = extra[:, :N] @ (loop.Y.T / unit) + noise[1:]
+    extra[:, N + p:] = extra[:, :N] @ loop.U[-1].T
+    with np.errstate(over="ignore", invalid="ignore"):
+        for j in range(last - k):
+            if rounds:
+                np.rint(read, out=read)
+            if straight:
+                asked += direct @ read
+            if clips:
+                np.minimum(asked, limit, out=asked)
+                np.maximum(asked, -limit, out=asked)
+            np.dot(step, now, out=product)
+            np.add(product, extra[j], out=now)
+            w[k + j + 1] = state
+            if not settled:
+                i = min(k + j + 1, loop.varying)
+                asked[:] = loop.U[i] @ state
+                direct, settled = loop.T[i] * unit, k + j + 1 >= loop.varying
+                step = fused(loop, k + j + 1, unit)
+            if j % 256 == 255 and not np.abs(state).max() < DIVERGED:
+                break
+        large = np.flatnonzero(~(np.abs(w[k + 1:k + j + 2]).max(axis=1) < DIVERGED))
+    return k + int(large[0]) if len(large) else last
+
+
+def fused(loop: SampledLoop, k: int, unit: float) -> np.ndarray:
+    """(w, m, s) → (w⁺, Y w⁺, U w⁺) at sample k, readings m in units of `unit`."""
+    i, j = min(k, loop.varying), min(k + 1, loop.varying)
+    top = np.hstack([loop.F[i], loop.F_m[i] * unit, loop.F_s[i]])
+    return np.vstack([top, loop.Y @ top / unit, loop.U[j] @ top])
+
+
+def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, final: float = 0.0) -> ResponseMeasures:
+    """Recovery, overshoot, peak and energy of one response y (n_t,) with inputs u (n_t, m), each held up to the next t.
+
+    The first side is the side of the first excursion beyond `band`, or of the largest deviation if there is none. Raises
+    ShapeError.
+    """
+    t, y, u = (np.asarray(value, dtype=float) for value in (t, y, u))
+    if y.ndim != 1 or not y.size or t.shape != y.shape or u.ndim != 2 or len(u) != len(y) \
+            or not all(np.isfinite(value).all() for value in (t, y, u)):
+        raise ShapeError(f"A response needs finite t and y (n_t,) and u (n_t, m), at least one sample; they are {t.shape}, "
+                         f"{y.shape} and {u.shape}.")
+    gap = y - final
+    outside = np.flatnonzero(~(np.abs(gap) <= band))
+    side = float(np.sign(gap[outside[0]])) if len(outside) else float(np.sign(gap[np.argmax(np.abs(gap))]))
+    first, other = float(np.max(side * gap, initial=0.0)), float(np.max(-side * gap, initial=0.0))
+    late = outside[-1] if len(outside) else -1
+    recovery = None if late >= len(gap) - 1 else float(t[late + 1] - t[0])
+    power = np.sum(u**2, axis=1)
+    return ResponseMeasures(recovery, other / first if first > 0 else 0.0, float(np.max(np.abs(gap), initial=0.0)),
+                            float(np.max(np.abs(u), initial=0.0)), float(np.sum(power[:-1] * np.diff(t))))

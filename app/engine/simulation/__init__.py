@@ -1,0 +1,1 @@
+"""Runs of a loop: scenarios, disturbances, saturation, batches and maps of recovery."""

@@ -1,0 +1,113 @@
+"""The three ways along the grid: a plain continuous loop, one with a delay, and a sampled one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..systems.scan import affine_scan, held_scan, step_matrices
+from .disturbance import Disturbances
+from .loop import Loop, ramped
+from .saturation import Switcher
+from .scenario import Scenario
+
+__all__: list[str] = []
+
+
+def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float) -> np.ndarray:
+    """States (≤ n_t, N) of a loop without delay; a sampled loop only without limits."""
+    if s.limited:
+        return Switcher(loop, s.u_min, s.u_max, s.dt).run(d.z0, r[:-1], d.v[:-1], d.jumps, d.kicks, bound)
+    free = np.ones(s.plant.m, dtype=bool)
+    M = loop.closed(free)
+    Phi, Phi1 = (M, np.eye(len(M))) if s.discrete else step_matrices(M, s.dt)
+    inputs, ways = [], []
+    if s.reference is not None:
+        inputs, ways = [r[:-1]], [Phi1 @ (loop.Bs + loop.Bc)]
+    if s.V is not None:
+        inputs, ways = [*inputs, d.v[:-1]], [*ways, Phi1 @ loop.E]
+    if inputs and d.jumps is None and not d.kicks:
+        return cut(held_scan(Phi, np.hstack(ways), np.hstack(inputs), d.z0), bound)
+    push = d.jumps
+    if inputs:
+        push = np.hstack(inputs) @ np.hstack(ways).T + (0.0 if push is None else push)
+    return cut(affine_scan(Phi, with_kicks(push, d, M, s), d.z0, s.n_t - 1), bound)
+
+
+def with_kicks(push: np.ndarray | None, d: Disturbances, M: np.ndarray, s: Scenario) -> np.ndarray | None:
+    """The forcing of a scan of ż = M z (z or its first entries) with each kick carried to the end of its step."""
+    for k, kicks in d.kicks.items():
+        push = np.zeros((s.n_t - 1, len(M))) if push is None else push
+        for moment, jump in kicks:
+            push[k] += step_matrices(M, s.dt - moment)[0] @ jump[:len(M)]
+    return push
+
+
+def cut(states: np.ndarray, bound: float) -> np.ndarray:
+    """The states before the first that passes `bound` or is not finite; the start always."""
+    with np.errstate(invalid="ignore"):
+        if max(states.max(), -states.min()) < bound:  # false where there is a NaN
+            return states
+        small = np.abs(states).max(axis=1) < bound
+    return states[:max(1, int(np.argmin(small)))]
+
+
+def sampled(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float) -> tuple[np.ndarray, np.ndarray]:
+    """States and delayed clipped inputs (n_t + lag, m) of a sampled loop with limits or delay, step by step."""
+    steps, lag = s.n_t - 1, s.lag
+    states, clipped = np.empty((steps + 1, len(d.z0))), np.zeros((steps + 1 + lag, s.plant.m))
+    states[0] = z = d.z0
+    wide = np.hstack([loop.A + loop.Bc @ loop.F, loop.Bs, loop.Bp] if lag else [loop.A + loop.Bc @ loop.F, loop.Bs])
+    push = d.v @ loop.E.T + r @ loop.Bc.T
+    if d.jumps is not None:
+        push[:-1] += d.jumps
+    F, low, high = loop.F, s.u_min, s.u_max
+    for k in range(steps + 1):
+        u = np.minimum(np.maximum(F @ z + r[k], low), high)
+        clipped[k + lag] = u
+        if k == steps:
+            break
+        z = wide @ np.concatenate([z, u, clipped[k]] if lag else [z, u]) + push[k]
+        if not np.abs(z).max() < bound:
+            return states[:k + 1], clipped
+        states[k + 1] = z
+    return states, clipped
+
+
+def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float) -> tuple[np.ndarray, np.ndarray]:
+    """Method of steps for a continuous loop: states and delayed clipped inputs (n_t + lag, m).
+
+    For as long as the delay the input into the plant is known from before; within each grid step it runs straight
+    between its values at the two ends, which errs by O(dt²). The input (p, ṗ) rides along as 2m states.
+    """
+    steps, m, lag, N, h = s.n_t - 1, s.plant.m, s.lag, len(d.z0), s.dt
+    wide = ramped(loop)
+    limits = (s.u_min, s.u_max) if s.fed == "applied" else (np.full(m, -np.inf), np.full(m, np.inf))
+    switcher = Switcher(wide, *limits, h)
+    modal, free = s.limited and s.fed == "applied", np.ones(m, dtype=bool)
+    Phi, Phi1 = step_matrices(wide.closed(free), h)
+    push = wide.forcing(free, np.zeros(m), r[:-1], d.v[:-1]) @ Phi1.T
+    begin, end = np.zeros((steps + 1 + lag, m)), np.zeros((steps + 1 + lag, m))
+    jumps = np.zeros((steps, N)) if d.jumps is None else d.jumps
+    states = np.empty((steps + 1, N))
+    states[0] = d.z0
+    for k in range(0, steps, lag):
+        stop = min(k + lag, steps)
+        ramp = np.hstack([begin[k:stop + 1], (end[k:stop + 1] - begin[k:stop + 1]) / h])
+        left = np.hstack([end[k:stop], ramp[:-1, m:]])
+        extra = np.hstack([jumps[k:stop], ramp[1:] - left])  # at the end of a step the next ramp begins
+        start = np.concatenate([states[k], ramp[0]])
+        inside = {j - k: [(t, np.pad(jump, (0, 2 * m))) for t, jump in kicks]
+                  for j, kicks in d.kicks.items() if k <= j < stop}
+        if modal or inside:
+            path = switcher.run(start, r[k:stop], d.v[k:stop], extra, inside, bound)
+        else:
+            path = cut(affine_scan(Phi, push[k:stop] + extra, start, stop - k), bound)
+        got = len(path) - 1
+        states[k + 1:k + 1 + got] = path[1:, :N]
+        if got < stop - k:
+            return states[:k + 1 + got], begin
+        u_begin = path[:-1] @ wide.F.T + r[k:stop]
+        u_end = (path[1:] - extra) @ wide.F.T + r[k:stop]
+        begin[k + lag:stop + lag] = np.clip(u_begin, s.u_min, s.u_max)
+        end[k + lag:stop + lag] = np.clip(u_end, s.u_min, s.u_max)
+    return states, begin

@@ -1,0 +1,98 @@
+"""Which starts come home: a map over one entry of x(0) and one of e(0)."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from .batch import march_starts
+from .scenario import Scenario
+
+__all__ = ["RecoveryMap", "recovery_map"]
+
+SLICE = 0.010  # seconds of work between two yields
+MOST_STARTS = 250_000
+NEAR = 0.05  # of the largest start on the map
+FAR = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class RecoveryMap:
+    """Starts that recover: at the time reached ‖x‖ is below `threshold` and it never exceeded `bound`.
+
+    x_values (n_x,), e_values (n_e,), recovered bool (n_x, n_e), settling (n_x, n_e): seconds after which ‖x‖ stays
+    below `threshold`, infinite where it does not.
+    """
+
+    x_values: np.ndarray
+    e_values: np.ndarray
+    recovered: np.ndarray
+    settling: np.ndarray
+    threshold: float
+    bound: float
+
+
+def _axis(values: object, name: str) -> np.ndarray:
+    axis = np.atleast_1d(np.asarray(values, dtype=float))
+    if axis.ndim != 1 or not axis.size or not np.isfinite(axis).all():
+        raise EngineError(f"{name} must be a list of finite numbers.")
+    return axis
+
+
+def starts_of(s: Scenario, x_index: int, x_values: np.ndarray, e_index: int, e_values: np.ndarray) -> np.ndarray:
+    """The starts (n_x·n_e, 2n): x(0) and e(0) of the scenario with one entry each replaced, x̂(0) = x(0) − e(0)."""
+    n = s.plant.n
+    if s.model.n != n:
+        raise ShapeError("A map over e(0) needs a model of the plant's own order.")
+    if not (0 <= x_index < n and 0 <= e_index < n):
+        raise EngineError(f"The state indices of the map must lie between 0 and {n - 1}.")
+    if len(x_values) * len(e_values) > MOST_STARTS:
+        raise EngineError(f"A map of {len(x_values) * len(e_values)} starts is too large; keep it to {MOST_STARTS}.")
+    x = np.tile(s.x0, (len(x_values), len(e_values), 1))
+    e = np.tile(s.x0 - s.xhat0, (len(x_values), len(e_values), 1))
+    x[:, :, x_index] = x_values[:, None]
+    e[:, :, e_index] = e_values[None, :]
+    return np.concatenate([x, x - e], axis=2).reshape(-1, 2 * n)
+
+
+def recovery_map(scenario: Scenario, x_index: int, x_values: object, e_index: int, e_values: object, *,
+                 threshold: float | None = None, bound: float | None = None,
+                 slice_seconds: float = SLICE) -> Iterator[tuple[float, RecoveryMap]]:
+    """Run every start of the grid and yield (fraction done, map so far) about every `slice_seconds`, (1.0, map) last.
+
+    x(0)[x_index] runs over x_values, e(0)[e_index] over e_values, all else as in the scenario; x̂(0) = x(0) − e(0).
+    A map so far says which starts are inside the threshold at the time reached. Defaults: threshold 5 % of the
+    largest ‖x(0)‖ on the map (of ‖e(0)‖ if that is zero), bound a thousand times it. All starts share the noise.
+    Raises EngineError or ShapeError for a grid the scenario cannot have.
+    """
+    axes = _axis(x_values, "x_values"), _axis(e_values, "e_values")
+    starts = starts_of(scenario, x_index, axes[0], e_index, axes[1])
+    n, dt, steps = scenario.plant.n, scenario.dt, scenario.n_t - 1
+    x0 = starts[:, :n]
+    size = float(np.max(np.linalg.norm(x0, axis=1))) or float(np.max(np.linalg.norm(x0 - starts[:, n:], axis=1))) or 1.0
+    near = NEAR * size if threshold is None else float(threshold)
+    far = FAR * size if bound is None else float(bound)
+    lost = np.zeros(len(starts), dtype=bool)
+    last_out = np.full(len(starts), -1)
+    began = time.perf_counter()
+    for k, Z in enumerate(march_starts(scenario, starts)):
+        square = np.einsum("ij,ij->i", Z[:, :n], Z[:, :n])
+        last_out[square >= near**2] = k
+        gone = square > far**2
+        gone |= np.abs(Z[:, n:]).max(axis=1) > 1e6 * far
+        if gone.any():
+            lost |= gone
+            Z[lost] = 0.0  # a lost start is not followed any further
+        if k == steps or time.perf_counter() - began >= slice_seconds:
+            yield k / steps, _map(axes, lost | (last_out == k), (last_out + 1) * dt, near, far)
+            began = time.perf_counter()
+
+
+def _map(axes: tuple[np.ndarray, np.ndarray], out: np.ndarray, inside_since: np.ndarray, near: float,
+         far: float) -> RecoveryMap:
+    shape = len(axes[0]), len(axes[1])
+    return RecoveryMap(*axes, ~out.reshape(shape), np.where(out, np.inf, inside_since).reshape(shape), near, far)

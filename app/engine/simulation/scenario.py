@@ -1,0 +1,218 @@
+"""What is to be simulated, and what came out: two frozen records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Literal
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.plant import Plant, as_matrix
+
+__all__ = ["Run", "Scenario"]
+
+Given = Any  # an array after construction, whatever was given
+MOST_NUMBERS = 40_000_000  # state numbers in one run; 320 MB
+
+
+def _matrix(value: object, name: str, shape: tuple[int, int], what: str) -> np.ndarray:
+    matrix = as_matrix(value, name)
+    if matrix.shape != shape:
+        raise ShapeError(f"{name} must be {shape[0]}×{shape[1]} ({what}); it is {matrix.shape[0]}×{matrix.shape[1]}.")
+    return matrix
+
+
+def _vector(value: object, name: str, length: int) -> np.ndarray:
+    vector = as_matrix(np.zeros(length) if value is None else value, name).ravel()
+    if vector.size != length:
+        raise ShapeError(f"{name} must have {length} entries; it has {vector.size}.")
+    return vector
+
+
+def _limit(value: Any, name: str, m: int, none: float) -> np.ndarray:
+    try:
+        limit = np.array(np.broadcast_to(np.asarray(none if value is None else value, dtype=float), (m,)))
+    except (TypeError, ValueError) as problem:
+        raise ShapeError(f"{name} must be one number or {m} numbers, one for each input.") from problem
+    if np.any(np.isnan(limit)):
+        raise EngineError(f"{name} holds NaN; give a number, or leave the limit out.")
+    limit.setflags(write=False)
+    return limit
+
+
+def _positive(value: Any, name: str, zero_allowed: bool = False) -> float:
+    try:
+        number = float(value)
+    except (TypeError, ValueError) as problem:
+        raise EngineError(f"{name} must be a number of seconds.") from problem
+    if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
+        raise EngineError(f"{name} must be a {'non-negative' if zero_allowed else 'positive'} number of seconds.")
+    return number
+
+
+def _intensity(value: object, name: str, size: int) -> np.ndarray | None:
+    if value is None:
+        return None
+    matrix = as_matrix(value, name)
+    if matrix.shape == (1, 1) and size > 1:
+        matrix = matrix[0, 0] * np.eye(size)
+    if matrix.shape != (size, size):
+        raise ShapeError(f"{name} must be {size}×{size}; it is {matrix.shape[0]}×{matrix.shape[1]}.")
+    scale = float(np.max(np.abs(matrix)))
+    if np.max(np.abs(matrix - matrix.T)) > 1e-9 * scale or np.linalg.eigvalsh(matrix)[0] < -1e-9 * scale:
+        raise EngineError(f"{name} must be symmetric with no negative eigenvalue, as every covariance is.")
+    return matrix
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario:
+    """One run of the loop ẋ = A x + B u + G w, y = C x + D u + v with x̂̇ = Aₘ x̂ + Bₘ u + L (y − Cₘ x̂ − Dₘ u).
+
+    The controller asks for u = r − K x̂ (u = r − K x with `state_feedback`); the actuator clips it to
+    [u_min, u_max] and delays it by `delay` seconds (whole dt; before that the plant gets zero input).
+    The observer is fed the clipped input (`fed="applied"`) or the asked one (`"commanded"`), never the delay.
+
+    K: m×n (None: open loop), L: n×p (None: an open-loop copy of the plant). `model` is what observer and
+    controller believe (None: the truth); its order may differ from the plant's, K, L and xhat0 go with the model.
+    `reference`: (n_t, m) or (m,), held between grid points. `impulses`: (time s, jump of the plant state (n,)).
+    W (q×q), V (p×p): intensities of w and v; a number is that number times I. w enters through G (n×q), by
+    default B where W is m×m and I where W is n×n. With `sampled` (or a plant with dt > 0) observer and
+    controller run once every dt with a held input. A plant with dt > 0 takes W, V as covariances of a sample.
+    Everything but reference, W, V and G is an array (or a Plant) after construction.
+    Raises ShapeError or EngineError, one sentence each.
+    """
+
+    plant: Plant
+    K: Given = None
+    L: Given = None
+    model: Given = None
+    x0: Given = None
+    xhat0: Given = None
+    horizon: float = 10.0
+    dt: float = 0.01
+    sampled: bool = False
+    reference: Given = None
+    state_feedback: bool = False
+    u_min: Given = None
+    u_max: Given = None
+    fed: Literal["applied", "commanded"] = "applied"
+    W: Given = None
+    V: Given = None
+    G: Given = None
+    seed: int = 0
+    delay: float = 0.0
+    impulses: tuple[tuple[float, Given], ...] = ()
+    n_t: int = field(init=False, default=0)
+
+    def __post_init__(self) -> None:
+        plant = self.plant
+        model = plant if self.model is None else self.model
+        if (model.m, model.p) != (plant.m, plant.p):
+            raise ShapeError(f"The model has {model.m} inputs and {model.p} outputs but the plant has {plant.m} and "
+                             f"{plant.p}; they must agree.")
+        if model.dt != plant.dt:
+            raise EngineError("Model and plant must both be continuous, or share one sampling period.")
+        dt, horizon = _positive(self.dt, "dt"), _positive(self.horizon, "The horizon")
+        if plant.dt and abs(dt - plant.dt) > 1e-9 * dt:
+            raise EngineError(f"This plant is sampled every {plant.dt:g} s; the scenario's dt must be the same.")
+        if horizon < dt * (1 - 1e-9):
+            raise EngineError(f"The horizon ({horizon:g} s) is shorter than one step of {dt:g} s; make it longer.")
+        if horizon / dt * (plant.n + model.n) > MOST_NUMBERS:
+            raise EngineError(f"{horizon / dt:.3g} steps are too many for one run; lengthen dt or shorten the horizon.")
+        if self.fed not in ("applied", "commanded"):
+            raise EngineError('fed must be "applied" or "commanded".')
+        if self.state_feedback and model.n != plant.n:
+            raise ShapeError("State feedback needs a gain for the plant's own states: model and plant differ in order.")
+        n_t = round(horizon / dt) + 1
+        u_min, u_max = _limit(self.u_min, "u_min", plant.m, -np.inf), _limit(self.u_max, "u_max", plant.m, np.inf)
+        if np.any(u_min >= u_max):
+            raise EngineError("u_min must lie below u_max for every input.")
+        values = {
+            "model": model, "horizon": horizon, "dt": dt, "n_t": n_t, "u_min": u_min, "u_max": u_max,
+            "delay": _positive(self.delay, "The delay", zero_allowed=True),
+            "K": _matrix(np.zeros((plant.m, model.n)) if self.K is None else self.K, "K", (plant.m, model.n), "m×n"),
+            "L": _matrix(np.zeros((model.n, plant.p)) if self.L is None else self.L, "L", (model.n, plant.p), "n×p"),
+            "x0": _vector(self.x0, "x0", plant.n), "xhat0": _vector(self.xhat0, "xhat0", model.n),
+            "reference": self._reference(n_t), "impulses": self._impulses(), **self._noise(),
+        }
+        for key, value in values.items():
+            object.__setattr__(self, key, value)
+
+    def _reference(self, n_t: int) -> np.ndarray | None:
+        if self.reference is None:
+            return None
+        given = as_matrix(self.reference, "The reference")
+        m = self.plant.m
+        if given.shape == (1, m):
+            return as_matrix(np.broadcast_to(given, (n_t, m)), "The reference")
+        if given.shape == (1, n_t) and m == 1:
+            return as_matrix(given.T, "The reference")
+        if given.shape != (n_t, m):
+            raise ShapeError(f"The reference must be {n_t}×{m}, a row for every grid point; it is "
+                             f"{given.shape[0]}×{given.shape[1]}.")
+        return given
+
+    def _impulses(self) -> tuple[tuple[float, np.ndarray], ...]:
+        return tuple((_positive(time, "The time of an impulse", zero_allowed=True),
+                      _vector(jump, "The jump of an impulse", self.plant.n)) for time, jump in self.impulses)
+
+    def _noise(self) -> dict[str, np.ndarray | None]:
+        plant, W, G = self.plant, self.W, self.G
+        if G is not None:
+            G = as_matrix(G, "G")
+            if G.shape[0] != plant.n:
+                raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+        elif W is not None:
+            G = np.eye(plant.n) if as_matrix(W, "W").shape[0] == plant.n != plant.m else plant.B
+        return {"G": G, "W": None if G is None else _intensity(W, "W", G.shape[1]),
+                "V": _intensity(self.V, "V", plant.p)}
+
+    @property
+    def t(self) -> np.ndarray:
+        """The grid 0, dt, 2 dt … (n_t,) in seconds."""
+        return self.dt * np.arange(self.n_t)
+
+    @property
+    def discrete(self) -> bool:
+        """Whether observer and controller run once every dt."""
+        return bool(self.sampled or self.plant.dt)
+
+    @property
+    def limited(self) -> bool:
+        """Whether any input has a finite limit."""
+        return bool(np.any(np.isfinite(self.u_min)) or np.any(np.isfinite(self.u_max)))
+
+    @property
+    def lag(self) -> int:
+        """The delay in whole steps."""
+        return round(self.delay / self.dt)
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A simulated run; arrays are time-first, finite, and end early where the run diverged.
+
+    t (n_t,), x (n_t, n), xhat (n_t, n_model), e = x − x̂ (n_t, n; no columns if the orders differ),
+    u_asked, u_applied (n_t, m; u_applied is what reaches the plant: clipped and delayed), y, yhat (n_t, p),
+    w (n_t, q) mean of w over the step that follows, v (n_t, p) held over the step that follows.
+    At an impulse the sample is the one just after it.
+    """
+
+    scenario: Scenario
+    t: np.ndarray
+    x: np.ndarray
+    xhat: np.ndarray
+    e: np.ndarray
+    u_asked: np.ndarray
+    u_applied: np.ndarray
+    y: np.ndarray
+    yhat: np.ndarray
+    w: np.ndarray
+    v: np.ndarray
+    diverged_at: float | None
+    saturated: bool
+
+    def index(self, time: float) -> int:
+        """The grid point at or just before `time`, kept inside the run."""
+        return int(np.clip(np.floor(time / self.scenario.dt + 1e-9), 0, len(self.t) - 1))

@@ -1,0 +1,1 @@
+"""What a plant is made of: observability, controllability, decomposition, Gramians, dominance."""

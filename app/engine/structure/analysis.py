@@ -1,0 +1,175 @@
+"""What the output sees and what the input reaches, mode by mode and as distances."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..systems.errors import EngineError
+from ..systems.plant import Plant
+from .decomposition import unobservable_subspace
+
+__all__ = ["Controllability", "Mode", "Observability", "controllability", "observability"]
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One eigenvalue of A, and how far it is from being hidden.
+
+    `distance` = σ_min [A − λI; C], the 2-norm of the smallest change of (A, C) that hides λ (Eising 1984);
+    `margin` = distance / max(‖A‖₂, ‖C‖₂), a number without unit. For controllability read (Aᵀ, Bᵀ) for
+    (A, C). Both belong to the eigenvalue: copies of a repeated pole share them. `visible` belongs to the copy:
+    of two poles at −1 of which one leaves a trace, one is visible and one is not. `stable` means Re λ < 0,
+    or |λ| < 1 when dt > 0, by more than rounding.
+    """
+
+    pole: complex
+    margin: float
+    distance: float
+    visible: bool
+    stable: bool
+
+
+@dataclass(frozen=True, eq=False)
+class _Report:
+    matrix: np.ndarray
+    singular_values: np.ndarray
+    rank: int
+    modes: tuple[Mode, ...]
+
+    def matrix_rank(self, rtol: float | None = None) -> int:
+        """Singular values of the matrix above rtol·σ₁ (default max(shape)·eps): the naive rank, for comparison."""
+        bound = max(self.matrix.shape) * np.finfo(float).eps if rtol is None else rtol
+        return int(np.count_nonzero(self.singular_values > bound * self.singular_values[:1]))
+
+    @property
+    def _hidden(self) -> tuple[complex, ...]:
+        return tuple(mode.pole for mode in self.modes if not mode.visible)
+
+    @property
+    def _hidden_are_stable(self) -> bool:
+        return all(mode.stable for mode in self.modes if not mode.visible)
+
+    @property
+    def weakest(self) -> Mode | None:
+        """The mode with the smallest margin; None for a plant without states."""
+        return min(self.modes, key=lambda mode: mode.margin, default=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Observability(_Report):
+    """Does y determine x? `matrix` = O = [C; CA; …; CAⁿ⁻¹] (pn×n) with its `singular_values` (n,);
+    `rank` = n less the dimension of the hidden subspace, by the staircase and not by rank(O);
+    `modes` sorted by (real, imag), each with its distance to being hidden."""
+
+    @property
+    def unobservable(self) -> tuple[complex, ...]:
+        """Poles that leave no trace in y, repeated as often as they are hidden."""
+        return self._hidden
+
+    @property
+    def observable(self) -> bool:
+        """Every mode leaves a trace."""
+        return not self._hidden
+
+    @property
+    def detectable(self) -> bool:
+        """Every hidden mode is stable: some L makes A − LC stable."""
+        return self._hidden_are_stable
+
+
+@dataclass(frozen=True, eq=False)
+class Controllability(_Report):
+    """Does u move x anywhere? `matrix` = [B, AB, …, Aⁿ⁻¹B] (n×nm) with its `singular_values` (n,);
+    `rank` = dimension of the reachable subspace, by the staircase; `modes` as in Observability,
+    where `visible` reads "reached by u"."""
+
+    @property
+    def uncontrollable(self) -> tuple[complex, ...]:
+        """Poles that no input moves, repeated as often as they are fixed."""
+        return self._hidden
+
+    @property
+    def controllable(self) -> bool:
+        """Every mode is reached."""
+        return not self._hidden
+
+    @property
+    def stabilizable(self) -> bool:
+        """Every mode out of reach is stable: some K makes A − BK stable."""
+        return self._hidden_are_stable
+
+
+def stability_slack(A: np.ndarray) -> float:
+    """How far inside the stability region a computed pole must lie to count as stable: n·eps·‖A‖₂."""
+    return A.shape[0] * float(np.finfo(float).eps * np.linalg.norm(A, 2)) if A.size else 0.0
+
+
+def _stable(poles: np.ndarray, A: np.ndarray, dt: float) -> np.ndarray:
+    slack = stability_slack(A)
+    return np.abs(poles) < 1 - slack if dt > 0 else np.real(poles) < -slack
+
+
+def _distances(A: np.ndarray, C: np.ndarray, poles: np.ndarray) -> np.ndarray:
+    n, stack = A.shape[0], np.empty((poles.size, A.shape[0] + C.shape[0], A.shape[0]), dtype=complex)
+    stack[:, :n] = A - poles[:, None, None] * np.eye(n)
+    stack[:, n:] = C
+    return np.linalg.svd(stack, compute_uv=False)[:, -1] if poles.size else np.zeros(0)
+
+
+def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple[Mode, ...]:
+    """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
+    T, hidden = unobservable_subspace(A, C, rtol)
+    seen, turned = A.shape[0] - hidden, T.T @ A @ T
+    poles = np.concatenate([np.linalg.eigvals(turned[:seen, :seen]), np.linalg.eigvals(turned[seen:, seen:])])
+    poles = poles.astype(complex)
+    order = np.lexsort((np.imag(poles), np.real(poles)))
+    size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)
+    distances, stable = _distances(A, C, poles), _stable(poles, A, dt)
+    return tuple(
+        Mode(complex(poles[i]), float(distances[i] / size) if size else 0.0, float(distances[i]), bool(i < seen),
+             bool(stable[i]))
+        for i in order
+    )
+
+
+def _powers(A: np.ndarray, C: np.ndarray) -> np.ndarray:
+    rows = [C]
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(A.shape[0] - 1):
+            rows.append(rows[-1] @ A)
+    stacked = np.vstack(rows)
+    if not np.all(np.isfinite(stacked)):
+        raise EngineError("The powers of A overflow; choose a unit of time in which the poles are nearer to 1.")
+    return stacked
+
+
+def _frozen(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    values = np.linalg.svd(matrix, compute_uv=False)
+    matrix.setflags(write=False)
+    values.setflags(write=False)
+    return matrix, values
+
+
+def observability(plant: Plant, rtol: float | None = None) -> Observability:
+    """Whether, and how nearly not, the output determines the state.
+
+    O = [C; CA; …; CAⁿ⁻¹] (pn×n); pole λ is hidden when [A − λI; C] loses rank. Hidden means: found so by the
+    staircase at relative tolerance rtol (default 1e-10). Distances say how near the others are.
+    Raises EngineError for rtol outside [0, 1) or when a power of A overflows.
+    Source: Popov, Belevitch, Hautus (the PBH test).
+    """
+    modes = _modes(plant.A, plant.C, plant.dt, rtol)
+    return Observability(*_frozen(_powers(plant.A, plant.C)), sum(mode.visible for mode in modes), modes)
+
+
+def controllability(plant: Plant, rtol: float | None = None) -> Controllability:
+    """Whether, and how nearly not, the input reaches every state: `observability` of (Aᵀ, Bᵀ).
+
+    matrix = [B, AB, …, Aⁿ⁻¹B] (n×nm); pole λ is out of reach when [A − λI, B] loses rank.
+    Raises EngineError for rtol outside [0, 1) or when a power of A overflows.
+    """
+    modes = _modes(plant.A.T, plant.B.T, plant.dt, rtol)
+    matrix, values = _frozen(_powers(plant.A.T, plant.B.T))
+    return Controllability(matrix.T, values, sum(mode.visible for mode in modes), modes)

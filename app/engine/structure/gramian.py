@@ -1,0 +1,248 @@
+"""Gramians, Hankel singular values, balanced truncation.
+
+Factors, never the Gramians themselves, are multiplied: a Hankel value 1e-7 of the largest would drown in the
+rounding of Wc·Wo.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm, qr, schur, solve_sylvester
+
+from ..systems.errors import EngineError
+from ..systems.plant import Plant
+from .analysis import stability_slack
+from .decomposition import in_new_states, state_scale
+
+__all__ = ["Gramians", "StableSplit", "Truncation", "balanced_truncation", "gramians", "hankel_singular_values",
+           "observability_gramian", "reachability_gramian", "split_stable"]
+
+_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Gramians:
+    """`controllability` Wc = ∫₀^∞ e^{At}BBᵀe^{Aᵀt} dt and `observability` Wo = ∫₀^∞ e^{Aᵀt}CᵀCe^{At} dt, n×n
+    (sums of the powers of A when dt > 0)."""
+
+    controllability: np.ndarray
+    observability: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class StableSplit:
+    """x = T (z_s, z_u): two plants side by side whose transfer functions add up to the plant's.
+
+    `stable` holds D and every pole inside the stability region; `unstable` the rest, poles on its edge included.
+    """
+
+    stable: Plant
+    unstable: Plant
+    T: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Truncation:
+    """A reduced plant: x ≈ T z (n×r), z = left x (r×n), left T = I.
+
+    `hankel`: all Hankel values of the stable part, largest first. `error_bound` = 2 Σ of those cut away, an upper
+    bound of ‖G − G_r‖_∞. `kept`: how many unstable states were set aside first and kept untouched; they come
+    last in z and have no Hankel value.
+    """
+
+    plant: Plant
+    T: np.ndarray
+    left: np.ndarray
+    error_bound: float
+    hankel: np.ndarray
+    kept: int
+
+
+def _frozen(matrix: np.ndarray) -> np.ndarray:
+    matrix.setflags(write=False)
+    return matrix
+
+
+def _unstable_pole(A: np.ndarray, dt: float) -> complex | None:
+    poles, slack = np.linalg.eigvals(A), stability_slack(A)
+    excess = np.abs(poles) - 1 + slack if dt > 0 else poles.real + slack
+    return complex(poles[np.argmax(excess)]) if poles.size and excess.max() >= 0 else None
+
+
+def _require_stable(plant: Plant, advice: str) -> None:
+    pole = _unstable_pole(plant.A, plant.dt)
+    if pole is not None:
+        shown = f"{pole.real:.4g}" if pole.imag == 0 else f"{pole.real:.4g} {pole.imag:+.4g}j"
+        raise EngineError(f"The pole at {shown} is not stable, so the integral to infinity diverges; {advice}.")
+
+
+def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cayley transform: a discrete pair with the same Gramian; poles of size α go to 0."""
+    sizes = np.abs(np.linalg.eigvals(A))
+    alpha = float(np.sqrt(sizes.min() * sizes.max()))
+    solved = np.linalg.solve(alpha * np.eye(A.shape[0]) - A, np.hstack([A + alpha * np.eye(A.shape[0]), B]))
+    return solved[:, :A.shape[0]], np.sqrt(2 * alpha) * solved[:, A.shape[0]:]
+
+
+def _compress(R: np.ndarray) -> np.ndarray:
+    """A factor of R Rᵀ with no more columns than rows."""
+    return np.transpose(qr(R.T, mode="r")[0][: min(R.shape)]) if R.size else R
+
+
+def _factor(A: np.ndarray, B: np.ndarray, dt: float) -> np.ndarray:
+    """R (n×n) with R Rᵀ = Wc, by doubling R ← [R, A^(2^k) R] and an orthogonal compression each time."""
+    n = A.shape[0]
+    if n == 0:
+        return np.zeros((0, 0))
+    scale = state_scale(A)
+    power, R = A * scale / scale[:, None], B / scale[:, None]
+    if dt == 0:
+        power, R = _to_discrete(power, R)
+    for _ in range(64):
+        more = power @ R
+        if np.linalg.norm(more) <= _EPS * np.linalg.norm(R):
+            break
+        R = _compress(np.hstack([R, more]))
+        power = power @ power
+    R = _compress(R)
+    return scale[:, None] * np.pad(R, ((0, 0), (0, n - R.shape[1])))
+
+
+def _factors(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
+    return _factor(plant.A, plant.B, plant.dt), _factor(plant.A.T, plant.C.T, plant.dt)
+
+
+def gramians(plant: Plant) -> Gramians:
+    """The Gramians of a stable plant: A Wc + Wc Aᵀ + B Bᵀ = 0 and Aᵀ Wo + Wo A + Cᵀ C = 0.
+
+    With dt > 0: A Wc Aᵀ − Wc + B Bᵀ = 0 and Aᵀ Wo A − Wo + Cᵀ C = 0. Both n×n, symmetric, ⪰ 0 by construction.
+    Raises EngineError when a pole is not stable.
+    Source: Smith, "Matrix equation XA + BX = C" (1968), the doubling, here on square-root factors.
+    """
+    _require_stable(plant, "use observability_gramian or reachability_gramian with a finite horizon")
+    Rc, Ro = _factors(plant)
+    return Gramians(_frozen(Rc @ Rc.T), _frozen(Ro @ Ro.T))
+
+
+def hankel_singular_values(plant: Plant) -> np.ndarray:
+    """σᵢ = √λᵢ(Wc Wo), largest first, shape (n,): how much of each state both u and y take part in.
+
+    Square-root method: the singular values of RoᵀRc with Wc = RcRcᵀ, Wo = RoRoᵀ. Same whatever the coordinates.
+    Raises EngineError when a pole is not stable; `split_stable` gives the part that has them.
+    Source: Tombs and Postlethwaite, "Truncated balanced realization of a stable non-minimal system" (1987).
+    """
+    _require_stable(plant, "take the Hankel values of split_stable(plant).stable")
+    Rc, Ro = _factors(plant)
+    return np.linalg.svd(Ro.T @ Rc, compute_uv=False)
+
+
+def _part(plant: Plant, right: np.ndarray, left: np.ndarray, D: np.ndarray | None, label: str) -> Plant:
+    return in_new_states(plant, left @ plant.A @ right, left @ plant.B, plant.C @ right, D, label)
+
+
+def split_stable(plant: Plant) -> StableSplit:
+    """G(s) = G_stable(s) + G_unstable(s), by an ordered Schur form and one Sylvester equation.
+
+    QᵀAQ = [A₁ A₁₂; 0 A₂], A₁X − XA₂ + A₁₂ = 0, T = Q [I X; 0 I]. Poles on the stability edge count as unstable.
+    """
+    n, slack = plant.n, stability_slack(plant.A)
+    if n == 0:
+        return StableSplit(plant, plant, np.eye(0))
+
+    def inside(re: float, im: float) -> bool:
+        return bool(np.hypot(re, im) < 1 - slack) if plant.dt > 0 else re < -slack
+
+    S, Q, k = schur(plant.A, output="real", sort=inside)  # type: ignore[misc]
+    X = solve_sylvester(S[:k, :k], -S[k:, k:], -S[:k, k:]) if 0 < k < n else np.zeros((k, n - k))
+    T = Q @ np.block([[np.eye(k), X], [np.zeros((n - k, k)), np.eye(n - k)]])
+    left = np.block([[np.eye(k), -X], [np.zeros((n - k, k)), np.eye(n - k)]]) @ Q.T
+    return StableSplit(_part(plant, T[:, :k], left[:k], plant.D, "stable part"),
+                       _part(plant, T[:, k:], left[k:], None, "unstable part"), _frozen(T))
+
+
+def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Hankel values, and the r columns and rows of a balancing transformation of a stable plant."""
+    Rc, Ro = _factors(plant)
+    U, sigma, Vt = np.linalg.svd(Ro.T @ Rc)
+    bound = 10 * plant.n * _EPS * (np.linalg.norm(Ro, 2) * np.linalg.norm(Rc, 2) if plant.n else 0.0)
+    real = int(np.count_nonzero(sigma > bound))
+    if order > real:
+        raise EngineError(f"Only {real} stable states take part between u and y; ask for that many at most.")
+    root = np.sqrt(sigma[:order])
+    return sigma, Rc @ Vt[:order].T / root, (Ro @ U[:, :order] / root).T
+
+
+def balanced_truncation(plant: Plant, order: int) -> Truncation:
+    """Keep the `order` states that both u and y feel most.
+
+    In balanced coordinates Wc = Wo = diag(σ); the states of the smallest σ are dropped, D stays, and
+    ‖G − G_r‖_∞ ≤ 2 Σ_{i>r} σᵢ. An unstable part is split off first, kept whole and counted in `order`.
+    Raises EngineError when order is not a whole number between the unstable count and the minimal order.
+    Source: Glover, "All optimal Hankel-norm approximations" (1984), theorem 9.6; Enns (1984) for the bound.
+    """
+    if isinstance(order, bool) or int(order) != order or not 0 <= order <= plant.n:
+        raise EngineError(f"The order must be a whole number from 0 to {plant.n}; it is {order}.")
+    split = split_stable(plant)
+    kept = plant.n - split.stable.n if plant.n else 0
+    if order < kept:
+        raise EngineError(f"{kept} unstable states must stay; ask for an order of at least {kept}.")
+    r = int(order) - kept
+    sigma, right, left = _balance(split.stable, r)
+    k = split.stable.n
+    inverse = np.linalg.inv(split.T)
+    T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
+    L = np.vstack([left @ inverse[:k], inverse[k:]])
+    reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
+    return Truncation(reduced, _frozen(T), _frozen(L), float(2 * sigma[r:].sum()), _frozen(sigma), kept)
+
+
+def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:
+    """Σ_{k<steps} Eᵏ Q Eᵏᵀ by doubling: log₂(steps) products."""
+    W, power = np.zeros_like(Q), np.eye(E.shape[0])
+    for bit in bin(steps)[2:]:
+        W, power = W + power @ W @ power.T, power @ power
+        if bit == "1":
+            W, power = Q + E @ W @ E.T, E @ power
+    return W
+
+
+def _one_step(A: np.ndarray, Q: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """e^{Ah} and ∫₀ʰ e^{As} Q e^{Aᵀs} ds from one exponential of [A Q; 0 −Aᵀ] (Van Loan 1978), for small ‖A‖h."""
+    n = A.shape[0]
+    block = expm(h * np.block([[A, Q], [np.zeros_like(A), -A.T]]))
+    return block[:n, :n], block[:n, n:] @ block[:n, :n].T
+
+
+def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
+    """W(t) = ∫₀ᵗ e^{As}BBᵀe^{Aᵀs} ds, n×n: xᵀW⁻¹x is the least input energy that reaches x from 0 in time t.
+
+    `horizon` in seconds; with dt > 0 the sum over the round(horizon/dt) samples. Any poles, stable or not.
+    One short step by Van Loan's exponential, then doubling: no overflow on stiff plants.
+    Raises EngineError for a horizon that is negative or not finite, and when growth overflows within it.
+    """
+    t = float(horizon)
+    if not np.isfinite(t) or t < 0:
+        raise EngineError("The horizon must be a finite number of seconds, zero or more.")
+    scale = state_scale(plant.A)
+    A, B = plant.A * scale / scale[:, None], plant.B / scale[:, None]
+    with np.errstate(over="ignore", invalid="ignore"):
+        if plant.dt > 0:
+            W = _accumulate(A, B @ B.T, round(t / plant.dt))
+        else:
+            doublings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(A, 2) * t, 1.0))))) if plant.n else 0
+            W = _accumulate(*_one_step(A, B @ B.T, t / 2**doublings), 2**doublings)
+        W = scale[:, None] * (W + W.T) / 2 * scale
+    if not np.all(np.isfinite(W)):
+        raise EngineError(f"The state grows beyond every number within {t:g} s; shorten the horizon.")
+    return W
+
+
+def observability_gramian(plant: Plant, horizon: float) -> np.ndarray:
+    """W(t) = ∫₀ᵗ e^{Aᵀs}CᵀCe^{As} ds, n×n: x(0)ᵀW x(0) is the energy that x(0) leaves in y within t.
+
+    `horizon` in seconds; with dt > 0 the sum over the round(horizon/dt) samples. `reachability_gramian` of the dual.
+    Raises EngineError for a horizon that is negative or not finite, and when growth overflows within it.
+    """
+    return reachability_gramian(plant.dual(), horizon)

@@ -1,0 +1,139 @@
+"""Static mixing of two inputs, S = [[1, b], [a, 1]], that takes residual coupling out of a 2×2 block.
+
+Source: report on the three-degree-of-freedom platform, equations (19)–(22).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import minimize
+
+from ..systems.errors import EngineError, ShapeError
+
+__all__ = ["Coupling", "Mixing", "best_mixing", "coupling", "mixing_matrix"]
+
+NEAR_SINGULAR = 1e-3  # |1 − ab| below which two mixed inputs are one
+EVALUATIONS = 600
+
+
+@dataclass(frozen=True, eq=False)
+class Coupling:
+    """The index J of eq. (21) for a 2×2 block G (n_ω, 2, 2), as a function of a and b.
+
+    J(a, b) = Σ_ω |g₁₁b + g₁₂|² / |g₁₁ + g₁₂a|² + |g₂₁ + g₂₂a|² / |g₂₁b + g₂₂|², the squared ratios of the off-diagonal
+    entries of G S to the diagonal entry of their row. Without unit.
+    """
+
+    response: np.ndarray
+
+    @property
+    def count(self) -> int:
+        """Number of frequencies: J/count is the mean."""
+        return len(self.response)
+
+    @cached_property
+    def _rows(self) -> tuple[np.ndarray, np.ndarray]:
+        """For each row the coefficients of |own·x + other|² as a quadratic in x, and of |own + other·x|²: (n_ω, 3)."""
+        G = self.response
+
+        def quadratic(p: np.ndarray, q: np.ndarray) -> np.ndarray:
+            return np.column_stack([np.abs(p)**2, 2 * np.real(p.conj() * q), np.abs(q)**2])
+        return quadratic(G[:, 0, 0], G[:, 0, 1]), quadratic(G[:, 1, 1], G[:, 1, 0])
+
+    def __call__(self, a: float, b: float) -> float:
+        """J at one point; ∞ where 1 − ab is (nearly) zero."""
+        if abs(1 - a * b) < NEAR_SINGULAR:
+            return np.inf
+        first, second = self._rows
+        with np.errstate(divide="ignore", invalid="ignore"):
+            J = _share(first, a, b).sum() + _share(second, b, a).sum()
+        return float(J) if np.isfinite(J) else np.inf
+
+    def map(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """J over a grid, (n_b, n_a): rows follow b; ∞ where 1 − ab is (nearly) zero."""
+        first, second = self._rows
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one = _grid(first, a, b).T
+            two = _grid(second, b, a)
+            J = np.where(np.abs(1 - np.outer(b, a)) < NEAR_SINGULAR, np.inf, one + two)
+        return np.where(np.isfinite(J), J, np.inf)
+
+
+def _share(row: np.ndarray, inside: float, outside: float) -> np.ndarray:
+    """|own·outside + other|² / |own + other·inside|² at each frequency."""
+    P, Q, R = row.T
+    return (P * outside**2 + Q * outside + R) / (P + Q * inside + R * inside**2)
+
+
+def _grid(row: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
+    """The sum over frequencies of `_share` for every pair: (n_inside, n_outside), by one product of matrices."""
+    P, Q, R = row.T
+    weights = (1 / (P + np.outer(inside, Q) + np.outer(inside**2, R))) @ row
+    return weights[:, :1] * outside**2 + weights[:, 1:2] * outside + weights[:, 2:]
+
+
+@dataclass(frozen=True)
+class Mixing:
+    """The mixing with the least index: a, b and J; `start` is the closed-form (a, b), start_J its index, plain_J that
+    of no mixing; `count` frequencies were summed."""
+
+    a: float
+    b: float
+    J: float
+    start: tuple[float, float]
+    start_J: float
+    plain_J: float
+    count: int
+
+
+def mixing_matrix(a: float, b: float, size: int = 2, channels: tuple[int, int] = (0, 1)) -> np.ndarray:
+    """The identity of `size` with [[1, b], [a, 1]] at two channels: T_u,opt = T_u S, eq. (20).
+
+    Raises EngineError where 1 − ab is nearly zero: the two mixed inputs would then be one.
+    """
+    if not (np.isfinite(a) and np.isfinite(b)) or abs(1 - a * b) < NEAR_SINGULAR:
+        raise EngineError(f"With a = {a:.4g} and b = {b:.4g} the mixing is singular, 1 − ab = {1 - a * b:.2g}; "
+                          "keep ab away from 1.")
+    i, j = channels
+    if i == j or not (0 <= i < size and 0 <= j < size):
+        raise ShapeError(f"Mixing needs two different channels from 0 to {size - 1}.")
+    S = np.eye(size)
+    S[i, j], S[j, i] = b, a
+    return S
+
+
+def coupling(response: object, channels: tuple[int, int] = (0, 1)) -> Coupling:
+    """The index J(a, b) of two channels of a response G (n_ω, k, k). Raises ShapeError or EngineError."""
+    G = np.asarray(response)
+    if (G.ndim != 3 or G.shape[1] != G.shape[2] or not len(G) or not all(0 <= i < G.shape[1] for i in channels)
+            or channels[0] == channels[1]):
+        raise ShapeError("The index needs a response of at least one frequency, n×k×k, and two different channels of it.")
+    block = G[:, channels][:, :, channels]
+    if not np.isfinite(block).all() or not (np.abs(np.diagonal(block, axis1=1, axis2=2)) > 0).all():
+        raise EngineError("The index divides by the diagonal entries: they must be finite and not zero in the whole band.")
+    return Coupling(np.ascontiguousarray(block) / np.abs(block).max())  # J has no unit, and squares stay in range
+
+
+def best_mixing(response: object, channels: tuple[int, int] = (0, 1)) -> Mixing:
+    """(a, b) that minimises J of eq. (21): a closed-form start, then simplices without derivatives.
+
+    Start: least squares of the numerators over the unmixed diagonal, b = −mean Re(g₁₂/g₁₁), a = −mean Re(g₂₁/g₂₂).
+    J has several valleys where resonances lie inside the band; simplices start from the closed form and from no mixing,
+    and the better end is kept, so J is never above that of either.
+    """
+    J = coupling(response, channels)
+    G = J.response
+    start = (-float(np.mean((G[:, 1, 0] / G[:, 1, 1]).real)), -float(np.mean((G[:, 0, 1] / G[:, 0, 0]).real)))
+    spread = max(0.05, *(abs(v) for v in start))
+
+    def run(x: tuple[float, float]) -> tuple[float, float, float]:
+        corners = np.array([x, (x[0] + spread, x[1]), (x[0], x[1] + spread)])
+        found = minimize(lambda v: J(v[0], v[1]), x, method="Nelder-Mead", options={
+            "initial_simplex": corners, "xatol": 1e-9, "fatol": 1e-12, "maxfev": EVALUATIONS})
+        return float(found.fun), float(found.x[0]), float(found.x[1])
+    begins = [x for x in (start, (0.0, 0.0)) if np.isfinite(J(*x))]
+    value, a, b = min(run(x) for x in begins)
+    return Mixing(a, b, value, start, J(*start), J(0.0, 0.0), J.count)

@@ -1,0 +1,1 @@
+"""Lessons as records: the lesson, its knobs, its figures, its prose."""

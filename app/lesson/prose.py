@@ -1,0 +1,121 @@
+"""The words of a lesson, read from its `en.md` and `zh.md`.
+
+The form of such a file (headings are keywords, the rest is Markdown with $LaTeX$):
+
+    # title
+    > driving question
+    introduction
+    ## predict
+    question
+    - option
+    ### reveal
+    what is really so, shown after the prediction
+    ## step first heading
+    text
+    ## task id: title
+    statement
+    - hint
+    - hint
+    ### solution
+    why the solution works
+    ## exam
+    item with {placeholders}
+    ## source
+    where it comes from
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..text.words import LANGUAGES
+
+
+class ProseError(ValueError):
+    """A lesson's text file that does not have the agreed form."""
+
+
+@dataclass(frozen=True)
+class TaskWords:
+    """Statement, hints and solution of one task."""
+
+    title: str
+    statement: str
+    hints: tuple[str, ...]
+    solution: str
+
+
+@dataclass(frozen=True)
+class Prose:
+    """All words of a lesson in one language."""
+
+    title: str
+    question: str
+    introduction: str
+    predict: str
+    options: tuple[str, ...]
+    reveal: str
+    steps: tuple[tuple[str, str], ...]
+    tasks: Mapping[str, TaskWords]
+    exam: str
+    source: str
+
+
+def read_prose(folder: Path) -> dict[str, Prose]:
+    """The prose of a lesson folder, by language. Raises ProseError."""
+    return {lang: parse_prose((folder / f"{lang}.md").read_text(encoding="utf-8"), f"{folder.name}/{lang}.md")
+            for lang in LANGUAGES}
+
+
+def parse_prose(text: str, name: str = "text") -> Prose:
+    """Parse one file of the form above. Raises ProseError naming what is missing."""
+    head, *sections = ("\n" + text.strip()).split("\n## ")
+    lines = head.strip().splitlines()
+    if not lines or not lines[0].startswith("# "):
+        raise ProseError(f"{name} must begin with '# title'.")
+    question = " ".join(line[2:].strip() for line in lines if line.startswith("> "))
+    introduction = "\n".join(line for line in lines[1:] if not line.startswith("> ")).strip()
+    predict, reveal, options, exam, source = "", "", (), "", ""
+    steps: list[tuple[str, str]] = []
+    tasks: dict[str, TaskWords] = {}
+    for section in sections:
+        title, _, body = section.partition("\n")
+        kind, _, rest = title.strip().partition(" ")
+        if kind == "predict":
+            body, _, reveal = body.partition("\n### reveal")
+            predict, options = _bullets(body)
+        elif kind == "step":
+            steps.append((rest.strip(), body.strip()))
+        elif kind == "task":
+            key, _, label = rest.partition(":")
+            body, _, solution = body.partition("\n### solution")
+            statement, hints = _bullets(body)
+            tasks[key.strip()] = TaskWords(label.strip(), statement, hints, solution.strip())
+        elif kind == "exam":
+            exam = body.strip()
+        elif kind == "source":
+            source = body.strip()
+        else:
+            raise ProseError(f"{name} has a section '## {title}'; use predict, step, task, exam or source.")
+    prose = Prose(lines[0][2:].strip(), question, introduction, predict, options, reveal.strip(), tuple(steps), tasks,
+                  exam, source)
+    for field in ("question", "introduction", "predict", "reveal", "exam", "source"):
+        if not getattr(prose, field):
+            raise ProseError(f"{name} has no {field}.")
+    return prose
+
+
+def _bullets(body: str) -> tuple[str, tuple[str, ...]]:
+    """The text before a list and the items of the list; an item may go on over indented lines."""
+    text: list[str] = []
+    items: list[str] = []
+    for line in body.strip().splitlines():
+        if line.startswith("- "):
+            items.append(line[2:].strip())
+        elif items and line.startswith("  "):
+            items[-1] += " " + line.strip()
+        else:
+            text.append(line)
+    return "\n".join(text).strip(), tuple(items)

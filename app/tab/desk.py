@@ -1,0 +1,29 @@
+"""What a tab keeps of one lesson while another is open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from ..lesson.lesson import Verdict
+from .history import History
+from .picture import State, TaskState
+
+
+@dataclass
+class Desk:
+    """The designs of a lesson, and what the person predicted, saw and solved in it."""
+
+    history: History
+    predicted: int | None = None
+    revealed: bool = False
+    tasks: Mapping[str, TaskState] = field(default_factory=dict)
+    exam: Verdict | None = None
+
+    def keep(self, state: State) -> None:
+        """Take over what the tab's state says of this lesson."""
+        self.predicted, self.revealed, self.tasks, self.exam = state.predicted, state.revealed, state.tasks, state.exam
+
+    def laid_out(self, state: State) -> State:
+        """The tab's state with this lesson open, at the start of its run."""
+        return replace(state, playing=False, t=0.0, predicted=self.predicted, revealed=self.revealed, tasks=self.tasks, exam=self.exam)

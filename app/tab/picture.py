@@ -1,0 +1,102 @@
+"""What a tab shows: its state, the picture, and what a session needs of a screen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from ..lesson.figures import Figure
+from ..lesson.lesson import Design, Lesson, Outcome, Verdict
+from ..text.words import Text
+
+
+@dataclass(frozen=True)
+class TaskState:
+    """What a person has seen and reached of one task."""
+
+    verdict: Verdict | None = None
+    hints: int = 0
+    solution: bool = False
+
+
+@dataclass(frozen=True)
+class State:
+    """What belongs to the tab and not to the design."""
+
+    language: str = "en"
+    lecture: bool = False
+    playing: bool = False
+    t: float = 0.0
+    speed: float = 1.0
+    predicted: int | None = None  # index of the option; −1 when skipped
+    revealed: bool = False
+    tasks: Mapping[str, TaskState] = field(default_factory=dict)
+    exam: Verdict | None = None
+    exam_seed: int = 1
+    landscape: bool = False
+    plant: str = ""  # the plant that the person brought last, shown now or not
+    can_undo: bool = False
+    can_redo: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """All that a view shows: `resting` is False while a knob moves."""
+
+    lesson: Lesson
+    design: Design
+    outcome: Outcome
+    figures: tuple[Figure, ...]
+    state: State
+    resting: bool
+    catalogue: tuple[Lesson, ...] = ()
+
+    @property
+    def horizon(self) -> float:
+        """Length of the run in seconds, 0 without one."""
+        return float(self.outcome.stage.t[-1]) if self.outcome.stage is not None else 0.0
+
+    @property
+    def rate(self) -> float:
+        """Seconds of the run in a second of playing: the speed chosen, and for a run far from human times a power of ten."""
+        return self.state.speed * tempo(self.horizon)
+
+
+def tempo(horizon: float) -> float:
+    """1 for a run of 2 to 60 s, else the power of ten that makes it one."""
+    if 2.0 <= horizon <= 60.0 or horizon <= 0:
+        return 1.0
+    return 10.0 ** (math.floor(math.log10(horizon)) - (0 if horizon < 2.0 else 1))
+
+
+class View(Protocol):
+    """What a session needs of a screen."""
+
+    def build(self, picture: Picture) -> None:
+        """Lay the screen out for a lesson or a language."""
+
+    def show(self, picture: Picture) -> None:
+        """Show a picture; only what changed since the last one is sent."""
+
+    def pose(self, t: float) -> None:
+        """Move the stage and the cursors to time t of the last picture."""
+
+    def progress(self, fraction: float | None, label: Text | None) -> None:
+        """Show how far a long job is; None when there is none."""
+
+    def say(self, text: Text, bad: bool) -> None:
+        """Tell the person one sentence."""
+
+    def camera(self, preset: str) -> None:
+        """Look from a named place."""
+
+    def open_help(self) -> None:
+        """Show or close the list of keyboard commands."""
+
+    def recall(self) -> str | None:
+        """What `remember` kept in this tab before it was reloaded."""
+
+    def remember(self, text: str) -> None:
+        """Keep a text in the browser's tab."""

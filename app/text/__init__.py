@@ -1,0 +1,1 @@
+"""Words: sentences in every language of the lab."""

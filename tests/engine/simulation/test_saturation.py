@@ -1,0 +1,107 @@
+"""Clipped loops: exact between switchings, switchings found, and who is fed what decides the error."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from app.engine.simulation.scenario import Scenario
+from app.engine.simulation.simulate import simulate
+from app.engine.systems.plant import Plant
+
+DOUBLE = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
+K, L = np.array([[4.0, 4.0]]), np.array([[12.0], [36.0]])  # poles −2, −2 and −6, −6
+ONE = {"u_min": -1, "u_max": 1}
+
+
+def promised(run) -> np.ndarray:
+    return np.array([expm((DOUBLE.A - L @ DOUBLE.C) * t) @ run.e[0] for t in run.t])
+
+
+def test_fed_the_clipped_input_the_error_stays_autonomous() -> None:
+    run = simulate(Scenario(DOUBLE, K, L, x0=[5.0, 0.0], **ONE))
+    assert run.saturated and np.abs(run.u_applied).max() == 1.0
+    assert np.abs(run.e - promised(run)).max() < 1e-9
+
+
+def test_fed_the_asked_input_the_error_departs_by_the_published_amount() -> None:
+    run = simulate(Scenario(DOUBLE, K, L, x0=[5.0, 0.0], fed="commanded", **ONE))
+    assert np.abs(run.e - promised(run)).max() == pytest.approx(7.7, abs=0.05)
+
+
+def test_switching_instant_of_an_integrator_in_closed_form() -> None:
+    run = simulate(Scenario(Plant([[0]], [[1]], [[1]]), K=[[2.0]], x0=[5.003], state_feedback=True, dt=0.25, **ONE))
+    t = run.t
+    true = np.where(t < 4.503, 5.003 - t, 0.5 * np.exp(-2 * np.clip(t - 4.503, 0, None)))
+    assert np.abs(run.x[:, 0] - true).max() < 1e-13
+
+
+def field(s: Scenario):
+    """The loop as a solver sees it, written out by hand."""
+    P, n = s.plant, s.plant.n
+
+    def slope(t: float, z: np.ndarray) -> np.ndarray:
+        x, xhat = z[:n], z[n:]
+        asked = -s.K @ xhat
+        u = np.clip(asked, s.u_min, s.u_max)
+        fed = u if s.fed == "applied" else asked
+        innovation = P.C @ x + P.D @ u - P.C @ xhat - P.D @ fed
+        return np.concatenate([P.A @ x + P.B @ u, P.A @ xhat + P.B @ fed + s.L @ innovation])
+
+    return slope
+
+
+@pytest.mark.parametrize("fed", ["applied", "commanded"])
+def test_two_inputs_with_uneven_limits_agree_with_a_tight_solver(fed: str) -> None:
+    A = np.array([[0.0, 1, 0, 0], [-4, -0.1, 1, 0], [0, 0, 0, 1], [1, 0, -9, -0.1]])
+    plant = Plant(A, [[0, 0], [1, 0.2], [0, 0], [0.1, 1]], [[1, 0, 0, 0], [0, 0, 1, 0]], [[0, 0.1], [0, 0]])
+    gain = np.array([[3.0, 3, 0.5, 0], [0.5, 0, 2, 3]])
+    observer = np.array([[6.0, 0], [8, 1], [0, 5], [1, 4]])
+    s = Scenario(plant, gain, observer, x0=[2, 0, -1, 1], u_min=[-0.5, -np.inf], u_max=[1.0, 0.7], fed=fed, horizon=8)
+    run = simulate(s)
+    start = [2, 0, -1, 1, 0, 0, 0, 0]
+    peer = solve_ivp(field(s), (0, 8), start, "DOP853", run.t, rtol=1e-12, atol=1e-13, max_step=0.01)
+    assert run.saturated
+    assert np.abs(np.hstack([run.x, run.xhat]) - peer.y.T).max() < 1e-8
+
+
+@pytest.mark.parametrize("fed", ["applied", "commanded"])
+def test_coarse_and_fine_grids_agree_so_no_switching_is_missed(fed: str) -> None:
+    oscillator = Plant([[0, 1], [-100, 0]], [[0], [1]], [[1, 0]])
+    for x0 in ([1.0, 0.0], [0.31, 1.7], [0.02, 9.0]):
+        runs = [simulate(Scenario(oscillator, [[0.0, 2.0]], [[8.0], [-30.0]], x0=x0, horizon=6, dt=dt, fed=fed,
+                                  impulses=((2.303, [0.0, 5.0]),), **ONE)) for dt in (0.5, 0.005)]
+        assert runs[1].saturated
+        assert np.abs(runs[0].x - runs[1].x[::100]).max() < 1e-10
+
+
+def test_stiff_observer_behind_a_limit_agrees_with_a_finer_grid() -> None:
+    fast = np.array([[2e4], [1e8]])
+    runs = [simulate(Scenario(DOUBLE, K, fast, x0=[1.0, 0.0], horizon=4, dt=dt, **ONE)) for dt in (0.04, 0.004)]
+    assert np.abs(runs[0].x - runs[1].x[::10]).max() < 1e-9
+
+
+def test_limits_never_reached_change_nothing() -> None:
+    noise = {"x0": [1.0, 0.0], "W": 1e-3, "V": 1e-4, "impulses": ((1.003, [0.0, 1.0]),)}
+    free, wide = simulate(Scenario(DOUBLE, K, L, **noise)), simulate(Scenario(DOUBLE, K, L, u_max=1e5, **noise))
+    assert not wide.saturated and np.abs(free.x - wide.x).max() < 1e-12
+
+
+def test_start_exactly_on_a_limit() -> None:
+    for x0 in ([0.25, 0.0], [-0.25, 0.0]):
+        run = simulate(Scenario(DOUBLE, K, L, x0=x0, xhat0=x0, **ONE))
+        assert not run.saturated and run.x[0, 0] == x0[0]
+        assert np.abs(run.x[-1]).max() < 1e-6
+
+
+def test_noise_that_switches_at_every_step_stays_autonomous_and_within_limits() -> None:
+    run = simulate(Scenario(DOUBLE, K, L, x0=[1.0, 0.0], V=1.0, u_min=-0.1, u_max=0.1, horizon=3, seed=5))
+    quiet = simulate(Scenario(DOUBLE, K, L, x0=[1.0, 0.0], V=1.0, horizon=3, seed=5))
+    assert np.abs(run.u_applied).max() <= 0.1
+    assert np.abs(run.e - quiet.e).max() < 1e-11
+
+
+def test_delay_with_a_limit_is_the_delayed_clipped_input() -> None:
+    run = simulate(Scenario(DOUBLE, K, L, x0=[3.0, 0.0], delay=0.2, **ONE))
+    assert np.array_equal(run.u_applied[20:], np.clip(run.u_asked, -1, 1)[:-20])
+    assert run.saturated and np.abs(run.x[-1]).max() < 1e-2

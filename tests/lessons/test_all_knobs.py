@@ -1,0 +1,98 @@
+"""Every knob of every lesson: it moves a figure, a board drags it, and no value of it is worse than a sentence."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from lesson_checks import boards_of, check_figures, contents, every_lesson, others, satisfied, shown
+from strategies import designs
+
+from app.engine import EngineError
+from app.lesson.figures import COLOURS
+from app.lesson.knobs import Knob, KnobError, Poles
+from app.lesson.lesson import Lesson
+from lessons import LESSONS
+
+EXAMPLES = 25  # random designs of each lesson
+
+
+def visible_knobs() -> list[Any]:
+    return [pytest.param(lesson, knob, id=f"{lesson.id}-{knob.name}")
+            for lesson in LESSONS.values() for knob in lesson.knobs if not knob.hidden]
+
+
+@pytest.mark.parametrize("lesson, knob", visible_knobs())
+def test_every_knob_changes_what_is_seen(lesson: Lesson, knob: Knob) -> None:
+    tried = 0
+    for base in satisfied(lesson, knob, lesson.start()):
+        assert lesson.shown(knob, base)
+        try:
+            outcome, figures = shown(base)
+        except EngineError:
+            continue
+        for value in others(knob, base):
+            try:
+                new, drawn = shown(lesson.apply(base, {knob.name: value}))
+            except EngineError:
+                continue
+            tried += 1
+            if contents(drawn) != contents(figures) or boards_of(new) != boards_of(outcome):
+                return
+    pytest.fail(f"{knob.name} changed nothing in {tried} tries")
+
+
+@every_lesson
+def test_boards_are_dragged_through_knobs_that_hold_poles(lesson: Lesson) -> None:
+    outcome, _ = shown(lesson.start())
+    assert len({b.id for b in outcome.boards}) == len(outcome.boards)
+    for board in outcome.boards:
+        assert board.side in ("left", "right", "middle")
+        assert board.role in COLOURS
+        assert board.re_low < board.re_high and board.im_high > 0
+        dragged = dict(board.also)
+        if board.knob is not None:
+            knob = lesson.knob(board.knob)
+            assert isinstance(knob, Poles)
+            assert (board.re_low, board.re_high, board.im_high) == (knob.re_low, knob.re_high, knob.im_high)
+            dragged[board.knob] = board.held
+        after = lesson.apply(outcome.design, dragged)  # what a drag posts is valid
+        shown(after)
+        for pole in (*board.held, *board.fixed):
+            assert board.re_low <= pole.real <= board.re_high and abs(pole.imag) <= board.im_high
+
+
+@every_lesson
+@settings(max_examples=EXAMPLES, deadline=None, derandomize=True, database=None,
+          suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(data=st.data())
+def test_any_valid_design_gives_a_finite_picture_or_one_sentence(lesson: Lesson, data: st.DataObject) -> None:
+    design = data.draw(designs(lesson))
+    try:
+        outcome = lesson.compute(design)
+        figures = tuple(lesson.figures(outcome))
+    except (EngineError, KnobError) as problem:
+        assert str(problem).strip() and "\n" not in str(problem)
+        return
+    check_figures(figures)
+    for board in outcome.boards:
+        assert np.all(np.isfinite(np.array([*board.poles, *board.fixed, *board.zeros], dtype=complex)))
+    if outcome.stage is not None:
+        assert np.all(np.isfinite(outcome.stage.t))
+        assert outcome.stage.xhat is None or outcome.stage.xhat.shape == outcome.stage.x.shape
+    assert outcome.live.en and outcome.live.zh
+
+
+@every_lesson
+def test_a_change_of_one_knob_from_the_start_is_never_worse_than_a_sentence(lesson: Lesson) -> None:
+    for knob in lesson.knobs:
+        for value in others(knob, lesson.start()):
+            try:
+                _, figures = shown(lesson.apply(lesson.start(), {knob.name: value}))
+            except (EngineError, KnobError) as problem:
+                assert str(problem).strip()
+                continue
+            check_figures(figures)

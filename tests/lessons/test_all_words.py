@@ -1,0 +1,167 @@
+"""Words and mathematics of every lesson: both languages, short steps, formulas that are drawn."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from lesson_checks import (
+    CJK,
+    check_markdown,
+    check_mathml,
+    complete,
+    either,
+    every_lesson,
+    others,
+    satisfied,
+    shown,
+    without_math,
+)
+
+from app.engine import EngineError
+from app.lesson.figures import FrequencyFigure, PlaneFigure, TableFigure, TimeFigure, tabs
+from app.lesson.lesson import Lesson
+from app.lesson.prose import Prose
+from app.text.words import LANGUAGES, Text
+from app.view import phrases
+from app.view.prose import mathml
+
+MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step, in English and in Chinese
+MOST_REVEALED = 80  # words of the reveal
+
+
+@every_lesson
+def test_knobs_speak_both_languages(lesson: Lesson) -> None:
+    for knob in lesson.knobs:
+        complete(knob.label, f"label of {knob.name}")
+        either(knob.hint, f"hint of {knob.name}")
+        if knob.group is not None:
+            complete(knob.group, f"group of {knob.name}")
+        for name, label in getattr(knob, "options", ()):
+            complete(label, f"{knob.name}={name}")
+
+
+@every_lesson
+def test_every_visible_knob_has_a_hint(lesson: Lesson) -> None:
+    assert not [k.name for k in lesson.knobs if not k.hidden and not k.hint.en.strip()]
+
+
+@every_lesson
+def test_every_chart_names_its_vertical_axis(lesson: Lesson) -> None:
+    for values in ({}, *(task.solution for task in lesson.tasks)):
+        _, figures = shown(lesson.apply(lesson.start(), values))
+        assert not [f.id for f in figures if isinstance(f, (TimeFigure, FrequencyFigure, PlaneFigure)) and f.curves and not f.y_label]
+
+
+@every_lesson
+def test_no_knob_is_named_like_the_choice_of_the_plant_above_it(lesson: Lesson) -> None:
+    assert not [k.name for k in lesson.knobs if k.label in (phrases.PLANT, phrases.LESSON)]
+
+
+@every_lesson
+def test_what_is_shown_speaks_both_languages(lesson: Lesson) -> None:
+    for values in ({}, *(task.solution for task in lesson.tasks)):
+        outcome, figures = shown(lesson.apply(lesson.start(), values))
+        complete(outcome.live, "live")
+        for check in outcome.checks:
+            complete(check.text, f"check {check.id}")
+        for board in outcome.boards:
+            complete(board.title, f"board {board.id}")
+        for formula in outcome.formulas:
+            either(formula.note, f"formula {formula.id}")
+        for figure in figures:
+            complete(figure.title, f"title of {figure.id}")
+            complete(figure.caption, f"caption of {figure.id}")
+            complete(figure.tab, f"tab of {figure.id}")
+            for curve in getattr(figure, "curves", ()):
+                complete(curve.name, f"curve of {figure.id}")
+            for point in getattr(figure, "points", ()):
+                either(point.name, f"point of {figure.id}")
+            for name, _ in getattr(figure, "categories", ()):
+                complete(name, f"category of {figure.id}")
+            if isinstance(figure, TableFigure):
+                for cell in (*figure.columns, *(v for row in figure.rows for v in row if isinstance(v, Text))):
+                    either(cell, f"cell of {figure.id}")
+    if lesson.job is not None:
+        complete(lesson.job.label, "job")
+
+
+@every_lesson
+def test_a_tab_holds_at_most_three_figures(lesson: Lesson) -> None:
+    _, figures = shown(lesson.start())
+    for tab in tabs(figures):
+        assert sum(f.tab == tab for f in figures) <= 3, tab.en
+
+
+@every_lesson
+def test_figures_keep_their_ids_when_knobs_move(lesson: Lesson) -> None:
+    """The screen makes its charts once, from the ids of the first picture."""
+    ids = {f.id for f in shown(lesson.start())[1]}
+    for task in lesson.tasks:
+        assert {f.id for f in shown(lesson.apply(lesson.start(), task.solution))[1]} == ids, task.id
+    for knob in lesson.knobs:
+        for base in satisfied(lesson, knob, lesson.start()):
+            for value in others(knob, base)[:2]:
+                try:
+                    drawn = shown(lesson.apply(base, {knob.name: value}))[1]
+                except EngineError:
+                    continue
+                assert {f.id for f in drawn} == ids, (knob.name, value)
+
+
+def texts(prose: Prose) -> Iterator[tuple[str, str]]:
+    """Every piece of a lesson's prose with a name for it."""
+    for name in ("title", "question", "introduction", "predict", "reveal", "exam", "source"):
+        yield name, getattr(prose, name)
+    yield from ((f"option {i}", option) for i, option in enumerate(prose.options))
+    for heading, text in prose.steps:
+        yield f"heading {heading}", heading
+        yield f"step {heading}", text
+    for key, task in prose.tasks.items():
+        yield from ((f"task {key} {name}", getattr(task, name)) for name in ("title", "statement", "solution"))
+        yield from ((f"task {key} hint {i}", hint) for i, hint in enumerate(task.hints))
+
+
+@every_lesson
+def test_both_languages_are_complete(lesson: Lesson) -> None:
+    en, zh = (lesson.words[language] for language in LANGUAGES)
+    assert set(lesson.words) == set(LANGUAGES)
+    assert len(en.options) == len(zh.options)
+    assert len(en.steps) == len(zh.steps) >= 3
+    assert list(en.tasks) == list(zh.tasks) == [t.id for t in lesson.tasks]
+    for prose in (en, zh):
+        assert all(len(task.hints) == 2 for task in prose.tasks.values())
+        assert not [name for name, text in texts(prose) if not text.strip()]
+    for name, text in texts(zh):
+        assert CJK.search(text), f"zh {name} is not Chinese: {text[:60]}"
+    for name, text in texts(en):
+        assert not CJK.search(text), f"en {name} holds Chinese: {text[:60]}"
+
+
+@every_lesson
+def test_steps_are_short(lesson: Lesson) -> None:
+    for heading, text in lesson.words["en"].steps:
+        assert len(without_math(text).split()) <= MOST_WORDS, heading
+    for heading, text in lesson.words["zh"].steps:
+        assert len(re.sub(r"\s", "", without_math(text))) <= MOST_CHARACTERS, heading
+    assert len(without_math(lesson.words["en"].reveal).split()) <= MOST_REVEALED
+
+
+@every_lesson
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_the_mathematics_of_the_prose_is_drawn(lesson: Lesson, language: str) -> None:
+    for name, text in texts(lesson.words[language]):
+        if name != "exam":
+            check_markdown(text, f"{language} {name}")
+
+
+@every_lesson
+def test_live_formulas_are_drawn_for_every_design_that_the_tasks_lead_to(lesson: Lesson) -> None:
+    for values in ({}, *(task.solution for task in lesson.tasks)):
+        outcome, _ = shown(lesson.apply(lesson.start(), values))
+        assert len({f.id for f in outcome.formulas}) == len(outcome.formulas)
+        for formula in outcome.formulas:
+            check_mathml(mathml(formula.latex, True), formula.id)
+            for language in LANGUAGES:
+                check_markdown(formula.note(language), formula.id)

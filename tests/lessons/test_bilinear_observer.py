@@ -1,0 +1,223 @@
+"""The bilinear observer's lesson: the paper's numbers, its slips, the three cases, and an error that no input reaches."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+from scipy.integrate import solve_ivp
+
+from app.lesson.figures import TableFigure
+from app.plants.bilinear import PLANT, fitting_functional, with_sensors
+from app.plants.bilinear import K as WANTED
+from lessons.bilinear_observer.lesson import KNOBS, LESSON
+from lessons.bilinear_observer.page import DOUBTED, FATAL, LINES, OPTIONS
+from lessons.bilinear_observer.problems import BLIND, PAPER, PROBLEMS, STUCK, TUNED, nearest_gain
+from lessons.bilinear_observer.runs import KICK, signal
+from lessons.bilinear_observer.tasks import exam
+
+HAND = ((0.0, 2.5), (0.31, -4.0), (0.4, 4.0), (0.9, 0.0), (1.2, -3.0))
+EVERY_INPUT = [
+    {"input": "none"}, {"input": "sine"}, {"input": "sine", "amplitude": 4.0, "omega": 30.0},
+    {"input": "step", "amplitude": 3.0}, {"input": "square", "amplitude": 4.0, "omega": 17.0},
+    {"input": "sweep", "amplitude": 2.0, "omega": 20.0}, {"input": "random", "amplitude": 4.0, "seed": 7},
+    {"input": "hand", "hand": HAND},
+]
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+def table(drawn, name):
+    found = next(f for f in LESSON.figures(drawn) if f.id == name)
+    assert isinstance(found, TableFigure)
+    return found.rows
+
+
+def test_the_numbers_of_the_paper_come_out():
+    m, L = outcome().metrics, outcome().gains["L"]
+    assert (round(m["A*"], 2), round(m["B*"], 2), round(m["pi"], 2), m["case"]) == (-6.47, 2.53, 9.29, 3)
+    np.testing.assert_array_equal(np.round(L[0], 2), [-12.49, 17.68, -18.99, 9.29])
+    assert m["pole"] == pytest.approx(-30, abs=1e-9)
+    assert m["first_error"] == pytest.approx(-1318 / 85, abs=1e-11)
+
+
+def test_pi_by_hand_in_exact_numbers():
+    with mp.workdps(30):
+        a, b = mpf(-304) / 47, mpf(119) / 47
+        assert outcome().metrics["pi"] == pytest.approx(float((a + 30) / b), rel=1e-13)
+        assert outcome(pole=[-7.5]).metrics["pi"] == pytest.approx(float((a + mpf("7.5")) / b), rel=1e-12)
+
+
+@pytest.mark.parametrize("change", EVERY_INPUT, ids=lambda c: "-".join(str(v) for v in c.values())[:30])
+@pytest.mark.parametrize("form", ["plain", "exact"])
+def test_the_error_decays_as_the_pole_says_under_every_input(change, form):
+    drawn = outcome(form=form, **change)
+    run = drawn.extra[1]
+    index = ("plain", "exact").index(form)
+    law = -1318 / 85 * np.exp(-30 * run.t)
+    np.testing.assert_allclose(run.errors[:, index], law, rtol=0, atol=2e-9)
+    assert drawn.metrics["law_gap"] < 1e-9
+    assert {c.id: c.holds for c in drawn.checks}["law"]
+
+
+@pytest.mark.parametrize("pole", [-60.0, -12.0, -1.0, 2.0])
+def test_the_error_follows_the_pole_that_is_chosen(pole):
+    run = outcome(pole=[pole], input="square").extra[1]
+    law = run.errors[0, 0] * np.exp(pole * run.t)
+    np.testing.assert_allclose(run.errors[:, 0], law, rtol=0, atol=1e-7 * np.max(np.abs(law)))
+
+
+def test_inputs_differ_and_move_the_plant():
+    t = np.linspace(0, 2, 401)
+    drawn = [signal(LESSON.apply(LESSON.start(), c))(t) for c in EVERY_INPUT]
+    assert len({tuple(np.round(u, 9)) for u in drawn}) == len(EVERY_INPUT)
+    assert all(np.shape(u) == t.shape for u in drawn)
+    np.testing.assert_allclose(signal(LESSON.start())(t), np.sin(2 * t))  # the paper's
+
+
+def test_the_plant_moves_as_an_adaptive_solver_says():
+    run = outcome().extra[1]
+
+    def rate(t, x):
+        return PLANT.A @ x + np.sin(2 * t) * (PLANT.B[:, 0] + PLANT.F @ x)
+    peer = solve_ivp(rate, (0, 2), np.ones(6), "DOP853", [0.5, 1.0, 2.0], rtol=1e-11, atol=1e-13).y.T
+    np.testing.assert_allclose(run.x[[100, 200, 400]], peer, atol=1e-7)
+    np.testing.assert_allclose(run.g, run.x @ WANTED[0], atol=1e-12)
+
+
+# --- the slips -----------------------------------------------------------------------------------------------------
+def test_with_the_printed_gain_the_observer_runs_away():
+    drawn = outcome(gain="printed")
+    assert round(drawn.metrics["pole"], 2) == 5.02 and drawn.metrics["late_error"] > 1e5
+    assert not {c.id: c.holds for c in drawn.checks}["stable"]
+
+
+def test_only_one_printed_line_moves_the_pole_far():
+    o = PROBLEMS[PAPER].solved
+    alone = {line.id: line.alone(o) for line in DOUBTED if line.alone is not None}
+    assert round(alone.pop(FATAL), 2) == 5.02
+    assert max(abs(pole + 30) for pole in alone.values()) < 0.1
+    assert len(OPTIONS) == len(DOUBTED) + 1
+
+
+def test_printed_lines_are_ours_to_their_digits_except_the_two_slips():
+    o = PROBLEMS[PAPER].solved
+    wrong = []
+    for line in LINES:
+        printed = np.array([float(word) for word in line.printed.replace("−", "-").split(",")])
+        ours = line.ours(o)
+        assert ours is not None and printed.size == np.size(ours), line.id
+        if np.max(np.abs(printed - np.ravel(ours))) > 0.005 * (1 + 1e-9):
+            wrong.append(line.id)
+    assert wrong == ["l4", "chi-y"]
+
+
+def test_printed_decimals_leave_a_floor():
+    assert 4e-3 < outcome(gain="rounded").metrics["half_error"] < 7e-3
+    assert outcome().metrics["half_error"] < 1e-10
+
+
+@pytest.mark.parametrize("l4", [0.0, 3.0, 12.0])
+def test_the_pole_moves_by_five_for_one_of_l4(l4):
+    # (V₁ A T₂)₄ = A₄₅/5 = 5
+    assert outcome(gain="typed", l4=l4).metrics["pole"] == pytest.approx(-30 + 5 * (158 / 17 - l4), abs=1e-9)
+
+
+def test_what_is_not_shown_changes_nothing():
+    one, two = outcome(problem=TUNED), outcome(problem=TUNED, gain="printed", l4=1.0, pole=[-5.0])
+    np.testing.assert_array_equal(one.extra[1].errors, two.extra[1].errors)
+
+
+# --- three cases ---------------------------------------------------------------------------------------------------
+def test_each_problem_lights_its_case():
+    lit = {name: "".join("X" if c.holds else "." for c in outcome(problem=name).checks[:5]) for name in PROBLEMS}
+    assert lit == {PAPER: "..XXX", BLIND: "X...X", TUNED: ".X..X", STUCK: "..X.."}
+
+
+def test_ranks_as_numpy_counts_them():
+    for name, (of_q, of_both) in {PAPER: (3, 3), BLIND: (3, 4), TUNED: (3, 3), STUCK: (3, 3)}.items():
+        o = PROBLEMS[name].solved
+        both = np.vstack([o.Q, o.right])
+        assert (np.linalg.matrix_rank(o.Q), np.linalg.matrix_rank(both, tol=1e-9)) == (of_q, of_both), name
+        assert [row[2] for row in table(outcome(problem=name), "singular")] == [f"{of_q} / {len(o.Q)}", f"{of_both} / {len(o.Q) + 1}"]
+
+
+def test_without_a_solution_the_input_drives_the_error():
+    calm, driven = outcome(problem=BLIND, input="none"), outcome(problem=BLIND, input="step", amplitude=3.0)
+    assert driven.metrics["late_error"] > 100 * calm.metrics["late_error"] > 0.1
+    o = PROBLEMS[BLIND].solved
+    assert np.linalg.norm(o.right - nearest_gain(o) @ o.Q) > 1e-3 * np.linalg.norm(o.right)
+
+
+def test_three_sensors_watch_the_number_that_fits_them():
+    drawn = outcome(problem=TUNED, input="step", amplitude=3.0)
+    assert drawn.metrics["pole"] == pytest.approx(-24.4355, abs=5e-5) and drawn.metrics["law_gap"] < 1e-9
+    assert np.round(PROBLEMS[TUNED].K[0], 2).tolist() == [1, 2, 3, 0.67, 5, -3.06]
+
+
+def test_the_fitting_functional_meets_the_conditions_by_definition():
+    plant = with_sensors((0, 1, 2))
+    P, pole = fitting_functional(plant, -30.0)
+    np.testing.assert_allclose((P @ plant.F)[0, 3:], 0, atol=1e-12)
+    np.testing.assert_allclose((P @ plant.A - pole * P)[0, 3:], 0, atol=1e-11)
+
+
+def test_a_family_whose_pole_cannot_be_moved():
+    o = PROBLEMS[STUCK].solved
+    assert o.case == 3 and o.controllable is False and not o.B_star.any()
+    assert outcome(problem=STUCK).metrics["pole"] == pytest.approx(240 / 17, abs=1e-9)
+    board = outcome(problem=STUCK).boards[1]
+    assert board.knob is None and board.fixed and not board.poles
+
+
+# --- forms, kick, exam ---------------------------------------------------------------------------------------------
+def test_the_form_with_the_true_derivative_is_the_same_observer():
+    run = outcome(input="hand", hand=HAND).extra[1]
+    np.testing.assert_allclose(run.estimates[:, 1], run.estimates[:, 0], atol=1e-9)
+
+
+def test_the_differentiator_leaves_an_error_in_proportion_to_its_lag():
+    late = [outcome(form="filtered", tau=tau).metrics["half_error"] for tau in (0.002, 0.004, 0.02)]
+    assert late[1] / late[0] == pytest.approx(2, rel=0.02) and late[2] / late[0] == pytest.approx(10, rel=0.05)
+    assert late[2] == pytest.approx(0.097, abs=5e-4)
+
+
+@pytest.mark.parametrize("form", ["plain", "exact"])
+def test_a_kick_is_an_error_that_dies_out_too(form):
+    run = outcome(kick=0.5, form=form).extra[1]
+    index = ("plain", "exact").index(form)
+    jump = run.errors[100, index] - run.errors[99, index] * np.exp(-30 * 0.005)
+    assert jump == pytest.approx(-WANTED[0] @ KICK, abs=1e-8)
+    after = run.t >= 0.5
+    law = run.errors[100, index] * np.exp(-30 * (run.t[after] - 0.5))
+    np.testing.assert_allclose(run.errors[after, index], law, atol=2e-9)
+
+
+def test_the_stage_shows_g_and_lights_only_what_is_measured():
+    for name, problem in PROBLEMS.items():
+        stage = outcome(problem=name).stage
+        assert stage is not None and stage.xhat is not None and stage.body is problem.body
+        np.testing.assert_allclose(stage.x[:, 6], stage.x[:, :6] @ problem.K[0], atol=1e-9 * np.abs(stage.x).max())
+        np.testing.assert_array_equal(stage.x[:, :6], stage.xhat[:, :6])
+        dark = {p.colour for p in problem.body.parts if p.name == "lamp 3"} == {
+            p.colour for p in problem.body.parts if p.name == "table"}
+        assert dark == (3 not in problem.measured)
+        assert [p.name for p in problem.body.parts if p.twin] == ["large level"]
+
+
+def test_every_step_has_its_formulas_and_rows():
+    seen = set()
+    for step in range(1, 9):
+        drawn = outcome(step=step)
+        assert drawn.formulas and table(drawn, "step")
+        seen.add(tuple(f.latex for f in drawn.formulas))
+    assert len(seen) == 8 and KNOBS[0].name == "step"
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_exam_answer_places_the_pole(seed):
+    item = exam(seed)
+    a, b, p = (float(item.numbers[k]) for k in "abp")
+    assert a - b * item.answer == pytest.approx(p, abs=1e-9)

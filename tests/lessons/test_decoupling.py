@@ -1,0 +1,193 @@
+"""Laws of the lesson: what its words and tasks claim is what the engine finds."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from scipy.signal import welch
+
+from app.engine import Plant, frequency_response, simulate
+from app.engine.simulation.scenario import Scenario
+from app.lesson.figures import axis_range
+from app.lesson.lesson import Outcome
+from app.plants import platform
+from app.plants.platform_channels import T_y
+from lessons.decoupling.lesson import LESSON
+from lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, run, shaking
+
+POLES = {"horizontal": "poles"}
+
+
+@lru_cache(maxsize=64)
+def _outcome(changes: tuple[tuple[str, object], ...]) -> Outcome:
+    return LESSON.compute(LESSON.apply(LESSON.start(), dict(changes)))
+
+
+def outcome(**changes: object) -> Outcome:
+    return _outcome(tuple(changes.items()))
+
+
+def peaks(found: Outcome) -> list[float]:
+    return [found.metrics[k] for k in ("vertical", "rotation", "horizontal")]
+
+
+def test_the_printed_pair_isolates_as_the_words_say() -> None:
+    found = outcome()
+    assert peaks(found) == pytest.approx([93.5, 88.0, 105.0], abs=0.1)
+    assert found.metrics["rightmost"] < 0
+    assert found.metrics["drift"] == pytest.approx(7.94e-11, rel=1e-3)
+    assert not found.checks[0].holds
+
+
+@pytest.mark.parametrize("gain", [29600.0, 31250.0, 32500.0])
+def test_a_pure_gain_does_what_cv_does(gain: float) -> None:
+    found = outcome(vertical="shaped", gain_v=gain, roll_off=2000.0)
+    assert found.metrics["vertical"] == pytest.approx(93.5, abs=0.5)
+    assert found.checks[0].holds and found.metrics["drift"] < 0
+
+
+def test_the_printed_cv_and_the_gain_have_the_same_spectrum() -> None:
+    """Between 0.1 and 10 Hz the two vertical spectra agree to a tenth of a percent."""
+    one, two = (outcome(**c).extra.spectra for c in ({}, {"vertical": "shaped", "gain_v": 31251.8, "roll_off": 2000.0}))
+    inside = (one.f > 0.1) & (one.f < 10)
+    ratio = one.closed[inside, 0] / np.interp(one.f[inside], two.f, two.closed[:, 0])
+    assert np.abs(ratio - 1).max() < 2e-3
+
+
+def test_dominance_is_lost_at_the_two_resonances_only() -> None:
+    row = channels().row
+    f = channels().omega / (2 * np.pi)
+    assert row[:, 0].max() < 1e-9
+    lost = f[(row > 1).any(axis=1)]
+    assert 0.98 < lost.min() < 1.0 and 1.26 < lost.max() < 1.29
+    assert not ((lost > 1.03) & (lost < 1.095)).any()
+
+
+def test_mixing_decouples_above_the_resonances_and_lets_the_ground_in() -> None:
+    found = outcome(mix="best", f_low=2.0, f_high=10.0)
+    assert (found.metrics["a"], found.metrics["b"]) == pytest.approx((0.168, 0.0407), abs=5e-4)
+    assert 10 * np.log10(found.metrics["J_plain"] / found.metrics["J"]) == pytest.approx(18.8, abs=0.1)
+    assert found.metrics["rotation"] == pytest.approx(9.3, abs=0.1)
+    assert found.metrics["horizontal"] == pytest.approx(105.0, abs=0.1)
+    assert outcome(mix="own", a=0.17, b=0.0).metrics["rotation"] == pytest.approx(88.0, abs=0.1)
+    assert outcome(mix="own", a=0.0, b=0.01).metrics["rotation"] < 25
+
+
+def test_no_mixing_gains_much_across_the_resonances() -> None:
+    found = outcome(mix="best")
+    assert 1 < found.metrics["J_plain"] / found.metrics["J"] < 3
+
+
+def test_the_claim_about_pitch_holds_for_careless_poles_alone() -> None:
+    assert outcome(**POLES).metrics["rightmost"] < 0
+    for bandwidth in (0.4, 0.5):
+        assert outcome(**POLES, pitch=True, bandwidth=bandwidth).metrics["rightmost"] > 1
+    for changes in ({}, {"horizontal": "gain"}, {"horizontal": "gain", "gain_h": 1e5}, {"horizontal": "open"}):
+        for bandwidth in (0.1, 0.5, 5.0, 50.0):
+            assert outcome(**changes, pitch=True, bandwidth=bandwidth).metrics["rightmost"] < 0, (changes, bandwidth)
+
+
+def test_the_careless_controller_is_unstable_by_itself_and_the_careful_one_is_not() -> None:
+    def worst(found: Outcome) -> float:
+        return float(np.max(np.real(found.extra.controllers.horizontal.poles)))
+    assert worst(outcome(**POLES)) == pytest.approx(1.53e4, rel=0.01)
+    last = LESSON.tasks[-1].solution
+    assert worst(outcome(**last)) < 0
+
+
+@pytest.mark.parametrize("real", [-0.15, -0.3, -0.6])
+@pytest.mark.parametrize("bandwidth", [2.0, 5.0, 10.0])
+def test_the_last_task_is_solved_in_a_neighbourhood(real: float, bandwidth: float) -> None:
+    pair = (complex(real, 7.42), complex(real, -7.42))
+    found = outcome(**POLES, pitch=True, bandwidth=bandwidth, control_poles=(-20 + 15j, -20 - 15j, *pair),
+                    observer_poles=(-60 + 45j, -60 - 45j, *pair))
+    assert found.metrics["rightmost"] < 0 and found.metrics["horizontal"] > 15
+    if bandwidth >= 5:
+        assert LESSON.tasks[-1].check(found).solved
+
+
+def test_poles_are_placed_for_the_mixed_plant() -> None:
+    found = outcome(**POLES, mix="own", a=0.1, b=0.05)
+    assert found.metrics["placement_residual"] < 1e-12
+    assert found.metrics["rightmost"] < 0
+
+
+def test_the_zeros_on_the_boards_are_those_of_the_horizontal_channel() -> None:
+    for board in outcome().boards:
+        for zero in board.zeros:
+            deck = platform.deck()
+            H = T_y[2] @ deck.C @ np.linalg.solve(zero * np.eye(6) - deck.A, deck.B[:, 2])
+            near = T_y[2] @ deck.C @ np.linalg.solve((zero + 1) * np.eye(6) - deck.A, deck.B[:, 2])
+            assert abs(H) < 1e-9 * abs(near)
+            assert zero == pytest.approx(complex(-0.034, np.sign(zero.imag) * 7.421), abs=1e-3)
+
+
+# --- the run ---------------------------------------------------------------------------------------------------------
+def test_the_bare_run_is_that_of_the_engine() -> None:
+    plant, motion = platform.plant(), shaking(3, "white")
+    push = np.zeros((len(motion), 5))
+    push[:, 3:] = motion
+    peer = simulate(Scenario(plant, horizon=HORIZON, dt=DT, reference=push))
+    assert np.allclose(bare_run(3, "white", -1.0), peer.x, rtol=1e-9, atol=1e-14)
+
+
+def test_a_kick_is_a_jump_of_the_velocities() -> None:
+    found = outcome(horizontal="gain", vertical="shaped")
+    built = found.extra.controllers.whole
+    loop = close(built)
+    still = np.zeros((501, 2))
+    z = run(loop.A, loop.B[:, :2], still, 4.0)
+    assert not z[:200].any() and z[200, 5:8] == pytest.approx(0.004 * np.array([0.015, -0.02, 0.09]))
+    peer = simulate(Scenario(Plant(loop.A, np.zeros((len(loop.A), 1)), np.eye(len(loop.A))), x0=z[200], xhat0=z[200],
+                             horizon=6.0, dt=DT))
+    assert np.allclose(z[200:], peer.x, rtol=1e-8, atol=1e-13)
+
+
+def test_the_ground_has_its_density() -> None:
+    """Averaged over seeds, Welch's estimate lies at the density that the spectra use."""
+    found = []
+    for seed in range(60):
+        f, S = welch(shaking(seed, "white"), 1 / DT, nperseg=125, axis=0)
+        found.append(S)
+    inside = (f > 1) & (f < 24)
+    assert np.mean(found, axis=0)[inside].mean() == pytest.approx(1e-12, rel=0.05)
+
+
+def test_the_closed_spectrum_is_the_loops_own_response() -> None:
+    """By the feedback formula at single frequencies: z = (I − G K)⁻¹ G_d d."""
+    found = outcome(**POLES, pitch=True, bandwidth=0.2)
+    s, K, plant = found.extra.spectra, found.extra.controllers.whole, platform.plant()
+    for k in np.linspace(5, len(s.f) - 5, 6).astype(int):
+        w = [2 * np.pi * s.f[k]]
+        G = frequency_response(plant.A, plant.B, plant.C, plant.D, w)[0]
+        C = frequency_response(K.A, K.B, K.C, K.D, w)[0]
+        z = T_y[:3] @ np.linalg.solve(np.eye(4) - G[:, :3] @ C, G[:, 3:])
+        assert 1e-12 * (np.abs(z)**2).sum(axis=1) == pytest.approx((s.closed - s.sensors)[k], rel=1e-5)
+
+
+def test_the_exam_answer_places_both_poles() -> None:
+    for seed in range(5):
+        item = LESSON.exam(seed)
+        a, c, k = (float(item.numbers[n]) for n in "ack")
+        assert np.polyadd(np.polymul([1, -a], [1, a + 2 * c]), [k * item.answer]) == pytest.approx(np.poly([-c, -c]))
+
+
+def test_no_line_is_drawn_for_a_loop_that_is_open() -> None:
+    figures = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.start()))}
+    rotation = figures["controllers"].curves[2]
+    assert "open" in rotation.name.en and rotation.y.max() < axis_range(figures["controllers"])[0]
+
+
+def test_the_largest_force_is_that_of_the_run_and_not_that_of_the_axis() -> None:
+    found = outcome(horizontal="poles")
+    said = next(f.caption.en for f in LESSON.figures(found) if f.id == "forces")
+    largest = 1e3 * float(np.abs(found.extra.shaken.u).max())
+    assert float(said.split(": ")[1].split(" mN")[0]) == pytest.approx(largest, rel=0.01) and largest > 1e5
+
+
+def test_an_open_loop_neither_lifts_nor_lowers_its_peak() -> None:
+    found = outcome(vertical="open")
+    assert "as without control" in next(f.caption.en for f in LESSON.figures(found) if f.id == "spectrum-vertical")
+    assert "vertical +0 dB" in found.live.en

@@ -1,0 +1,205 @@
+"""The lesson on LQG: what its text says, on the engine; Doyle's plant against its closed forms; any model that fits."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from app.engine import EngineError, compensator, loop_margins, lqg, recover, state_feedback_margins
+from app.lesson.figures import Curve, TimeFigure
+from app.lesson.lesson import Outcome
+from app.plants import MODELS, doyle
+from app.text.words import same
+from lessons.lqg.cases import case_of
+from lessons.lqg.lesson import LESSON, on_model
+from lessons.lqg.loops import setting_of, trace
+from lessons.lqg.trials import bench_of
+from lessons.toolkit import within
+
+
+def at(**values: object) -> Outcome:
+    return LESSON.compute(LESSON.apply(LESSON.start(), values))
+
+
+# --- Doyle 1978 --------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("q, sigma", [(1.0, 1.0), (5.0, 21.0), (60.0, 5.0), (1000.0, 1000.0), (1e4, 1e4)])
+def test_doyles_gains_and_the_edge_of_stability_are_his_closed_forms(q: float, sigma: float) -> None:
+    p, one = doyle.plant(), doyle.TOGETHER
+    d = lqg(p, q * one @ one.T, 1.0, sigma, 1.0, one)
+    f, dd = doyle.gains(q, sigma)
+    assert pytest.approx(np.full((1, 2), f), rel=1e-9) == d.K
+    assert pytest.approx(np.full((2, 1), dd), rel=1e-9) == d.L
+    edge = 1 + 1 / (dd * f)
+    assert doyle.largest_gain(q, sigma) == pytest.approx(edge)
+    for m, stable in ((edge * (1 - 1e-7), True), (edge * (1 + 1e-7), False)):
+        A = np.block([[p.A, -m * p.B @ d.K], [d.L @ p.C, p.A - p.B @ d.K - d.L @ p.C]])
+        assert bool(np.linalg.eigvals(A).real.max() < 0) is stable
+    assert loop_margins(p, d.controller).inputs[0].gain[1] == pytest.approx(edge, rel=1e-8)
+
+
+def test_the_margins_vanish_as_the_knobs_grow_and_recovery_brings_them_back() -> None:
+    sizes = (1.0, 10.0, 100.0, 1000.0, 1e4)
+    high = [at(case="doyle", q=s, sigma=s).extra.real.margins.gain[1] for s in sizes]
+    assert all(a > b for a, b in pairwise(high)) and high[-1] < 1.0001
+    near = [at(case="doyle", q=1000.0, sigma=1000.0, recovery=r).metrics["nearest"] for r in (0.0, 2.0, 4.0, 6.0, 8.0, 10.0)]
+    assert all(a < b for a, b in pairwise(near)) and near[0] < 1e-3 and near[-1] > 0.95
+
+
+def test_lqr_keeps_its_margins_on_both_plants() -> None:
+    for values in ({"case": "doyle", "q": 1000.0}, {"case": "doyle"}, {}, {"alpha_q": 1e-2}):
+        m = at(**values).extra.ideal.margins
+        assert m.nearest > 1 - 1e-6 and m.gain[0] <= 0.5 and m.gain[1] == np.inf and np.degrees(m.phase) >= 60
+
+
+def test_the_lessons_recovery_is_the_engines() -> None:
+    one, p = doyle.TOGETHER, doyle.plant()
+    outcome = at(case="doyle", q=60.0, sigma=60.0, recovery=3.0)
+    unit = np.trace(one @ one.T) / np.trace(p.B @ p.B.T)
+    found = recover(p, outcome.gains["K"], 60.0, 1.0, float(np.sqrt((10**3 - 1) * unit * 60.0)), one)
+    assert outcome.gains["L"] == pytest.approx(found.gain_L, rel=1e-9)
+
+
+def test_a_gain_beyond_the_edge_departs_and_one_within_returns() -> None:
+    for m, home in ((1.03, True), (1.05, False)):
+        outcome = at(case="doyle", gain=m)  # q = σ = 5: the edge is 1.04
+        assert (outcome.extra.density is not None) is home
+        assert bool(outcome.poles["loop"].real.max() < 0) is home
+
+
+# --- the platform ------------------------------------------------------------------------------------------------------
+# V of the report: suppression in dB by the table that was made before this lesson
+TABLE = {1e-18: (110, 96, 113), 1e-12: (61, 61, 57), 1e-10: (41, 26, 37), 1e-9: (31, 11, 27), 1e-8: (21, 3, 17), 1e-6: (3.6, 0, 1.8)}
+
+
+@pytest.mark.parametrize("V", TABLE)
+def test_the_lessons_suppression_is_that_of_the_table(V: float) -> None:
+    outcome = at(beta_r=V / 1e-18)
+    assert outcome.extra.suppression == pytest.approx(np.array(TABLE[V]), abs=0.8)
+
+
+def test_the_numbers_in_the_text() -> None:
+    start, literal = at(), at(beta_r=1.0)
+    assert start.extra.suppression == pytest.approx(np.array([31.2, 11.0, 27.2]), abs=0.1)
+    assert start.extra.low[1] == pytest.approx(-31.1, abs=0.3)  # pitch is amplified at 0.1 Hz
+    assert start.extra.low[[0, 2]] == pytest.approx(np.zeros(2), abs=0.1)
+    assert start.metrics["J_known"] == pytest.approx(0.0114, abs=5e-5)
+    assert start.metrics["J"] == pytest.approx(904, abs=1) and literal.metrics["J"] == pytest.approx(0.0690, abs=1e-4)
+    assert literal.metrics["J"] == pytest.approx(literal.metrics["J_least"], rel=1e-6)
+    assert at(beta_r=1.0, cut="3").metrics["delay"] == pytest.approx(30e-6, rel=0.03)
+    assert at(cut="3").metrics["delay"] == pytest.approx(0.21, abs=0.01)
+    assert start.metrics["all_inputs_nearest"] == pytest.approx(0.34, abs=0.005)
+    assert all(at(cut=c).metrics["nearest"] > 0.99 for c in "123")
+    twenty = at(beta_r=1e8, cut="3")
+    assert twenty.extra.suppression == pytest.approx(np.array([41.2, 25.5, 37.1]), abs=0.1)
+    assert twenty.metrics["delay"] == pytest.approx(0.163, abs=0.002)
+
+
+def test_a_lqg_that_trusts_its_model_more_lets_less_noise_into_the_input() -> None:
+    """Rule 2 of the report says the reverse."""
+    for sensor in (1.0, 1e9):
+        rms = [at(beta_r=b, sensor=sensor).metrics["sensor_input"] for b in (1e0, 1e3, 1e6, 1e9, 1e12)]
+        assert all(a > 2 * b for a, b in pairwise(rms))
+    evidence = at(rule="beta-r").metrics
+    assert evidence["sensor_less"] > 2 and evidence["sensor_more"] == pytest.approx(0.287, abs=0.005)
+
+
+def test_the_other_rules_hold() -> None:
+    assert at(rule="split").metrics["union_error"] < 1e-9
+    assert at(rule="beta-q").metrics["process_more"] > 1.2
+
+
+def test_recovery_makes_the_filter_watch_the_pitch_that_the_ground_hardly_moves() -> None:
+    before, after = at(), at(recovery=1.0)
+    assert before.extra.suppression[1] == pytest.approx(11.0, abs=0.1) and after.extra.suppression[1] == pytest.approx(21.2, abs=0.1)
+    assert before.metrics["all_inputs_nearest"] == pytest.approx(0.34, abs=0.01)
+    assert after.metrics["all_inputs_nearest"] == pytest.approx(0.98, abs=0.01)
+
+
+def test_the_multivariable_numbers_are_the_engines() -> None:
+    o = at()
+    p = o.extra.case.plant
+    both = loop_margins(p, compensator(p, o.gains["K"], o.gains["L"])).all_inputs
+    assert o.extra.real.nearest == pytest.approx(1 / both.sensitivity_peak, rel=2e-3)
+    assert o.extra.real.alpha == pytest.approx(both.unstructured.alpha, rel=2e-3)
+    ideal = state_feedback_margins(p, o.gains["K"]).all_inputs
+    assert o.extra.ideal.nearest == pytest.approx(1 / ideal.sensitivity_peak, rel=1e-6)
+
+
+def test_the_believed_noise_being_true_no_other_filter_is_cheaper() -> None:
+    matched = at(beta_r=1e3, sensor=1e3)
+    assert matched.metrics["J"] == pytest.approx(matched.metrics["J_least"], rel=1e-6)
+    for beta in (1e2, 1e4):
+        assert at(beta_r=beta, sensor=1e3).metrics["J"] > 1.01 * matched.metrics["J"]
+
+
+def test_the_recursive_filter_finds_the_state_long_before_the_steady_one() -> None:
+    """In the run, whose first error the recursive filter's P(0) knows."""
+    steady, recursive = at(), at(filter="recursive")
+    size = [o.extra.trace.error(o.extra.case) for o in (steady, recursive)]
+    t = steady.extra.trace.t
+    assert size[1][t > 0.1].max() < 0.01 * size[1][0]
+    assert size[0][-1] == pytest.approx(0.23 * size[0][0], rel=0.05)
+
+
+@pytest.mark.parametrize("values", [{}, {"filter": "recursive"}, {"case": "doyle"}, {"case": "doyle", "filter": "recursive"},
+                                    {"beta_r": 1e8, "sensor": 1e9, "seed": 5}])
+def test_the_runs_lie_on_the_prediction(values: dict) -> None:
+    start = at(**values)
+    *_, (share, last) = LESSON.job.run(start)  # type: ignore[union-attr]
+    assert share == 1.0
+    trials = last.extra.trials
+    assert trials.ratio == pytest.approx(np.ones(3), abs=0.08)
+    assert (trials.inside > 0.85).all()  # 95 % are expected; neighbouring points are not independent
+    known = LESSON.carry(last, at(**{**values, "rule": "split"}))  # type: ignore[misc]
+    assert known.extra.trials is trials
+    assert LESSON.carry(last, at(**{**values, "recovery": 1.0})).extra.trials is None  # type: ignore[misc]
+
+
+def test_a_computer_at_200_hz_keeps_little_of_the_literal_design() -> None:
+    for beta, kept in ((1e9, (31.1, 11.0, 27.1)), (1.0, (67.3, 81.5, 70.2))):
+        o = at(beta_r=beta)
+        case, f = o.extra.case, o.extra.case.frequency
+        band = (f > 0.5) & (f < 3)
+        computed = bench_of(case, setting_of(case, o.design)).loop.psd(f)
+        assert 10 * np.log10(case.open_psd[band].max(axis=0) / computed[band].max(axis=0)) == pytest.approx(np.array(kept), abs=0.3)
+
+
+# --- any model that fits -------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name", ["spring-damper", "cart-pendulum", "deck", "two-mass"])
+def test_the_lesson_takes_any_model_that_fits_or_says_why_not(name: str) -> None:
+    try:
+        lesson = on_model(MODELS[name])
+        outcome = lesson.compute(lesson.start())
+    except EngineError as problem:
+        assert str(problem).endswith(".")
+        return
+    assert outcome.metrics["J"] == pytest.approx(outcome.metrics["J_least"], rel=1e-6)
+    assert lesson.figures(outcome) and "case" not in {k.name for k in lesson.knobs}
+    for change in ({"filter": "recursive"}, {"recovery": 3.0}, {"gain": 1.2}, {"rule": "beta-r"}):
+        lesson.figures(lesson.compute(lesson.apply(lesson.start(), change)))
+
+
+def test_a_kick_is_felt_by_both_filters() -> None:
+    case = case_of(MODELS["deck"])
+    lesson = on_model(MODELS["deck"])
+    setting = setting_of(case, lesson.start())
+    for recursive in (False, True):
+        kicked, calm = (trace(case, setting, k, recursive) for k in (1.5, -1.0))
+        before = calm.t < 1.49
+        assert np.allclose(kicked.x[before], calm.x[before], atol=1e-12)
+        assert np.abs(kicked.x[~before] - calm.x[~before]).max() > 1e-4
+
+
+def test_the_price_of_recovery_is_as_the_solution_says() -> None:
+    o = at(case="doyle", q=1000.0, sigma=1000.0, recovery=6.0)
+    m, s = o.extra.real.margins, o.extra
+    assert m.gain == pytest.approx((0.0719, 5.385), rel=1e-3) and np.degrees(m.phase) == pytest.approx(75.3, abs=0.1)
+    assert np.linalg.norm(s.cost.sensors) / np.linalg.norm(s.plain_cost.sensors) == pytest.approx(273, abs=1)
+    assert s.cost.total > s.plain_cost.total
+
+
+def test_a_run_that_leaves_every_scale_is_not_said_to_stay_within_the_picture():
+    figure = TimeFigure("state0", same("x"), np.arange(3.0), (Curve(same("true"), np.array([0.0, 5.0, 500.0])),), caption=same("Now."))
+    held = within(figure, 40.0)
+    assert held.curves[0].y.max() == 40.0 and held.caption.en == "Now. What lies beyond the scale is drawn at its edge."
+    assert within(figure, 500.0) is figure

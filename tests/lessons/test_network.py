@@ -1,0 +1,171 @@
+"""Lesson 18: how many packets may be lost, and what a delay does to separation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from app.engine import critical_loss, mean_square_growth
+from app.lesson.lesson import Outcome
+from app.plants import MODELS
+from lessons.network.cases import CART, CHIP, DECK, KINDS, SAMPLES, SCALAR, TWO, sampled
+from lessons.network.lesson import LESSON
+from lessons.network.runs import LOSSES, bounds_over_loss, key
+from lessons.network.tasks import TASKS
+from lessons.network.trials import OVER
+
+SEEDS = range(1, 9)
+
+
+def outcome(**values: Any) -> Outcome:
+    return LESSON.compute(LESSON.apply(LESSON.start(), values))
+
+
+def finished(start: Outcome) -> Outcome:
+    assert LESSON.job is not None
+    return [start, *(better for _, better in LESSON.job.run(start))][-1]
+
+
+# --- how many may be lost ----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("a", [1.01, 1.2, 1.4, 2.0])
+def test_scalar_the_critical_loss_is_one_over_a_squared(a: float) -> None:
+    o = outcome(a=a)
+    assert o.metrics["critical"] == o.metrics["safe"] == pytest.approx(1 / a**2, rel=1e-12)
+    edge = 1 / a**2
+    for loss, bounded in ((0.97 * edge, True), (min(1.03 * edge, 0.99), False)):
+        assert outcome(a=a, loss=loss).checks[0].holds == (bounded or loss < edge)
+
+
+def test_the_lower_bound_diverges_above_the_edge_and_the_upper_one_settles_below() -> None:
+    below, above = outcome(loss=0.6).extra, outcome(loss=0.8).extra
+    assert below.upper[-1] == pytest.approx(below.upper[-10], rel=1e-2) and below.upper[-1] < 20
+    assert above.lower[-1] / above.lower[-2] == pytest.approx(0.8 * 1.44, rel=1e-3)
+
+
+def test_the_numbers_of_the_second_step() -> None:
+    shares = {case: outcome(case=case).metrics for case in (CHIP, CART, DECK, TWO)}
+    assert 100 * shares[CHIP]["critical"] == pytest.approx(88.4, abs=0.05)
+    assert 100 * shares[CART]["critical"] == pytest.approx(71.0, abs=0.05)
+    assert shares[DECK]["critical"] == shares[DECK]["safe"] == 1.0
+    assert 100 * shares[TWO]["critical"] == pytest.approx(64, abs=1e-9)
+    assert 100 * shares[TWO]["safe"] == pytest.approx(52.9, abs=0.05)
+    for case in (CHIP, CART):  # the edge from the continuous plant: e^{−2 s h}
+        s = float(np.max(np.linalg.eigvals(MODELS[case].plant.A).real))
+        assert shares[case]["critical"] == pytest.approx(np.exp(-2 * s * shares[case]["period"]), rel=1e-9)
+
+
+def test_faster_sampling_lets_more_packets_be_lost() -> None:
+    slow, fast = outcome(case=CART).metrics, outcome(case=CART, stretch=0.5).metrics
+    assert (slow["radius"], fast["radius"]) == pytest.approx((1.187, 1.089), abs=5e-4)
+    assert 100 * fast["critical"] == pytest.approx(84.3, abs=0.05)
+
+
+def test_the_variance_climbs_where_a_packet_is_lost_and_falls_where_one_comes() -> None:
+    s = outcome(loss=0.5).extra
+    before = np.concatenate([[1.0], s.teeth[:-1, 1]])
+    assert np.all(s.teeth[s.heard, 0] < before[s.heard])
+    assert s.teeth[~s.heard, 0] == pytest.approx(before[~s.heard], rel=1e-12)
+    assert np.all(s.teeth[:, 1] > s.teeth[:, 0])
+
+
+def test_many_runs_lie_between_the_bounds_below_the_edge_and_their_median_stays_small_above() -> None:
+    o = finished(outcome(loss=0.3))
+    t, (lower, upper) = o.extra.trials, bounds_over_loss(key(o.design))
+    assert len(t.mean) == SAMPLES + 1 and len(t.means) == len(OVER)
+    assert o.extra.lower[-1] < t.mean[20:].mean() < 1.02 * o.extra.upper[-1]
+    for p, mean in zip(OVER[OVER < 0.5], t.means, strict=False):
+        assert np.interp(p, LOSSES, lower) < mean < 1.1 * np.interp(p, LOSSES, upper)
+    at = int(np.argmin(np.abs(OVER - 0.8)))
+    assert t.medians[at] < 20 and np.interp(0.8, LOSSES, lower) > 1e5
+    assert list(t.medians) == sorted(t.medians)  # the same random numbers at every loss
+
+
+def test_averages_go_over_only_where_they_still_hold() -> None:
+    assert LESSON.carry is not None
+    o = finished(outcome())
+    told = LESSON.carry(o, outcome(told="asked", delay=1))
+    assert told.extra.trials is o.extra.trials
+    loss = LESSON.carry(o, outcome(loss=0.5))
+    assert loss.extra.trials.means == o.extra.trials.means and not len(loss.extra.trials.mean)
+    for other in (dict(noise=2.0), dict(a=1.3), dict(case=CHIP), dict(seed=2)):
+        assert LESSON.carry(o, outcome(**other)).extra.trials is None
+
+
+# --- late, and taken for fresh -------------------------------------------------------------------------------------------
+def test_late_measurements_put_in_their_place_keep_the_wall_and_the_edge() -> None:
+    o = outcome(jitter=4)
+    assert o.metrics["separation_meter"] < 1e-12 and o.metrics["critical"] == outcome().metrics["critical"]
+    assert o.extra.teeth[:, 1].mean() > 2 * outcome().extra.teeth[:, 1].mean()
+    for seed in SEEDS:
+        assert outcome(jitter=4, order="arrival", seed=seed).metrics["separation_meter"] > 0.1
+
+
+# --- delay ---------------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("case", [SCALAR, TWO, CHIP, CART, DECK])
+def test_a_delay_unknown_to_the_observer_breaks_separation_and_a_known_one_does_not(case: str) -> None:
+    for seed in SEEDS:
+        assert outcome(case=case, delay=2, told="asked", loss_u=0.0, seed=seed).metrics["separation_meter"] > 0.1
+        assert outcome(case=case, delay=2, told="applied", seed=seed).metrics["separation_meter"] < 1e-9
+
+
+@pytest.mark.parametrize("case", [SCALAR, TWO, CHIP, CART, DECK])
+def test_looking_ahead_brings_the_loop_back_to_its_crosses(case: str) -> None:
+    o = outcome(case=case, delay=2, told="ahead")
+    chosen = np.concatenate([o.poles["controller"], o.poles["observer"]])
+    left = list(o.poles["loop"])
+    for pole in chosen:
+        near = min(left, key=lambda z: abs(z - pole))
+        assert abs(near - pole) < 1e-6
+        left.remove(near)
+    assert np.max(np.abs(left)) < 1e-3
+
+
+def test_being_told_is_not_enough_for_the_pole_on_a_cart() -> None:
+    told, ahead = (outcome(case=CART, delay=2, told=how).metrics for how in ("applied", "ahead"))
+    assert told["separation_meter"] < 1e-9 and told["loop_radius"] > 1
+    assert ahead["loop_radius"] == pytest.approx(0.907, abs=5e-4)
+
+
+# --- lost inputs -----------------------------------------------------------------------------------------------------------
+def test_neither_holding_nor_zero_always_wins() -> None:
+    s = sampled(CHIP, 1.2, 1.0)
+    growth = {(p, how): mean_square_growth(s.plant, s.K, p, how) for p in (0.3, 0.5) for how in ("hold", "zero")}  # type: ignore[arg-type]
+    assert growth[0.3, "hold"] == pytest.approx(0.729, abs=5e-4) and growth[0.3, "zero"] == pytest.approx(0.781, abs=5e-4)
+    assert growth[0.5, "hold"] == pytest.approx(0.920, abs=5e-4) and growth[0.5, "zero"] == pytest.approx(0.840, abs=5e-4)
+
+
+# --- tasks, exam, stage ------------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("task", TASKS, ids=lambda t: t.id)
+def test_no_task_turns_on_the_noise(task: Any) -> None:
+    for seed in SEEDS:
+        assert task.check(outcome(**task.solution, seed=seed)).solved
+        assert not task.check(outcome(seed=seed)).solved
+
+
+def test_near_misses_of_the_tasks() -> None:
+    edge, faster, gap, wall = TASKS
+    assert not edge.check(outcome(a=1.4, loss=0.52)).solved and not edge.check(outcome(a=1.4, loss=0.45)).solved
+    assert not faster.check(outcome(case=CART, loss=0.8)).solved
+    assert not gap.check(outcome(case=TWO, loss=0.5)).solved and not gap.check(outcome(case=TWO, loss=0.7)).solved
+    assert not wall.check(outcome(case=CART, delay=2, told="asked")).solved
+    assert not wall.check(outcome(case=CART, delay=2, told="applied")).solved
+
+
+def test_the_exam_is_the_edge_of_the_sampled_plant() -> None:
+    for seed in SEEDS:
+        item = LESSON.exam(seed)
+        s, h = float(item.numbers["s"]), float(item.numbers["h"]) / 1000
+        assert item.answer == pytest.approx(100 * critical_loss(expm(np.array([[s * h]])), [[1.0]]).lost, rel=1e-9)
+
+
+def test_the_stage_lights_a_lamp_where_a_packet_has_come() -> None:
+    o = outcome(loss=0.5)
+    assert o.stage is not None
+    at = [int(np.searchsorted(o.stage.t, k * 0.1 - 1e-9)) for k in range(SAMPLES)]
+    assert np.array_equal(o.stage.x[at, 1] > 0.5, o.extra.heard)
+    assert o.stage.x[at, 0] == pytest.approx(o.extra.x[:, 0])
+    lit, dark = (KINDS[SCALAR].body.pose([0.0, heard, 1.0], 1.0)["sensor lamp"] for heard in (1.0, 0.0))
+    assert lit.colour != dark.colour and lit.scale != dark.scale

@@ -1,0 +1,255 @@
+"""Observability: published numbers, rank against distance, x(0) from y, and the ellipsoid that data leave."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.integrate import quad_vec
+from scipy.linalg import expm
+
+from app.engine import Plant, observability, observer_gain
+from app.lesson.figures import PlaneFigure
+from app.lesson.lesson import Stage
+from lessons.observability.cases import CASES, READING, sensed
+from lessons.observability.criteria import DET, GRAMIAN, PBH, RANK
+from lessons.observability.knowledge import KNOWN, learn
+from lessons.observability.lesson import LESSON
+from lessons.observability.verdict import Found, judged
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+def found(**changes) -> Found:
+    return outcome(**changes).extra
+
+
+def stage_of(**changes) -> Stage:
+    stage = outcome(**changes).stage
+    assert stage is not None
+    return stage
+
+
+def test_the_notes_example_as_printed():
+    """Observer notes (001), section 2.2: O = [1 0; 1 2], rank 2; singular values and poles recomputed."""
+    f = found(plant="notes", rows_two=2)
+    np.testing.assert_array_equal(f.rebuilt.matrix, [[1, 0], [1, 2]])
+    assert f.rank == f.rebuilt.rank == 2
+    np.testing.assert_allclose(f.rebuilt.sizes, [2.2882, 0.8740], atol=5e-5)
+    np.testing.assert_allclose([m.pole for m in f.sensed.seen.modes], [-0.37228, 5.37228], atol=5e-6)
+
+
+def test_rows_come_one_by_one_and_each_opens_a_direction():
+    assert [found(plant="notes", rows_two=k).rebuilt.rank for k in (1, 2)] == [1, 2]
+    A = sensed(LESSON.apply(LESSON.start(), {"left": -0.15})).plant.A
+    C = sensed(LESSON.apply(LESSON.start(), {"left": -0.15})).plant.C
+    for k in range(1, 7):
+        f = found(left=-0.15, rows_deck=k)
+        np.testing.assert_allclose(f.rebuilt.matrix[-1:], C @ np.linalg.matrix_power(A, k - 1), rtol=1e-9, atol=1e-9)
+        assert f.rebuilt.rank == k
+
+
+def test_start_from_y_and_its_derivative_by_hand():
+    """x₁ = y, x₂ = (ẏ − y)/2 for the notes' example, as the step says; one row leaves x₂ open."""
+    f = found(plant="notes", rows_two=2, reading=1e-12)
+    y, dy = f.rebuilt.data
+    np.testing.assert_allclose(f.rebuilt.guess, [y, (dy - y) / 2], rtol=1e-12)
+    np.testing.assert_allclose(f.rebuilt.guess, f.start, atol=1e-10)
+    one = found(plant="notes", rows_two=1, reading=1e-12).rebuilt
+    np.testing.assert_allclose(one.guess, [f.start[0], 0.0], atol=1e-10)
+    np.testing.assert_array_equal(one.share.round(12), [1.0, 0.0])
+
+
+def test_derivatives_are_those_of_y():
+    """The data that O is solved with are y, ẏ, ÿ at 0, here by mpmath's numerical differentiation."""
+    f = found(plant="notes", rows_two=2)
+    A, x0 = mpmath.matrix([[1, 2], [3, 4]]), mpmath.matrix(f.start.tolist())
+    for order, value in enumerate(f.rebuilt.exact):
+        assert float(mpmath.diff(lambda t: (mpmath.expm(A * t) * x0)[0], 0, order)) == pytest.approx(value, abs=1e-8)
+
+
+def test_directions_below_the_tolerance_stay_open():
+    """σ₂/σ₁ of the pair's O is about ε/4: with τ above it only x₁ + x₂ = y is solved, by the shortest x(0)."""
+    f = found(plant="pair", gap=1e-5, rows_two=2, tolerance=1e-3, reading=1e-12)
+    assert f.rank == f.rebuilt.rank == 1
+    np.testing.assert_allclose(f.rebuilt.share, 0.5, atol=1e-4)
+    np.testing.assert_allclose(f.rebuilt.guess, np.sum(f.start) / 2, atol=1e-4)
+
+
+def test_reading_errors_are_blown_up_by_near_unobservability():
+    errors = [outcome(plant="pair", gap=gap, rows_two=2, reading=1e-6).metrics["rebuild_error"] for gap in (1e-1, 1e-3, 1e-5)]
+    assert errors[0] < 1e-4 < errors[1] < 1e-2 < errors[2]
+
+
+def test_twenty_modes_low_rank_and_nothing_hidden():
+    """numerics.md, trap 1: rank(O) = 7 while every PBH distance exceeds 0.4; shown as both, never as one number."""
+    o = outcome(plant="many", count=20)
+    f = o.extra
+    assert f.rank == 7 == found(plant="many", count=20, rows_many=20).rebuilt.rank and f.sensed.seen.observable and f.sensed.seen.rank == 20
+    A, C = -np.diag(np.arange(1.0, 21.0)), np.ones((1, 20))
+    peers = [np.linalg.svd(np.vstack([A + k * np.eye(20), C]), compute_uv=False)[-1] for k in range(1, 21)]
+    assert min(peers) > 0.4
+    assert o.metrics["weakest"] == pytest.approx(min(peers), rel=1e-9)
+    assert judged(f) == "unresolved"
+    assert "No mode is hidden" in o.live.en and "7" in o.live.en and " of 20 " in o.live.en
+    assert {c.id: c.holds for c in o.checks} == {"rank": False, "seen": True, "clear": True, "known": False}
+
+
+def test_true_rank_of_twenty_modes_is_twenty():
+    """O is a Vandermonde matrix of twenty different poles: not singular, only beyond double precision."""
+    with mpmath.workdps(80):
+        O = mpmath.matrix([[mpmath.mpf(-j) ** k for j in range(1, 21)] for k in range(20)])
+        assert abs(mpmath.det(O)) > 1
+
+
+@pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8])
+def test_near_unobservable_pair_is_called_so_at_full_rank(gap):
+    o = outcome(plant="pair", gap=gap)
+    assert o.metrics["rank"] == 2 and judged(o.extra) == "near"
+    assert o.metrics["weakest"] == pytest.approx(gap / np.sqrt(2), rel=0.02)
+    assert o.live.en.startswith("Nearly unobservable")
+    L = observer_gain(np.diag([-1.0, -1.0 - gap]), np.ones((1, 2)), (-2.0, -3.0)).gain
+    assert np.linalg.norm(L) * gap == pytest.approx(2.8, abs=0.1)
+
+
+def test_middle_sensor_sees_the_vertical_motion_only():
+    f = found()
+    hidden = {round(p.imag, 2) for p in f.sensed.seen.unobservable if p.imag > 0}
+    assert judged(f) == "hidden" and f.sensed.seen.rank == 2 and hidden == {6.25, 7.49}
+    spread = np.sqrt(np.diagonal(f.belief.P[-1]))
+    np.testing.assert_allclose(spread[[0, 2, 3, 5]], 1.0, atol=1e-9)  # x, θ and their rates: as wide as before
+    assert np.all(spread[[1, 4]] < KNOWN)
+
+
+def test_horizontal_sensor_misses_the_vertical_motion():
+    f = found(left_on=False, across_on=True)
+    assert {round(p.imag, 2) for p in f.sensed.seen.unobservable if p.imag > 0} == {9.39}
+    assert judged(found(left_on=False)) == "hidden"  # no sensor at all
+
+
+@pytest.mark.parametrize("place", [-0.2, -0.1, 0.03, 0.15])
+def test_one_sensor_off_the_middle_sees_all_and_farther_is_better(place):
+    f = found(left=place)
+    assert f.sensed.seen.observable
+    assert outcome(left=1.1 * place if abs(place) < 0.18 else place).metrics["weakest"] >= outcome(left=place).metrics["weakest"]
+    assert outcome(left=place).metrics["weakest"] == pytest.approx(outcome(left=-place).metrics["weakest"], rel=0.2)
+
+
+def test_typical_sizes_change_numbers_not_the_plant():
+    f = found(left=-0.1, right_on=True, across_on=True)
+    S = np.diag(CASES["deck"].scale)
+    own = Plant(S @ f.sensed.plant.A @ np.linalg.inv(S), np.zeros((6, 1)), READING * f.sensed.plant.C @ np.linalg.inv(S))
+    np.testing.assert_allclose(own.C, [[0, 0, 0, 0, 1, -0.1], [0, 0, 0, 0, 1, 0.072], [0, 0, 0, 1, 0, 0.014978]], atol=1e-12)
+    np.testing.assert_allclose(observability(own).rank, f.sensed.seen.rank)
+
+
+def test_blind_directions_of_the_notes_sensor():
+    """C = [cos φ, sin φ] is blind for an eigenvector of [1 2; 3 4] at a right angle to it."""
+    values, vectors = np.linalg.eig(np.array([[1.0, 2.0], [3.0, 4.0]]))
+    blind = dict(zip(values.round(3).tolist(), np.degrees(np.arctan2(-vectors[0], vectors[1])).tolist(), strict=True))
+    blind = {k: (v + 90) % 180 - 90 for k, v in blind.items()}
+    assert blind[-0.372] == pytest.approx(55.54, abs=0.01)
+    for pole, angle in blind.items():
+        f = found(plant="notes", angle=angle)
+        assert not f.sensed.seen.observable or f.weakest.distance < 1e-12
+        assert f.weakest.pole.real == pytest.approx(pole, abs=1e-3)
+        assert {c.id: c.says for c in f.criteria} == {DET: None, RANK: False, GRAMIAN: False, PBH: False}
+
+
+@pytest.mark.parametrize("changes", [{"plant": "notes"}, {"left": -0.15}, {"plant": "pair", "gap": 0.1},
+                                     {"left": 0.1, "right_on": True, "across_on": True}])
+def test_gramian_is_the_integral(changes):
+    s = sensed(LESSON.apply(LESSON.start(), changes))
+    A, C = s.plant.A, s.plant.C
+    for k in (1, 37, len(s.t) - 1):
+        peer, _ = quad_vec(lambda t: expm(A.T * t) @ C.T @ C @ expm(A * t), 0, s.t[k], epsabs=1e-12, epsrel=1e-10)
+        np.testing.assert_allclose(s.energy[k], peer, rtol=1e-8, atol=1e-9 * np.abs(peer).max())
+
+
+@pytest.mark.parametrize("changes", [{}, {"left": -0.15}, {"plant": "notes"}, {"plant": "pair"}, {"plant": "many"}])
+def test_the_ellipsoid_never_grows(changes):
+    """More data never widen a direction: P(s) − P(t) ⪰ 0 for s < t."""
+    b = found(**changes).belief
+    np.testing.assert_allclose(b.P[0], np.eye(len(b.mean[0])), atol=1e-12)
+    assert np.linalg.eigvalsh(b.P[:-1] - b.P[1:]).min() > -1e-9
+    assert np.all(np.diff(b.halves, axis=0) <= 1e-9)
+    np.testing.assert_allclose(np.sqrt(np.linalg.eigvalsh(b.P[-1]))[::-1], b.halves[-1], rtol=1e-4, atol=1e-7)
+
+
+def test_the_ellipsoid_holds_the_truth_as_often_as_it_says():
+    """x(0) ~ N(0, I): the squared distance of the truth in the metric of P has mean n and variance 2n at every time."""
+    s, rng = sensed(LESSON.apply(LESSON.start(), {"left": -0.15})), np.random.default_rng(7)
+    trials, at = 600, 70
+    squares = []
+    for seed in range(trials):
+        start = rng.standard_normal(6)
+        b = learn(s, start, 0.05, 1000 + seed)
+        gap = start - b.mean[at]
+        squares.append(gap @ np.linalg.solve(b.P[at], gap))
+    assert np.mean(squares) == pytest.approx(6, abs=5 * np.sqrt(12 / trials))
+    assert np.var(squares) == pytest.approx(12, rel=0.5)
+
+
+def test_less_noise_means_a_smaller_ellipsoid_but_not_for_a_hidden_direction():
+    loud, quiet = (found(noise=nu).belief.halves[-1] for nu in (0.3, 0.003))
+    assert quiet[-1] < 0.02 * loud[-1] * 1.1
+    np.testing.assert_allclose([quiet[:4], loud[:4]], 1.0, atol=1e-9)
+
+
+def test_the_sentence_of_the_notes_says_nothing():
+    """C e^{At} is 1×2 at every t, so there is no determinant; the other three agree, and refuse a blind direction."""
+    says = {c.id: c.says for c in found(plant="notes").criteria}
+    assert says == {DET: None, RANK: True, GRAMIAN: True, PBH: True}
+    s = found(plant="notes").sensed
+    assert all(np.linalg.matrix_rank(s.plant.C @ phi) == 1 for phi in s.powers)
+    says = {c.id: c.says for c in found().criteria}
+    assert says == {DET: None, RANK: False, GRAMIAN: False, PBH: False}
+
+
+def test_a_gramian_below_rounding_does_not_say_no_where_nothing_is_hidden():
+    for changes in ({"plant": "many", "count": 20}, {"plant": "pair", "gap": 1e-8}):
+        assert {c.id: c.says for c in found(**changes).criteria}[GRAMIAN] is None
+
+
+def test_the_drawn_ellipse_passes_the_95_percent_bound():
+    """Half axes of the plane's last ellipse: √(5.9915 λ(P)), χ² of 2 at 95 %."""
+    o = outcome(plant="notes")
+    figure = next(f for f in LESSON.figures(o) if f.id == "ellipses")
+    assert isinstance(figure, PlaneFigure)
+    last = figure.curves[-1]
+    assert last.x is not None
+    ring = np.column_stack([last.x, last.y]) - o.extra.belief.mean[-1]
+    squares = np.einsum("ki,ij,kj->k", ring, np.linalg.inv(o.extra.belief.P[-1]), ring)
+    np.testing.assert_allclose(squares, 5.9915, rtol=1e-4)
+
+
+def test_the_drawn_ellipsoid_is_the_marginal_of_the_positions():
+    cloud, P = stage_of(left=-0.15).x[-1, 11:], found(left=-0.15).belief.P[-1]
+    w, x, y, z = cloud[6:10]
+    R = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                  [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                  [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])
+    drawn = R @ np.diag(cloud[3:6] ** 2) @ R.T
+    order = [0, 2, 1]  # right = x, away = θ, up = z
+    np.testing.assert_allclose(drawn, 7.8147 * P[np.ix_(order, order)], rtol=1e-4, atol=1e-8)  # χ² of 3 at 95 %
+
+
+def test_sensors_on_the_body_stand_where_the_knobs_say():
+    near, far = stage_of(left=-0.05), stage_of(left=-0.15)
+    rest = np.zeros(6).tolist()
+    places = [stage.body.pose(rest + stage.x[0, 6:].tolist(), 1.0)["sensor left"].position[0] for stage in (near, far)]
+    assert places[0] == pytest.approx(-0.05 * 7.5) and places[1] == pytest.approx(-0.15 * 7.5)
+    on, off = (stage_of(right_on=v) for v in (True, False))
+    colours = [s.body.pose(s.x[0].tolist(), 1.0)["sensor right"].colour for s in (on, off)]
+    assert colours[0] != colours[1] and on.body is off.body
+
+
+def test_exam_answer_reproduces_the_readings():
+    for seed in range(20):
+        item = LESSON.exam(seed)
+        v = {k: float(n) for k, n in item.numbers.items()}
+        A, x0 = np.array([[v["a"], v["b"]], [v["c"], v["d"]]]), np.array([v["y"], item.answer])
+        h = 1e-6
+        assert ((expm(A * h) - expm(-A * h)) @ x0)[0] / (2 * h) == pytest.approx(v["dy"], abs=1e-6)

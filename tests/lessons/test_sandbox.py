@@ -1,0 +1,129 @@
+"""Sandbox: every analysis or one clear sentence why not, and none of them takes another with it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.engine import Plant, closed_loop, controllability, hankel_singular_values, loop_margins, observability
+from app.lesson.figures import TableFigure
+from app.lesson.lesson import Lesson, Outcome
+from app.plants.examples import EXAMPLES, example
+from app.plants.own import canonical, own_model, plant_of
+from lessons.sandbox.analyses import RUNGS, Refusal, trial
+from lessons.sandbox.lesson import LESSON
+from lessons.sandbox.tasks import exam
+
+
+def opened(plant: Plant | str, **changes: object) -> tuple[Lesson, Outcome]:
+    lesson = LESSON.fit(plant if isinstance(plant, str) else canonical(plant))
+    return lesson, lesson.compute(lesson.apply(lesson.start(), changes))
+
+
+def lights(lesson: Lesson, outcome: Outcome) -> dict[str, str]:
+    table = next(f for f in lesson.figures(outcome) if f.id == "lights")
+    assert isinstance(table, TableFigure)
+    return {name.en: verdict.en for name, verdict, _ in table.rows}  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_the_numbers_are_those_of_the_engine_asked_directly(name: str) -> None:
+    plant, (_, outcome) = plant_of(example(name)), opened(example(name))
+    study, K, L = outcome.extra, outcome.gains["K"], outcome.gains["L"]
+    assert study.structure.seen.rank == observability(plant).rank and study.structure.reached.rank == controllability(plant).rank
+    assert np.array_equal(outcome.poles["loop"], closed_loop(plant, K, L).poles)
+    assert study.loop.stable
+    if np.all(np.abs(plant.poles) < 1 if plant.dt else plant.poles.real < 0):
+        assert study.structure.hankel == pytest.approx(hankel_singular_values(plant), rel=1e-6, abs=1e-12)
+    if not isinstance(study.margins, Refusal):
+        assert study.margins.together == loop_margins(plant, study.loop.compensator).all_inputs.disk.alpha
+
+
+def test_one_failing_analysis_leaves_the_others_alone() -> None:
+    """Deaf, blind and unstable: no filter, no margins, no Hankel values; yet structure, loop and run are there."""
+    lesson, outcome = opened(Plant(np.diag([1.0, 2.0]), np.zeros((2, 1)), np.zeros((1, 2))))
+    study = outcome.extra
+    assert all(isinstance(answer, Refusal) for answer in (study.structure.hankel, study.noise, study.trial, study.margins))
+    for answer in (study.structure.hankel, study.noise, study.trial, study.margins):
+        assert answer.text.en.strip() and answer.text.zh.strip() and "\n" not in answer.text.en
+    shown = lights(lesson, outcome)
+    assert shown["observable"] == shown["detectable"] == shown["controllable"] == shown["stabilizable"] == "○ no"
+    assert shown["Kalman filter consistent"] == shown["robust at the inputs (α ≥ 0.5)"] == "— not here"
+    assert outcome.run is not None and len(outcome.run.t) > 30
+    captions = {f.id: f.caption.en for f in lesson.figures(outcome)}
+    for name in ("hankel", "valley", "nis", "gain", "sensitivity", "margins"):
+        assert captions[name].startswith("Not for this plant: "), name
+
+
+def test_lights_of_hidden_stable_and_hidden_unstable() -> None:
+    for fast, detectable in ((-3.0, "● yes"), (3.0, "○ no")):
+        lesson, outcome = opened(Plant(np.diag([-1.0, fast]), np.ones((2, 1)), np.array([[1.0, 0.0]])))
+        shown = lights(lesson, outcome)
+        assert shown["observable"] == "○ no" and shown["detectable"] == detectable and shown["controllable"] == "● yes"
+        assert shown["minimal"] == "○ no"
+        assert (fast in outcome.boards[1].fixed) == (abs(fast) < 10)
+
+
+def test_a_sampled_plant_is_taken_as_it_is() -> None:
+    lesson, outcome = opened(example("pendulum"))
+    plant = plant_of(example("pendulum"))
+    assert np.all(np.abs(outcome.poles["loop"]) < 1) and all(board.disc for board in outcome.boards)
+    assert outcome.run is not None and np.diff(outcome.run.t) == pytest.approx(plant.dt)
+    x = outcome.run.x
+    assert x[1:] == pytest.approx(x[:-1] @ plant.A.T + outcome.run.u_applied[:-1] @ plant.B.T, abs=1e-9)
+    assert lesson.job is not None
+    with pytest.raises(Exception, match="continuous"):
+        next(lesson.job.run(outcome))
+
+
+def test_told_the_applied_input_the_error_lives_by_itself_through_the_limit() -> None:
+    for name in ("aircraft", "motor", "pendulum"):
+        limit = {"limited": True, "u_max": 1.6 * own_model(plant_of(example(name))).u_max}
+        for fed, alone in (("applied", True), ("commanded", False)):
+            _, outcome = opened(example(name), fed=fed, **limit)
+            assert outcome.metrics["clipped_share"] > 0
+            assert (outcome.metrics["separation_meter"] < 1e-8) == alone
+
+
+def test_the_expected_nis_is_what_many_records_average() -> None:
+    model = own_model(plant_of(example("pendulum")))
+    for belief in (0.1, 1.0, 10.0):
+        many = [trial(model, 0.01, belief, seed) for seed in range(1, 41)]
+        mean, spread = np.mean([t.test.mean for t in many]), np.std([t.test.mean for t in many]) / np.sqrt(len(many))
+        assert abs(mean - many[0].expected) < 4 * spread + 0.01
+    assert trial(model, 0.01, 1.0, 1).expected == pytest.approx(2.0, rel=1e-6)
+
+
+def test_the_bottom_of_the_valley_is_the_true_belief() -> None:
+    for name in ("aircraft", "pendulum", "tanks"):
+        _, outcome = opened(example(name))
+        found = outcome.extra.noise
+        sizes = [np.trace(part.total / np.outer(found.unit, found.unit)) for part in found.ladder.parts]
+        assert RUNGS[int(np.argmin(sizes))] == pytest.approx(1.0)
+
+
+def test_recovery_brings_the_margin_of_a_minimum_phase_plant_back() -> None:
+    lesson, outcome = opened(example("tanks"))
+    assert lesson.job is not None
+    *_, (fraction, last) = lesson.job.run(outcome)
+    q, alpha, target = zip(*last.extra.steps, strict=True)
+    assert fraction == 1.0 and list(q) == sorted(q)
+    assert alpha[-1] > 0.9 * target[-1] and alpha[-1] > alpha[0] - 1e-9
+
+
+def test_what_was_recovered_stays_while_only_the_observer_moves() -> None:
+    lesson, start = opened(example("tanks"))
+    assert lesson.job is not None and lesson.carry is not None
+    *_, (_, done) = lesson.job.run(start)
+    observer = lesson.compute(lesson.apply(done.design, {"tolerance": 1e-3}))
+    assert lesson.carry(done, observer).extra.steps == done.extra.steps
+    moved = lesson.apply(done.design, {"controller_poles": [1.2 * p for p in done.design["controller_poles"]]})
+    assert not lesson.carry(done, lesson.compute(moved)).extra.steps
+
+
+@pytest.mark.parametrize("seed", range(1, 9))
+def test_the_exam_answer_hides_the_mode(seed: int) -> None:
+    item = exam(seed)
+    a, b = float(item.numbers["a"]), float(item.numbers["b"])
+    plant = Plant(np.array([[a, 1.0], [0.0, b]]), np.ones((2, 1)), np.array([[1.0, item.answer]]))
+    assert observability(plant).unobservable == pytest.approx((b,))

@@ -1,0 +1,249 @@
+"""Lesson 7: what clipping takes from the loop, what an honest wire gives back, and the map of starts."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.linalg import expm
+
+from app.engine import Plant, Scenario, autonomous_error, observer_gain, place, recovery_map, simulate
+from app.lesson.lesson import Design, Outcome
+from lessons.saturation.lesson import FAST, LESSON, PLANT, scenario_of
+from lessons.saturation.runs import FALLEN, comes_home, march
+from lessons.saturation.starts import FAR, GRID, HOME, HOPELESS, NEAR, UNKNOWN, ceiling, map_scenario
+
+
+def design(**changes: object) -> Design:
+    return LESSON.apply(LESSON.start(), changes)
+
+
+def mapped(**changes: object) -> Outcome:
+    *_, (fraction, outcome) = LESSON.job.run(LESSON.compute(design(**changes)))
+    assert fraction == 1.0
+    return outcome
+
+
+@pytest.fixture(scope="module")
+def told_truth() -> Outcome:
+    return mapped(fed="applied")
+
+
+@pytest.fixture(scope="module")
+def fast_observer() -> Outcome:
+    return mapped(fed="applied", observer_poles=FAST)
+
+
+@pytest.fixture(scope="module")
+def told_wish() -> Outcome:
+    return mapped(fed="commanded")
+
+
+# --- published: tutorial 000 ---------------------------------------------------------------------------------------
+@pytest.mark.parametrize(("fed", "low", "high"), [("applied", 0.0, 1e-9), ("commanded", 7.65, 7.8)])
+def test_double_integrator_of_the_tutorial_loses_its_error_law_only_when_fed_the_wish(fed, low, high) -> None:
+    """K at −2, −2, L at −6, −6, |u| ≤ 1, 10 s; the start (5, 0), unnamed in the source, gives its 7.7."""
+    plant = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
+    K, L = place(plant.A, plant.B, [-2, -2]).gain, observer_gain(plant.A, plant.C, [-6, -6]).gain
+    run = simulate(Scenario(plant, K, L, x0=[5, 0], xhat0=[0, 0], u_min=-1, u_max=1, fed=fed, horizon=10))
+    promised = np.array([expm((plant.A - L @ plant.C) * t) @ [5, 0] for t in run.t])
+    assert run.saturated
+    assert low <= np.abs(run.e - promised).max() <= high
+
+
+# --- the error -----------------------------------------------------------------------------------------------------
+def test_told_the_truth_the_error_is_the_matrix_exponential_although_clipped() -> None:
+    outcome = LESSON.compute(design(fed="applied"))
+    run, L = outcome.run, outcome.gains["L"]
+    promised = np.array([expm((PLANT.A - L @ PLANT.C) * t) @ run.e[0] for t in run.t])
+    assert outcome.metrics["clipped_for"] > 0.1
+    assert np.abs(run.e - promised).max() < 1e-9 * np.linalg.norm(run.e, axis=1).max()
+    assert {check.id: check.holds for check in outcome.checks} == {"autonomous": True, "windup": True, "home": True}
+
+
+def test_told_the_wish_the_error_is_driven_by_what_the_motor_did_not_give() -> None:
+    outcome = LESSON.compute(design(fed="commanded"))
+    K, L = outcome.gains["K"], outcome.gains["L"]
+    run = outcome.run
+
+    def error_rate(t: float, z: np.ndarray) -> np.ndarray:
+        x, e = z[:4], z[4:]
+        u = -K @ (x - e)
+        given = np.clip(u, -4, 4)
+        return np.concatenate([PLANT.A @ x + PLANT.B @ given, (PLANT.A - L @ PLANT.C) @ e + PLANT.B @ (given - u)])
+
+    k = 15  # 0.3 s
+    peer = solve_ivp(error_rate, (0, run.t[k]), [*run.x[0], *run.e[0]], rtol=1e-10, atol=1e-12, max_step=1e-3)
+    assert np.abs(peer.y[4:, -1] - run.e[k]).max() < 1e-5 * np.abs(run.e[k]).max()
+    assert np.abs(run.e[k] - autonomous_error(run)[k]).max() > 0.5
+    assert outcome.metrics["separation_meter"] > 1
+
+
+def test_a_true_first_estimate_does_not_help_the_observer_told_the_wish() -> None:
+    wish, truth = (LESSON.compute(design(fed=fed, error0=0.0)) for fed in ("commanded", "applied"))
+    assert not comes_home(wish.run) and comes_home(truth.run)
+    assert np.abs(truth.run.e).max() < 1e-10 < 1 < np.abs(wish.run.e).max()
+
+
+def test_windup_is_an_eigenvalue_and_the_applied_force_removes_it() -> None:
+    wish, truth = (LESSON.compute(design(fed=fed)) for fed in ("commanded", "applied"))
+    K, L = wish.gains["K"], wish.gains["L"]
+    assert wish.metrics["clipped_rate"] == pytest.approx(max(np.roots(np.poly(PLANT.A - PLANT.B @ K - L @ PLANT.C)).real))
+    assert wish.metrics["clipped_rate"] == pytest.approx(46.5, abs=0.05)
+    assert truth.metrics["clipped_rate"] == pytest.approx(-8.0)
+
+
+# --- limits --------------------------------------------------------------------------------------------------------
+def test_ceiling_of_a_plain_pendulum_is_the_angle_where_gravity_wins() -> None:
+    pendulum = Plant([[0, 9.0], [1, 0]], [[-2.0], [0]], [[0, 1]])  # state (ω, θ): ω̇ = 9 θ − 2 u
+    assert ceiling(pendulum, 1.5) == pytest.approx(np.degrees(2 * 1.5 / 9))
+    assert ceiling(PLANT, 1.0) == pytest.approx(4.75, abs=0.005)
+
+
+def test_beyond_the_ceiling_not_even_a_known_state_comes_home() -> None:
+    limit = np.radians(ceiling(PLANT, 4.0))
+    K = LESSON.compute(design()).gains["K"]
+    s = Scenario(PLANT, K, u_min=-4, u_max=4, state_feedback=True, horizon=8)
+    *_, (_, found) = recovery_map(s, 1, [-1.3 * limit, -1.001 * limit, 0.3 * limit, 1.001 * limit], 1, [0.0],
+                                  threshold=NEAR, bound=FAR)
+    assert found.recovered.ravel().tolist() == [False, False, True, False]
+
+
+def test_twice_the_limit_is_twice_the_map() -> None:
+    one = LESSON.compute(design(fed="applied", u_max=2.0, angle0=3.0, error0=2.0))
+    two = LESSON.compute(design(fed="applied", u_max=4.0, angle0=6.0, error0=4.0))
+    assert one.metrics["clipped_for"] == two.metrics["clipped_for"] > 0
+    assert np.allclose(two.run.x, 2 * one.run.x, atol=1e-9)
+
+
+# --- the map -------------------------------------------------------------------------------------------------------
+def test_interlaced_mirrored_map_is_the_map_of_plain_runs(told_truth: Outcome) -> None:
+    starts = told_truth.extra.starts
+    coarse = np.arange(0, len(GRID), 4)
+    s = map_scenario(scenario_of(told_truth.design, told_truth.gains["K"], told_truth.gains["L"]))
+    *_, (_, plain) = recovery_map(s, 1, np.radians(GRID[coarse]), 1, np.radians(GRID[coarse]), threshold=NEAR, bound=FAR)
+    assert np.array_equal(starts.values[np.ix_(coarse, coarse)] == HOME, plain.recovered.T)
+    assert np.all((starts.values == HOPELESS).any(axis=0) == (np.abs(GRID) >= told_truth.metrics["ceiling"]))
+
+
+def test_numbers_in_the_text_are_those_of_the_maps(told_wish, told_truth, fast_observer) -> None:
+    assert told_wish.metrics["map_home"] == pytest.approx(0.042, abs=0.003)
+    assert told_truth.metrics["map_home"] == pytest.approx(0.280, abs=0.003)
+    assert fast_observer.metrics["map_home"] == pytest.approx(0.39, abs=0.005)
+
+
+def test_with_a_true_estimate_the_observer_does_not_matter_and_otherwise_it_does(told_truth, fast_observer) -> None:
+    one, other = told_truth.extra.starts.values, fast_observer.extra.starts.values
+    middle = len(GRID) // 2
+    assert GRID[middle] == 0 and np.array_equal(one[middle], other[middle])
+    assert np.sum(one != other) > 100
+    known = LESSON.compute(design(fed="applied", error0=0.0))
+    home = march(replace(scenario_of(known.design, known.gains["K"], known.gains["L"], state_feedback=True)))
+    assert comes_home(home) == (one[middle, int(np.flatnonzero(GRID == 6.0)[0])] == HOME)
+
+
+def test_a_clicked_start_runs_as_the_map_says(told_wish, told_truth) -> None:
+    rng = np.random.default_rng(7)
+    for outcome in (told_wish, told_truth):
+        for x, y in rng.uniform(-15, 15, (25, 2)):
+            picked = LESSON.apply(outcome.design, LESSON.pick(outcome, x, y))
+            assert abs(picked["angle0"] - x) <= 0.5 and abs(picked["error0"] - y) <= 0.5
+            cell = outcome.extra.starts.at(picked["angle0"], picked["error0"])
+            assert bool(LESSON.compute(picked).metrics["comes_home"]) == (cell == HOME)
+
+
+def test_click_outside_lands_on_the_edge_and_removes_the_kick(told_wish: Outcome) -> None:
+    kicked = LESSON.compute(design(kick=2.0))
+    assert LESSON.pick(kicked, 99.0, -99.0) == {"angle0": 20.0, "error0": -20.0, "kick": -1.0}
+
+
+def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
+    final = told_wish.extra.starts.values
+    seen, last = [], 0.0
+    for fraction, outcome in LESSON.job.run(LESSON.compute(told_wish.design)):
+        assert last <= fraction <= 1.0
+        last = fraction
+        if outcome.extra.starts is not None:
+            known = outcome.extra.starts.values != UNKNOWN
+            assert np.array_equal(outcome.extra.starts.values[known], final[known])
+            seen.append(float(np.mean(known)))
+    assert len(set(seen)) >= 4 and seen == sorted(seen) and seen[-1] == 1.0
+
+
+def test_the_map_goes_along_with_a_new_start_and_with_nothing_else(told_truth: Outcome) -> None:
+    moved = LESSON.compute(design(fed="applied", angle0=-3.0, error0=1.0, kick=1.0))
+    assert LESSON.carry(told_truth, moved).extra.starts is told_truth.extra.starts
+    for change in ({"fed": "commanded"}, {"u_max": 5.0}, {"observer_poles": FAST}, {"controller_poles": (-2, -2.5, -3, -4)}):
+        other = LESSON.compute(LESSON.apply(told_truth.design, change))
+        assert LESSON.carry(told_truth, other) is other
+        assert np.all(LESSON.figures(other)[-1].values == UNKNOWN)
+
+
+def test_a_dropped_job_goes_on_where_it_was(told_wish: Outcome) -> None:
+    def parts(job: Iterator[tuple[float, Outcome]]) -> Iterator[Outcome]:
+        return (outcome for _, outcome in job if outcome.extra.starts is not None)
+
+    half = next(o for o in parts(LESSON.job.run(LESSON.compute(told_wish.design))) if o.extra.starts.done > 0.5)
+    moved = LESSON.carry(half, LESSON.compute(LESSON.apply(told_wish.design, {"angle0": 1.0})))
+    assert 0.5 < moved.extra.starts.done < 1
+    first, *_ = rest = list(LESSON.job.run(moved))
+    assert first[0] > 0.5 and first[1].extra.starts.done >= moved.extra.starts.done
+    assert np.array_equal(rest[-1][1].extra.starts.values, told_wish.extra.starts.values)
+
+
+def test_unstable_poles_have_no_map_but_a_sentence() -> None:
+    with pytest.raises(ValueError, match="left half plane"):
+        next(LESSON.job.run(LESSON.compute(design(observer_poles=(1, -8, -9, -10)))))
+
+
+# --- runs, tasks, exam ---------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("kick", [-1.0, 0.0, 0.5, 1.37, 4.0, 8.0])
+def test_a_run_in_parts_is_the_run_in_one(kick: float) -> None:
+    outcome = LESSON.compute(design(fed="applied", kick=kick))
+    s = scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"])
+    parts, one = march(s), simulate(s)
+    assert len(parts.t) == len(one.t) == s.n_t
+    assert np.abs(parts.x - one.x).max() < 1e-9 and np.abs(parts.u_applied - one.u_applied).max() < 1e-7
+
+
+def test_a_fallen_pole_is_shown_at_its_fall_for_the_rest_of_the_time() -> None:
+    outcome = LESSON.compute(design(fed="commanded"))
+    shown, stopped = outcome.extra.shown, outcome.extra.stopped
+    after = shown.t >= stopped
+    assert len(shown.t) == 401 and 0.5 < stopped < 1.0
+    assert np.all(np.abs(shown.x[after, 1]) > FALLEN) and np.all(np.abs(shown.x[~after, 1]) <= FALLEN)
+    assert np.ptp(shown.x[after], axis=0).max() == 0
+    assert outcome.run.t[-1] < stopped
+
+
+@pytest.mark.parametrize("task", LESSON.tasks, ids=lambda task: task.id)
+def test_task_fails_at_the_start_and_passes_at_its_solution(task) -> None:
+    assert not task.check(LESSON.compute(LESSON.start())).solved
+    assert task.check(LESSON.compute(LESSON.apply(LESSON.start(), task.solution))).solved
+
+
+def test_told_the_truth_is_needed_in_every_task() -> None:
+    for task in LESSON.tasks:
+        lied = LESSON.apply(LESSON.start(), {**task.solution, "fed": "commanded"})
+        assert not task.check(LESSON.compute(lied)).solved
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_exam_answer_is_the_resting_point_of_the_driven_error(seed: int) -> None:
+    item = LESSON.exam(seed)
+    p, asked, given = (float(item.numbers[name]) for name in ("p", "asked", "given"))
+    A, C = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[1.0, 0.0]])
+    L = np.array([[2 * p], [p * p]])  # (s + p)²
+    rest = -np.linalg.solve(A - L @ C, np.array([0.0, given - asked]))
+    assert item.answer == pytest.approx(rest[1])
+    assert item.tolerance < 0.05 * abs(item.answer)
+    for words in LESSON.words.values():
+        assert all(number in words.exam.format(**item.numbers) for number in item.numbers.values())
+
+
+def test_what_is_drawn_at_the_edge_is_said_so_and_what_fits_is_not():
+    lost = {f.id: f for f in LESSON.figures(LESSON.compute(design()))}
+    assert max(abs(lost["state0"].curves[1].y)) == 49.0 and "edge" in lost["state0"].caption.en and "边缘" in lost["state0"].caption.zh
+    calm = {f.id: f for f in LESSON.figures(LESSON.compute(design(fed="applied")))}
+    assert not any("edge" in f.caption.en for f in calm.values())

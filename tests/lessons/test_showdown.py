@@ -1,0 +1,211 @@
+"""What must come out of the showdown lesson, and every number that its text states."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.engine import monte_carlo, noisy_loop, sampled_lqg, welch_expectation
+from app.lesson.lesson import Outcome
+from app.plants import platform, platform_siso
+from app.plants.platform_channels import T_y
+from app.plants.platform_lqg import Weights, coils, ground, lqg
+from lessons.showdown.lesson import LESSON
+from lessons.showdown.players import ORDER, decoupled, first_belief, full, gain_gap, players, reduced, sampled_design
+from lessons.showdown.world import band_rms, grid, loop_of, measures, respond, world_of
+
+CHANNELS = ("vertical", "rotation", "horizontal")
+
+
+def outcome(**values: Any) -> Outcome:
+    return LESSON.compute(LESSON.apply(LESSON.start(), values))
+
+
+def band(result: Outcome, player: str) -> np.ndarray:
+    return np.array([result.metrics[f"{player}_{channel}_band_db"] for channel in CHANNELS])
+
+
+def rms(result: Outcome, player: str) -> np.ndarray:
+    return np.array([result.metrics[f"{player}_{channel}_rms"] for channel in CHANNELS])
+
+
+def test_the_players_are_those_of_the_plants_modules() -> None:
+    for v in (1e-10, 1e-13):
+        weights, plant = Weights(v0=v), reduced()
+        for ours, theirs in ((full(v), lqg(plant, weights).controller), (decoupled(v), platform_siso.decoupled_lqg(weights))):
+            for s in (2j, 30j):
+                one, two = (c.C @ np.linalg.solve(s * np.eye(c.n) - c.A, c.B) for c in (ours, theirs))
+                assert np.abs(one - two).max() <= 1e-6 * np.abs(two).max()
+        theirs = sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, 1e-3, ground(plant))
+        assert np.allclose(sampled_design(v).K, theirs.K) and np.allclose(sampled_design(v).filter.R, theirs.filter.R)
+
+
+def test_spectra_and_sizes_are_those_of_the_lyapunov_equation() -> None:
+    """RMS by the area of the drawn density, from 0.1 Hz up, beside the variance of the sampled loop."""
+    start = outcome()
+    match = start.extra
+    for i, player in enumerate(match.five):
+        if player.id == "open":
+            continue
+        loop = loop_of(match.world, player)
+        variance = np.diag(loop.outputs @ loop.covariance @ loop.outputs.T)[:3]
+        assert np.allclose(match.rms[i], 1e6 * np.sqrt(variance), rtol=0.02)
+
+
+def test_the_sampled_densities_are_the_continuous_loops_at_low_frequency() -> None:
+    start = outcome()
+    whole, weights = platform.plant(), Weights(v0=1e-10)
+    loop = noisy_loop(coils(whole), lqg(reduced(), weights).controller, ground(whole), weights.W, weights.V)
+    f = start.extra.f
+    low = f < 20
+    continuous = 1e12 * loop.psd(f[low], loop.outputs(T_y[:3]))
+    assert np.abs(start.extra.spectra[ORDER.index("lqe")].density[low, :3] / continuous - 1).max() < 0.02
+
+
+def test_steady_and_recursive_filter_coincide() -> None:
+    for v in (1e-9, 1e-10, 1e-11):
+        assert outcome(v=v).metrics["filters_apart_db"] < 0.2
+    t, away = gain_gap(1e-10)
+    assert away[0] > 25 and away[-1] < 0.003 and t[-1] == pytest.approx(20, abs=0.1)
+    schedule = sampled_design(1e-10).filter.schedule(first_belief(1e-10), 1025).gains
+    goal = sampled_design(1e-10).filter.steady.filter_gain
+    for step in (0, 1, 2):
+        by_steps = np.linalg.norm(schedule[512 * step] - goal) / np.linalg.norm(goal)
+        assert away[step] == pytest.approx(by_steps, rel=1e-5)
+
+
+def test_the_scores_at_the_start() -> None:
+    start = outcome()
+    assert band(start, "siso") == pytest.approx([21.6, 9.45, 15.9], abs=0.06)
+    assert band(start, "lqe") == pytest.approx([20.1, 13.1, 16.5], abs=0.06)
+    assert band(start, "decoupled") == pytest.approx([20.1, 10.4, 16.5], abs=0.06)
+    assert rms(start, "siso")[0] == pytest.approx(100, abs=0.5) and rms(start, "lqe")[0] == pytest.approx(25, abs=0.5)
+    assert 1e3 * start.metrics["siso_force_rms"] == pytest.approx(424, abs=1)
+    assert 1e3 * start.metrics["lqe_force_rms"] == pytest.approx(16, abs=0.5)
+
+
+def test_the_orders_of_figures_23_to_25_as_far_as_they_come_out() -> None:
+    """Horizontally nearly equal, rotation LQG < decoupled LQG < SISO; vertically the decoupled LQG is the full one."""
+    start = outcome()
+    across = [band(start, player)[2] for player in ("siso", "lqe", "decoupled")]
+    assert max(across) - min(across) < 1.0
+    turn = [rms(start, player)[1] for player in ("lqe", "decoupled", "siso")]
+    assert turn == pytest.approx([2.55, 3.48, 4.35], abs=0.006)
+    assert turn == sorted(turn)
+    peaks = [start.metrics[f"{player}_rotation_peak_db"] for player in ("lqe", "decoupled")]
+    assert peaks[1] > peaks[0]
+    up = [rms(start, player)[0] for player in ("lqe", "siso", "decoupled")]
+    assert up[0] == pytest.approx(up[2], rel=1e-3) and up[1] > 3 * up[0]
+
+
+def test_full_lqg_is_best_in_rotation_and_vertical_where_it_believes_the_truth() -> None:
+    for v in (1e-9, 1e-10, 1e-11, 1e-12):
+        result = outcome(v=v, sensor=v)
+        for other in ("siso", "decoupled"):
+            assert np.all(rms(result, "lqe")[:2] <= 1.001 * rms(result, other)[:2])
+
+
+def test_the_prediction_and_its_reveal() -> None:
+    quiet = outcome(sensor=1e-14)
+    assert band(quiet, "siso") == pytest.approx([50, 42, 46], abs=0.5)
+    assert band(quiet, "lqe") == pytest.approx([23, 22, 19], abs=0.5)
+    told = outcome(sensor=1e-14, v=1e-14)
+    assert band(told, "lqe") == pytest.approx([58, 52, 53], abs=0.5)
+    assert np.all(band(told, "lqe") > band(told, "siso"))
+    assert LESSON.answer == 1
+
+
+def test_the_numbers_of_the_solutions() -> None:
+    assert band(outcome(sensor=1e-11), "lqe") == pytest.approx([22.7, 19.9, 19.0], abs=0.06)
+    assert band(outcome(sensor=1e-11, v=1e-11), "lqe") == pytest.approx([28.8, 22.5, 23.8], abs=0.06)
+    quiet = outcome(sensor=1e-14)
+    assert band(quiet, "siso") - band(quiet, "lqe") == pytest.approx([26.7, 19.6, 26.9], abs=0.06)
+    late = outcome(delay=8.0)
+    assert band(late, "lqe") == pytest.approx([19.9, 13.0, 16.4], abs=0.06)
+    assert outcome(delay=4.0).metrics["siso_stable"] and not outcome(delay=5.0).metrics["siso_stable"]
+
+
+def test_what_breaks_at_one_kilohertz() -> None:
+    assert not outcome(pair="published").metrics["siso_stable"]
+    literal = outcome(v=1e-18)
+    assert not literal.metrics["lqe_stable"] and literal.metrics["recursive_stable"]
+    assert not outcome(driver="second", bandwidth=30.0).metrics["siso_stable"]
+    assert outcome(driver="first", bandwidth=30.0).metrics["siso_stable"]
+    held = outcome(driver="second", bandwidth=30.0)
+    assert np.all(np.abs(band(held, "lqe") - band(outcome(), "lqe")) < 0.3)
+
+
+def test_monte_carlo_of_a_player_meets_the_drawn_prediction() -> None:
+    match = outcome().extra
+    loop = loop_of(match.world, match.five[ORDER.index("lqe")])
+    result = list(monte_carlo(loop, 24, 16.0, 5, 8192))[-1][1]
+    assert result is not None
+    expected = welch_expectation(loop, 8192)
+    inside = (result.frequency > 0.3) & (result.frequency < 100)
+    away = np.abs(result.density - expected.density)[inside, :3] / (result.spread[inside, :3] / np.sqrt(24))
+    assert np.mean(away < 2) > 0.9
+    drawn = np.interp(result.frequency[inside], match.f, 1e-12 * match.spectra[ORDER.index("lqe")].density[:, 0])
+    assert np.abs(np.log10(expected.density[inside, 0] / drawn)).max() < 0.05
+
+
+def test_clipping_keeps_the_linear_response_where_it_does_not_bite() -> None:
+    start = LESSON.start()
+    player = players(1e-10, "own")[ORDER.index("lqe")]
+    free = respond(world_of(start), player, False)
+    wide = respond(world_of(LESSON.apply(start, {"limited": True, "limit": 1.0})), player, False)
+    narrow = respond(world_of(LESSON.apply(start, {"limited": True, "limit": 0.005})), player, False)
+    assert free is not None and wide is not None and narrow is not None
+    assert np.allclose(free.velocity, wide.velocity)
+    assert np.abs(narrow.u).max() == pytest.approx(0.005)
+    reference = respond(world_of(start), players(1e-10, "own")[0], False)
+    assert reference is not None
+    slow, fast = measures(narrow, reference)[0].recovery, measures(free, reference)[0].recovery
+    assert slow is not None and fast is not None and slow >= fast
+
+
+def test_the_grid_catches_the_sharp_peaks() -> None:
+    """Area without control, 0.5–3 Hz, by the drawn points and by a hundred times as many."""
+    match = outcome().extra
+    fine = np.geomspace(0.5, 3.0, 60_000)
+    loop = noisy_loop(coils(platform.plant()), None, ground(platform.plant()), 1e-12)
+    exact = band_rms(fine, 1e12 * loop.psd(fine, loop.outputs(T_y[:3])), 0.5, 3.0)
+    ours = band_rms(grid(match.world.parameters), match.spectra[0].density[:, :3], 0.5, 3.0)
+    assert np.allclose(ours, exact, rtol=0.01)
+
+
+def test_the_job_measures_what_the_tables_show() -> None:
+    assert LESSON.job is not None
+    last = None
+    for _, last in LESSON.job.run(outcome()):  # noqa: B007
+        pass
+    assert last is not None
+    trials = last.extra.trials
+    found = 1e6 * np.sqrt(np.mean(trials.noise[2].rms[:, :3] ** 2, axis=0))
+    assert np.allclose(found, last.extra.rms[2], rtol=0.12)
+    assert trials.learning[0].max() > 10 * trials.learning[-1].max() and trials.learning[-1].max() < 0.1
+    assert np.isfinite(trials.decks[:, 1:]).all() and np.isfinite(trials.costs[:, 2]).all()
+    assert np.all(np.abs(trials.costs[:2, 2]) < 0.3) and np.isnan(trials.costs[:2, 1]).all()  # driver and delay: SISO lost
+    moved = LESSON.compute(LESSON.apply(LESSON.start(), {"play": "siso"}))
+    assert LESSON.carry is not None and LESSON.carry(last, moved).extra.trials is trials
+    assert LESSON.carry(last, LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-9}))).extra.trials is None
+
+
+def test_the_clock_ends_at_a_round_time_and_cells_of_three_numbers_do_not_break() -> None:
+    outcome = LESSON.compute(LESSON.start())
+    assert outcome.stage is not None and float(outcome.stage.t[-1]) == pytest.approx(2.4, abs=1e-12)
+    times = next(f for f in LESSON.figures(outcome) if f.id == "times")
+    assert all(" " not in cell for row in times.rows for cell in row[1:] if isinstance(cell, str))
+
+
+def test_nothing_is_measured_on_a_run_that_was_held_because_its_loop_is_unstable() -> None:
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"play": "siso", "pair": "published"}))
+    captions = {f.id: f.caption.en for f in LESSON.figures(outcome)}
+    assert "unstable" in captions["stage_velocity"] and "unstable" in captions["stage_force"]
+
+
+def test_a_controller_that_makes_it_worse_is_said_to_be_higher_and_not_minus_lower() -> None:
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"ground": "shaped"}))
+    said = next(f.caption.en for f in LESSON.figures(outcome) if f.id == "sensor_left_h")
+    assert "dB higher than" in said and "-" not in said

@@ -1,0 +1,139 @@
+"""Lesson 1: the open-loop copy forgets only as the chip does; the observer forgets as it is told."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import expm
+
+from app.lesson.figures import columns
+from app.plants import MODELS
+from lessons.virtual_sensor.lesson import LESSON, burst, least_trust
+from lessons.virtual_sensor.tasks import RUNAWAY, exam
+
+
+def outcome(**changes):
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+def words(language: str) -> str:
+    w = LESSON.words[language]
+    return "\n".join([w.introduction, w.reveal, *(body for _, body in w.steps),
+                      *(task.solution for task in w.tasks.values())])
+
+
+@pytest.mark.parametrize("plant", ["chip", RUNAWAY])
+def test_the_copy_error_is_the_matrix_exponential_of_the_plant_whatever_the_power(plant):
+    model = MODELS[plant]
+    for power in (0.0, 10.0, 37.0):
+        copy = outcome(plant=plant, power=power).extra.copy
+        e0 = np.subtract(model.x0, (0.0, 0.0))
+        for k in (100, 300, 500):
+            assert copy.e[k] == pytest.approx(expm(model.plant.A * copy.t[k]) @ e0, abs=1e-9)
+
+
+def test_the_copy_never_recovers_an_unstable_start_and_the_observer_does():
+    m = outcome(plant=RUNAWAY).metrics
+    assert m["slowest_copy"] > 0 > m["slowest_observer"]
+    assert m["copy_core_error"] > 80 and m["core_error"] < 1e-6
+
+
+def test_only_the_share_of_the_start_in_the_unstable_mode_is_never_forgiven():
+    values, vectors = np.linalg.eig(MODELS[RUNAWAY].plant.A)
+    stable = vectors[:, np.argmin(values)].real
+    start = np.array(MODELS[RUNAWAY].x0) - 10.0 * stable
+    copy = outcome(plant=RUNAWAY, guess_core=float(start[0]), guess_case=float(start[1])).extra.copy
+    assert np.linalg.norm(copy.e[-1]) < 1e-3 * np.linalg.norm(copy.e[0])
+
+
+def test_no_trust_is_the_copy():
+    o = outcome(trust=0.0)
+    assert np.array_equal(o.run.xhat, o.extra.copy.xhat)
+    assert o.poles["observer"] == pytest.approx(o.poles["copy"])
+
+
+def test_the_gain_is_trust_times_the_gain_of_the_poles():
+    half, full = outcome(trust=0.5), outcome()
+    assert half.gains["L"] == pytest.approx(0.5 * full.gains["L"], rel=1e-12)
+    assert full.poles["observer"] == pytest.approx([-1.6 - 0.5j, -1.6 + 0.5j])
+
+
+def test_least_trust_is_where_the_observer_of_the_runaway_chip_becomes_stable():
+    plant = MODELS[RUNAWAY].plant
+    L = outcome(plant=RUNAWAY).gains["L"]
+    theta = least_trust(plant, L)
+    slow = [max(np.linalg.eigvals(plant.A - k * theta * L @ plant.C).real) for k in (0.999, 1.001)]
+    assert slow[0] > 0 > slow[1]
+    assert least_trust(MODELS["chip"].plant, L) == 0.0
+
+
+def test_the_locus_starts_at_the_copy_and_passes_the_present_poles():
+    o = outcome(trust=1.0)
+    assert np.sort_complex(o.extra.poles[0]) == pytest.approx(o.poles["copy"])
+    at = int(np.argmin(np.abs(o.extra.trusts - 1.0)))
+    assert np.sort_complex(o.extra.poles[at]) == pytest.approx(o.poles["observer"])
+
+
+def test_a_noisier_sensor_shakes_the_trusting_observer_more():
+    def shake(trust: float) -> float:
+        return float(np.std(outcome(trust=trust, noise=1.0, guess_core=45, guess_case=20).run.e[:, 0]))
+    assert 0.0 < shake(0.1) < 0.5 * shake(2.0)
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_the_numbers_in_the_text_are_the_engines(language):
+    text = words(language)
+    tame, wild = outcome(), outcome(plant=RUNAWAY)
+    fast = outcome(observer_poles=(-3.0, -3.5))
+    little = outcome(plant=RUNAWAY, trust=0.1)
+    slow, grow = tame.metrics["slowest_copy"], wild.metrics["slowest_copy"]
+    fan = [outcome(air_error=40, trust=theta).metrics for theta in (0.3, 1.0)]
+    L, quick, small = tame.gains["L"], fast.gains["L"], little.gains["L"]
+    pole = little.poles["observer"][1]
+    for number in (
+            f"{slow:.3g}", f"{-1 / slow:.1f} s", f"{tame.extra.copy.e[-1, 0]:.2f} K", f"{tame.metrics['known_after']:.2f} s",
+            rf"L=({L[0, 0]:.3g},\ {L[1, 0]:.3g})", f"{grow:+.3f}", f"{math.log(2) / grow:.1f} s",
+            f"{wild.metrics['copy_core_error']:.1f} K", f"{wild.metrics['least_trust']:.4f}",
+            *(f"{m[key]:.2f} K" for m in fan for key in ("case_error", "core_error")),
+            rf"L=({quick[0, 0]:.3g},\ {quick[1, 0]:.3g})", f"{fast.metrics['largest_guess']:.0f} K",
+            rf"({small[0, 0]:.3g},\ {small[1, 0]:.3g})", rf"{pole.real:.3g}\pm{pole.imag:.3g}j",
+            f"{little.metrics['core_error']:.3f} K"):
+        assert number in text, number
+
+
+@pytest.mark.parametrize("air_error", [-50.0, -30.0, 40.0])
+def test_a_core_gain_of_one_keeps_a_wrong_fan_away_from_the_core(air_error):
+    run = outcome(air_error=air_error, trust=1.0 / outcome(air_error=air_error).gains["L"][0, 0]).run
+    assert run.e[:, 0] == pytest.approx(45.0 * np.exp(-run.t), abs=1e-9)
+    assert np.max(np.abs(run.e[-50:, 1])) > 0.1
+
+
+def test_more_trust_is_not_more_truth_when_the_fan_is_wrong():
+    few, many = (outcome(air_error=40, trust=theta).metrics for theta in (0.3, 1.0))
+    assert many["case_error"] < few["case_error"] and many["core_error"] > few["core_error"]
+
+
+def test_the_power_is_a_burst_and_a_rest():
+    u = burst(8.0)[:, 0]
+    assert len(u) == 501 and u[0] == u[99] == 8.0 and u[100] == u[199] == 2.0 and u[200] == 8.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_exam_answer_leaves_a_tenth(seed):
+    item = exam(seed)
+    a, t = float(item.numbers["a"]), float(item.numbers["t"])
+    assert math.exp((a - item.answer) * t) == pytest.approx(0.1)
+    assert round(item.answer, 2) == pytest.approx(item.answer, abs=item.tolerance)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.sampled_from(["chip", RUNAWAY]), st.floats(0, 2), st.floats(-4, 1), st.floats(-4, 1), st.floats(-50, 50),
+       st.floats(0, 2), st.floats(-1, 15))
+def test_every_setting_gives_figures_of_one_length(plant, trust, p, q, air, noise, kick):
+    o = outcome(plant=plant, trust=trust, observer_poles=(p, q), air_error=air, noise=noise, kick=kick)
+    for figure in LESSON.figures(o):
+        assert np.all(np.isfinite(columns(figure)[1]))

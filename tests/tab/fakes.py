@@ -1,0 +1,220 @@
+"""A session's surroundings, made to be watched: a view that records, a clock that stands still, a lesson that obeys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from app.engine import EngineError
+from app.lesson.figures import Curve as Line
+from app.lesson.figures import TimeFigure
+from app.lesson.knobs import Choice, Number, Poles, Track
+from app.lesson.lesson import Design, ExamItem, Job, Lesson, Outcome, Stage, Task, Verdict
+from app.lesson.prose import parse_prose
+from app.plants import MODELS
+from app.tab.edits import Do, SetKnobs
+from app.tab.picture import Picture
+from app.tab.session import FRAME, REST, Session
+from app.text.words import Text, same
+
+MODEL = MODELS["chip"]
+FORBIDDEN, BROKEN, UNDRAWABLE, UNSHOWABLE = 7.0, 8.0, 9.0, 9.5  # values of `gain` at which something goes wrong
+WORDS = """# {title}
+> question
+introduction
+## predict
+what happens
+- this
+- that
+- neither
+### reveal
+that
+## step one
+text
+## task high: High
+statement
+- hint
+- hint
+### solution
+because
+## task low: Low
+statement
+- hint
+- hint
+### solution
+because
+## exam
+item {{a}}
+## source
+source
+"""
+
+
+class Clock:
+    """Time that passes only when told to."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+    def advance(self, seconds: float) -> None:
+        self.now += seconds
+
+
+class FakeView:
+    """Records every call in order as (name, argument). Refuses to show a gain of UNSHOWABLE."""
+
+    def __init__(self, kept: str | None = None) -> None:
+        self.calls: list[tuple[str, Any]] = []
+        self.kept = kept
+
+    def build(self, picture: Picture) -> None:
+        self.calls.append(("build", picture))
+
+    def show(self, picture: Picture) -> None:
+        if dict(picture.design.values).get("gain") == UNSHOWABLE:
+            raise RuntimeError("the screen cannot draw this")
+        self.calls.append(("show", picture))
+
+    def pose(self, t: float) -> None:
+        self.calls.append(("pose", t))
+
+    def progress(self, fraction: float | None, label: Text | None) -> None:
+        self.calls.append(("progress", fraction))
+
+    def say(self, text: Text, bad: bool) -> None:
+        self.calls.append(("say", (text, bad)))
+
+    def camera(self, preset: str) -> None:
+        self.calls.append(("camera", preset))
+
+    def open_help(self) -> None:
+        self.calls.append(("help", None))
+
+    def recall(self) -> str | None:
+        return self.kept
+
+    def remember(self, text: str) -> None:
+        self.kept = text
+
+    # --- questions -------------------------------------------------------------------------------------------------
+    def of(self, name: str) -> list[Any]:
+        """The arguments of all calls of one name."""
+        return [argument for call, argument in self.calls if call == name]
+
+    def sentences(self) -> list[Text]:
+        """What was said."""
+        return [text for text, _ in self.of("say")]
+
+    def scolded(self) -> list[Text]:
+        """What was said about something bad."""
+        return [text for text, bad in self.of("say") if bad]
+
+    def clear(self) -> None:
+        self.calls.clear()
+
+
+def toy(name: str = "toy", **changes: Any) -> Lesson:
+    """A lesson of a few microseconds: x(t) = gain · e^{−t} + offset over `length` seconds."""
+    knobs = (
+        Number("gain", "g", Text("gain", "增益"), low=0.0, high=10.0, default=1.0),
+        Number("offset", "o", Text("offset", "偏置"), low=-1.0, high=1.0, default=0.0),
+        Number("length", "T", Text("length", "时长"), "s", low=1.0, high=4.0, default=2.0, hidden=True),
+        Number("kick", "t_k", Text("kick", "冲击"), "s", low=-1.0, high=4.0, default=-1.0, hidden=True),
+        Choice("mode", "", Text("mode", "方式"), options=(("a", same("a")), ("b", same("b"))), default="a"),
+        Poles("poles", "p", Text("poles", "极点"), default=(-1 + 1j, -1 - 1j)),
+        Track("hand", "h", Text("hand", "手动")),
+    )
+    lesson = Lesson(
+        name, 1, knobs, toy_compute, toy_figures, answer=1,
+        tasks=(Task("high", _at_least, {"gain": 5.0}), Task("low", _at_most, {"gain": 0.5})),
+        exam=toy_exam, source="none",
+        words={lang: parse_prose(WORDS.format(title=f"{name} {lang}")) for lang in ("en", "zh")})
+    return replace(lesson, **changes)
+
+
+def toy_compute(design: Design) -> Outcome:
+    gain = design["gain"]
+    if gain == FORBIDDEN:
+        raise EngineError("Seven is not a gain; choose another.")
+    if gain == BROKEN:
+        raise ZeroDivisionError("division by zero")
+    t = np.linspace(0.0, design["length"], 41)
+    x = np.column_stack([gain * np.exp(-t) + design["offset"], 0 * t])
+    return Outcome(design, metrics={"gain": gain}, stage=Stage(MODEL.body, t, x), live=same(f"{gain:g}"))
+
+
+def toy_figures(outcome: Outcome) -> tuple[TimeFigure, ...]:
+    assert outcome.stage is not None
+    if outcome.design["gain"] == UNDRAWABLE or outcome.extra == "undrawable":
+        raise ValueError("nothing to draw")
+    return (TimeFigure("x", same("x"), outcome.stage.t, (Line(same("x"), outcome.stage.x[:, 0]),)),)
+
+
+def toy_exam(seed: int) -> ExamItem:
+    return ExamItem({"a": str(seed)}, 2.0 * seed, 0.01)
+
+
+def _at_least(outcome: Outcome) -> Verdict:
+    return Verdict(outcome.metrics["gain"] >= 5, Text("at least 5", "至少 5"))
+
+
+def _at_most(outcome: Outcome) -> Verdict:
+    return Verdict(outcome.metrics["gain"] <= 0.5, Text("at most 0.5", "至多 0.5"))
+
+
+def job_of(run: Callable[[Outcome], Iterator[tuple[float, Outcome]]]) -> Job:
+    return Job(Text("long", "长计算"), run)
+
+
+class Tab:
+    """A session with its view and clock, opened, and worked by hand: no thread, no waiting."""
+
+    def __init__(self, lessons: Mapping[str, Lesson] | None = None, lesson: str | None = None, **options: Any) -> None:
+        self.lessons = dict(lessons) if lessons is not None else {"toy": toy()}
+        self.view, self.clock = FakeView(), Clock()
+        self.session = Session(self.lessons, self.view, lesson or next(iter(self.lessons)), clock=self.clock, **options)
+        self.session.open()
+        self.view.clear()
+
+    # --- doing -----------------------------------------------------------------------------------------------------
+    def set(self, **values: Any) -> None:
+        """Post new values and work on them."""
+        self.session.post(SetKnobs(values))
+        self.session.step(0.0)
+
+    def do(self, name: str, argument: Any = None) -> None:
+        """Post a command and work on it."""
+        self.session.post(Do(name, argument))
+        self.session.step(0.0)
+
+    def rest(self) -> None:
+        """Let the knobs rest until the final picture is drawn."""
+        self.clock.advance(REST + 0.01)
+        self.session.step(0.0)
+
+    def run_for(self, seconds: float) -> None:
+        """Let frames pass."""
+        for _ in range(round(seconds / FRAME)):
+            self.clock.advance(FRAME)
+            self.session.step(0.0)
+
+    # --- seeing ----------------------------------------------------------------------------------------------------
+    @property
+    def picture(self) -> Picture:
+        """What the session holds to be the last good picture."""
+        assert self.session.picture is not None
+        return self.session.picture
+
+    @property
+    def shown(self) -> Picture:
+        """What the view showed last."""
+        return self.view.of("show")[-1]
+
+    def __getitem__(self, knob: str) -> Any:
+        return self.picture.design[knob]

@@ -1,0 +1,187 @@
+"""Bad input costs one sentence and nothing else: the last good picture stays and the session lives on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fakes import BROKEN, FORBIDDEN, UNDRAWABLE, UNSHOWABLE, FakeView, Tab, toy, toy_compute
+
+from app.tab.edits import Do, SetKnobs
+from app.tab.history import MERGE
+from app.tab.session import Session
+from app.text.words import Text
+
+GOOD = 2.0
+
+
+@pytest.fixture
+def tab() -> Tab:
+    tab = Tab()
+    tab.set(gain=GOOD)
+    tab.do("predict", 1)
+    tab.do("play")
+    tab.rest()
+    tab.clock.advance(MERGE)
+    tab.view.clear()
+    return tab
+
+
+def nothing_happened(tab: Tab) -> None:
+    """One sentence, the last good picture on the screen, and the tab goes on working."""
+    assert len(tab.view.scolded()) == 1
+    sentence = tab.view.scolded()[0]
+    assert isinstance(sentence, Text) and sentence.en.strip() and sentence.zh.strip()
+    assert "\n" not in sentence.en and "Traceback" not in sentence.en
+    assert tab["gain"] == GOOD and tab.picture.outcome.metrics["gain"] == GOOD
+    assert all(p.design["gain"] == GOOD for p in tab.view.of("show"))
+    tab.set(gain=4.0)
+    assert tab.shown.design["gain"] == 4.0
+    tab.do("undo")
+    assert tab["gain"] == GOOD
+    assert len(tab.view.scolded()) == 1
+
+
+@pytest.mark.parametrize("values", [
+    {"gain": float("nan")}, {"gain": float("inf")}, {"gain": 1e9}, {"gain": -1e-9}, {"gain": "much"}, {"gain": None},
+    {"gain": [1, 2]}, {"gain": 10**400}, {"nobody": 1.0}, {"": 1.0}, {"x" * 10_000: 1.0}, {"mode": "c"}, {"mode": 1e9}, {"mode": ["a"]},
+    {"poles": [(float("nan"), 0.0), (-1.0, 0.0)]}, {"poles": [(-1.0, 1.0), (-1.0, 2.0)]}, {"poles": []}, {"poles": 3},
+    {"poles": [(-1e9, 0.0), (-1.0, 0.0)]}, {"hand": [(0.0, 1e9)]}, {"hand": [(float("nan"), 0.0)]}, {"hand": "left"},
+], ids=lambda v: str(v)[:40])
+def test_values_that_no_knob_accepts(tab: Tab, values: dict) -> None:
+    tab.session.post(SetKnobs(values))
+    tab.session.step(0.0)
+    nothing_happened(tab)
+
+
+def test_the_refused_value_is_taken_back_from_the_widget(tab: Tab) -> None:
+    """A browser has already moved its slider: the accepted value must be shown again, and as a resting picture."""
+    tab.set(gain=1e9)
+    assert tab.shown.design["gain"] == GOOD and tab.shown.resting
+
+
+def test_a_bad_value_does_not_take_a_good_one_of_another_knob_with_it(tab: Tab) -> None:
+    """Both wait in the mailbox at the same time; they were different edits."""
+    tab.session.post(SetKnobs({"offset": 0.5}))
+    tab.session.post(SetKnobs({"gain": float("nan")}))
+    tab.session.step(0.0)
+    assert tab["offset"] == 0.5
+    nothing_happened(tab)
+
+
+@pytest.mark.parametrize("name, argument", [
+    ("nonsense", None), ("", None), ("_init__", None), ("set", None), ("predict", "first"), ("predict", None),
+    ("predict", 1e9), ("predict", float("nan")), ("seek", "soon"), ("lesson", "nowhere"), ("lesson", None), ("lesson", ["toy"]),
+    ("check", "nothing"), ("check", None), ("hint", "nothing"), ("hint", None), ("solution", "nothing"),
+    ("exam", "a lot"), ("exam", None), ("hand", ("gain", 1.0)),
+])
+def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, name: str, argument: object) -> None:
+    before = tab.picture.state
+    tab.do(name, argument)
+    after = tab.picture.state
+    assert replace(after, can_undo=before.can_undo) == before
+    nothing_happened(tab)
+
+
+def test_a_sentence_about_a_command_does_not_speak_of_computing_a_design(tab: Tab) -> None:
+    """What happened and what to change: a task that does not exist has nothing to do with the design."""
+    for name, argument in (("solution", "nothing"), ("exam", "a lot"), ("predict", "first"), ("seek", "soon")):
+        tab.do(name, argument)
+    assert not [s.en for s in tab.view.scolded() if "could not compute this design" in s.en]
+
+
+def test_an_error_of_the_engine_is_passed_on_in_its_own_words(tab: Tab) -> None:
+    tab.set(gain=FORBIDDEN)
+    assert tab.view.scolded()[0].en == "Seven is not a gain; choose another."
+    nothing_happened(tab)
+
+
+@pytest.mark.parametrize("gain", [BROKEN, UNDRAWABLE], ids=["compute", "figures"])
+def test_a_lesson_that_raises_anything_at_all(tab: Tab, gain: float) -> None:
+    tab.set(gain=gain)
+    nothing_happened(tab)
+
+
+def test_a_design_that_failed_is_not_a_step_of_undo(tab: Tab) -> None:
+    tab.set(gain=BROKEN)
+    tab.set(gain=UNDRAWABLE)
+    tab.do("undo")
+    assert tab["gain"] == 1.0 and tab.picture.design == tab.lessons["toy"].start()
+
+
+def test_a_failure_is_not_remembered_as_a_result(tab: Tab) -> None:
+    """The cache holds good results only: asking twice fails twice."""
+    tab.set(gain=UNDRAWABLE)
+    tab.set(gain=UNDRAWABLE)
+    assert len(tab.view.scolded()) == 2 and tab["gain"] == GOOD
+
+
+def test_a_screen_that_cannot_draw_a_picture_does_not_end_the_session(tab: Tab) -> None:
+    tab.set(gain=UNSHOWABLE)
+    nothing_happened(tab)
+
+
+def test_the_edits_behind_a_bad_one_are_still_done(tab: Tab) -> None:
+    for edit in (SetKnobs({"gain": BROKEN}), Do("nonsense"), SetKnobs({"offset": 0.5}), Do("help")):
+        tab.session.post(edit)
+    tab.session.step(0.0)
+    assert tab["offset"] == 0.5 and len(tab.view.of("help")) == 1
+    assert len(tab.view.scolded()) == 2
+
+
+def test_a_task_whose_check_raises(tab: Tab) -> None:
+    def bad(_: object) -> None:
+        raise RuntimeError("check")
+    lesson = toy()
+    other = Tab({"toy": replace(lesson, tasks=(replace(lesson.tasks[0], check=bad), *lesson.tasks[1:]))})
+    other.do("check", "high")
+    assert len(other.view.scolded()) == 1 and not other.picture.state.tasks
+    other.set(gain=GOOD)
+    assert other["gain"] == GOOD
+
+
+def test_a_lesson_that_cannot_open_leaves_the_present_one_open() -> None:
+    def never(_: object) -> None:
+        raise ZeroDivisionError("division by zero")
+    tab = Tab({"toy": toy(), "ruin": toy("ruin", compute=never)})
+    tab.set(gain=GOOD)
+    tab.clock.advance(MERGE + 0.01)
+    tab.do("lesson", "ruin")
+    assert tab.picture.lesson.id == "toy" and tab["gain"] == GOOD
+    assert tab.shown.lesson.id == "toy"
+    assert len(tab.view.scolded()) == 1
+    tab.set(gain=3.0)
+    assert tab["gain"] == 3.0
+    tab.do("undo")
+    assert tab["gain"] == GOOD
+
+
+@pytest.mark.parametrize("kept", ["", "{", "[]", "null", "3", '{"version": 1}', '{"version": 9, "lesson": "toy", "knobs": {}}',
+                                  '{"version": 1, "lesson": "nowhere", "knobs": {}}', '{"version":1,"lesson":[],"knobs":{}}',
+                                  '{"version": 1, "lesson": "toy", "knobs": {"gain": "NaN"}}',
+                                  '{"version": 1, "lesson": "toy", "knobs": {"gain": 1e999}}',
+                                  '{"version": 1, "lesson": "toy", "knobs": {"nobody": 1}}', "[" * 50_000,
+                                  "9" * 10_000, "x" * 1_000_000])
+def test_a_torn_memory_of_the_tab_opens_the_lesson_at_its_start(kept: str) -> None:
+    session = Session({"toy": toy()}, FakeView(), "toy")
+    session.restore(kept)
+    session.open()
+    assert session.picture is not None and session.picture.design == toy().start()
+
+
+def test_a_memory_with_a_design_that_cannot_be_computed_does_not_lock_the_tab_out() -> None:
+    """Reload after reload would end in the same empty page."""
+    view = FakeView(json.dumps({"version": 1, "lesson": "toy", "knobs": {"gain": str(BROKEN)}}))
+    session = Session({"toy": toy()}, view, "toy")
+    session.restore(view.recall())
+    session.open()
+    assert session.picture is not None and session.picture.design == toy().start()
+
+
+def test_numbers_from_numpy_are_numbers() -> None:
+    tab = Tab()
+    tab.set(gain=np.float64(3.0), mode=np.str_("b"))
+    assert tab["gain"] == 3.0 and tab["mode"] == "b" and not tab.view.scolded()
+    assert toy_compute(tab.picture.design).metrics["gain"] == 3.0

@@ -1,0 +1,238 @@
+"""The run: locked until a prediction, played by the clock, silent while it stands still."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from fakes import Tab, toy, toy_compute
+
+from app.tab.history import MERGE
+from app.tab.session import FRAME, PREDICT_FIRST, SPEEDS
+
+
+def playing(**changes: object) -> Tab:
+    tab = Tab({"toy": toy(**changes)})
+    tab.do("predict", 1)
+    tab.view.clear()
+    return tab
+
+
+@pytest.mark.parametrize("name, argument", [("play", None), ("seek", 1.0), ("rewind", None), ("kick", None),
+                                            ("reveal", None)])
+def test_the_run_is_locked_until_a_prediction(name: str, argument: object) -> None:
+    tab = Tab()
+    before = tab.picture.design
+    tab.do(name, argument)
+    assert tab.view.sentences() == [PREDICT_FIRST]
+    state = tab.picture.state
+    assert not state.playing and state.t == 0.0 and not state.revealed
+    assert tab.picture.design == before
+    tab.run_for(0.5)
+    assert set(tab.view.of("pose")) <= {0.0}
+
+
+def test_a_prediction_unlocks_and_starts_the_run() -> None:
+    tab = Tab()
+    tab.do("predict", 2)
+    state = tab.picture.state
+    assert state.predicted == 2 and state.playing and not state.revealed
+
+
+def test_skipping_the_prediction_unlocks_too() -> None:
+    tab = Tab()
+    tab.do("predict", -1)
+    tab.do("seek", 1.0)
+    assert tab.picture.state.t == 1.0
+
+
+@pytest.mark.parametrize("index", [-2, 3, 99])
+def test_there_are_only_so_many_predictions(index: int) -> None:
+    tab = Tab()
+    tab.do("predict", index)
+    assert tab.picture.state.predicted is None
+    assert len(tab.view.scolded()) == 1
+
+
+def test_poses_follow_the_clock() -> None:
+    tab = playing()
+    tab.run_for(1.0)
+    poses = tab.view.of("pose")
+    assert poses == pytest.approx([FRAME * (i + 1) for i in range(30)])
+    assert not tab.view.of("show")  # a playing run costs poses, not pictures
+
+
+def test_half_a_frame_moves_nothing() -> None:
+    tab = playing()
+    tab.clock.advance(FRAME / 2)
+    tab.session.step(0.0)
+    assert not tab.view.of("pose")
+
+
+@pytest.mark.parametrize("speed", SPEEDS)
+def test_speed_scales_the_run(speed: float) -> None:
+    tab = playing()
+    tab.do("slower" if speed < 1 else "faster")
+    while tab.picture.state.speed != speed:
+        tab.do("slower" if speed < 1 else "faster" if speed > 1 else "slower")
+    tab.run_for(0.3)
+    assert tab.view.of("pose")[-1] == pytest.approx(0.3 * speed)
+
+
+def test_faster_and_slower_stop_at_the_ends_of_the_table() -> None:
+    tab = playing()
+    for _ in range(10):
+        tab.do("faster")
+    assert tab.picture.state.speed == SPEEDS[-1]
+    for _ in range(10):
+        tab.do("slower")
+    assert tab.picture.state.speed == SPEEDS[0]
+
+
+def test_a_stalled_worker_does_not_leap_over_the_run() -> None:
+    tab = playing()
+    tab.clock.advance(60.0)
+    tab.session.step(0.0)
+    assert 0 < tab.view.of("pose")[-1] <= 0.25
+
+
+def test_the_run_ends_at_its_horizon_reveals_and_falls_silent() -> None:
+    tab = playing()
+    tab.run_for(2.2)
+    state = tab.picture.state
+    assert (state.t, state.playing, state.revealed) == (2.0, False, True)
+    assert tab.view.of("pose")[-1] == 2.0
+    tab.view.clear()
+    tab.run_for(1.0)
+    assert not tab.view.calls
+
+
+def test_play_at_the_end_starts_over_and_play_in_the_middle_pauses() -> None:
+    tab = playing()
+    tab.run_for(2.2)
+    tab.do("play")
+    assert tab.picture.state.t == 0.0 and tab.picture.state.playing
+    tab.run_for(1.0)
+    tab.do("play")
+    assert not tab.picture.state.playing
+    assert tab.picture.state.t == pytest.approx(1.0)
+    tab.clock.advance(30.0)
+    tab.do("play")  # the pause does not count
+    tab.clock.advance(FRAME)
+    tab.session.step(0.0)
+    assert tab.picture.state.playing and tab.view.of("pose")[-1] == pytest.approx(1.0 + FRAME)
+
+
+def test_nothing_is_sent_while_paused_and_idle() -> None:
+    tab = playing()
+    tab.set(gain=2.0)
+    tab.run_for(1.0)
+    tab.do("play")
+    tab.rest()
+    tab.view.clear()
+    for _ in range(100):
+        tab.clock.advance(0.1)
+        tab.session.step(0.0)
+    assert not tab.view.calls
+
+
+def test_a_tab_that_was_only_opened_sends_nothing() -> None:
+    tab = Tab()
+    tab.run_for(5.0)
+    assert not tab.view.calls
+
+
+@pytest.mark.parametrize("asked, reached", [(1.0, 1.0), (-5.0, 0.0), (1e9, 2.0), ("1.5", 1.5)])
+def test_seek_stays_within_the_run(asked: object, reached: float) -> None:
+    tab = playing()
+    tab.do("seek", asked)
+    assert tab.picture.state.t == reached and tab.view.of("pose")[-1] == reached
+
+
+@pytest.mark.parametrize("asked", [float("nan"), float("inf"), "soon", None])
+def test_seek_to_no_time_at_all_says_one_sentence(asked: object) -> None:
+    tab = playing()
+    tab.do("seek", 1.0)
+    tab.do("seek", asked)
+    assert tab.picture.state.t == 1.0
+    assert len(tab.view.scolded()) == 1
+
+
+def test_a_kick_is_part_of_the_design_and_can_be_undone() -> None:
+    tab = playing()
+    tab.run_for(1.0)
+    tab.do("kick")
+    assert tab["kick"] == pytest.approx(1.0)
+    assert tab.picture.state.playing and tab.picture.state.t == pytest.approx(1.0)
+    tab.do("undo")
+    assert tab["kick"] == -1.0
+
+
+def test_a_kick_after_the_end_strikes_at_the_start() -> None:
+    tab = playing()
+    tab.run_for(2.2)
+    tab.do("kick")
+    assert tab["kick"] == 0.0
+    assert tab.picture.state.playing and tab.picture.state.t == 0.0
+
+
+def test_two_kicks_are_two_steps_of_undo() -> None:
+    tab = playing()
+    tab.run_for(0.3)
+    tab.do("kick")
+    tab.run_for(0.3)
+    tab.do("kick")
+    tab.do("undo")
+    assert tab["kick"] == pytest.approx(0.3, abs=1e-6)
+
+
+def test_a_lesson_without_a_kick_ignores_it() -> None:
+    tab = playing(kick=False)
+    tab.do("kick")
+    assert tab["kick"] == -1.0 and not tab.view.scolded()
+
+
+def test_a_hand_track_is_recorded_from_the_present_time_on() -> None:
+    tab = playing()
+    tab.run_for(0.5)
+    tab.do("hand", ("hand", 0.4))
+    tab.run_for(0.5)
+    tab.do("hand", ("hand", -0.2))
+    times, values = zip(*tab["hand"], strict=True)
+    assert times == pytest.approx((0.5, 1.0)) and values == (0.4, -0.2)
+    tab.do("seek", 0.2)
+    tab.do("hand", ("hand", 1.0))
+    assert tab["hand"] == ((pytest.approx(0.2), 1.0),)  # drawing anew from 0.2 s replaces what came after
+
+
+@pytest.mark.parametrize("argument", [("gain", 0.5), ("nobody", 0.5), ("hand", 1e9), ("hand", float("nan")),
+                                      ("hand", "left"), None, 3])
+def test_a_bad_hand_costs_one_sentence(argument: object) -> None:
+    tab = playing()
+    before = tab.picture.design
+    tab.do("hand", argument)
+    assert tab.picture.design == before and len(tab.view.scolded()) == 1
+
+
+def test_time_never_exceeds_a_run_that_has_become_shorter() -> None:
+    tab = playing()
+    tab.do("play")
+    tab.do("seek", 2.0)
+    tab.clock.advance(MERGE)
+    tab.view.clear()
+    tab.set(length=1.0)
+    assert max(tab.view.of("pose")) <= 1.0
+    assert all(p.state.t <= p.horizon for p in tab.view.of("show"))
+    tab.rest()
+    assert tab.shown.state.t == 1.0
+
+
+def test_a_lesson_without_a_run_is_revealed_by_the_prediction() -> None:
+
+    tab = Tab({"toy": toy(compute=lambda d: replace(toy_compute(d), stage=None), figures=lambda o: ())})
+    tab.do("predict", 0)
+    state = tab.picture.state
+    assert state.revealed and not state.playing
+    tab.do("play")
+    tab.run_for(0.5)
+    assert not tab.picture.state.playing and not tab.view.scolded()
