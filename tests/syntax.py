@@ -1,0 +1,133 @@
+"""Reading Python without running it: what a module imports, what is private, what is mutable and global."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+DISPLAYS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp)
+MUTABLE_MAKERS = {"list", "dict", "set", "bytearray", "defaultdict", "OrderedDict", "Counter", "deque"}
+
+
+@cache
+def parsed(source: str) -> ast.Module:
+    """The syntax tree of a source."""
+    return ast.parse(source)
+
+
+@dataclass(frozen=True)
+class Module:
+    """A file of Python as the rules see it."""
+
+    path: Path
+    name: str
+    source: str
+
+    @property
+    def tree(self) -> ast.Module:
+        return parsed(self.source)
+
+    @property
+    def package(self) -> bool:
+        return self.path.name == "__init__.py"
+
+    def imports(self) -> list[str]:
+        return list(imports(self.tree, self.name, self.package))
+
+
+def name_of(path: Path) -> str:
+    """The dotted name of a module below ROOT; a package is named without `__init__`."""
+    parts = path.relative_to(ROOT).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+def imports(tree: ast.AST, module: str, package: bool) -> Iterator[str]:
+    """Every module that a syntax tree imports, in full, also inside functions and behind TYPE_CHECKING.
+
+    `from x import y` gives x.y: y may be a module.
+    """
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parts = module.split(".")
+                parts = parts[: len(parts) - node.level + (1 if package else 0)]
+                base = ".".join([*parts, *([base] if base else [])])
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if called in ("import_module", "__import__"):
+                yield str(node.args[0].value)
+
+
+def within(name: str, prefix: str) -> bool:
+    return name == prefix or name.startswith(prefix + ".")
+
+
+def private_uses(source: str) -> list[str]:
+    """Private names of other objects: x._y for any x but self and cls, imports of a._b, getattr(x, "_y")."""
+    out = []
+    for node in ast.walk(parsed(source)):
+        if isinstance(node, ast.Attribute) and _private(node.attr):
+            out += [] if _own(node.value) else [f"line {node.lineno}: .{node.attr}"]
+        elif isinstance(node, ast.ImportFrom):
+            names = [*(node.module or "").split("."), *(a.name for a in node.names)]
+            out += [f"line {node.lineno}: {n}" for n in names if _private(n)] if _of_viser(node) else []
+        elif isinstance(node, ast.Import):
+            out += [f"line {node.lineno}: {a.name}" for a in node.names if any(map(_private, a.name.split(".")))]
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("getattr", "setattr", "hasattr", "delattr"):
+            out += [f"line {node.lineno}: {a.value}" for a in node.args[1:2]
+                    if isinstance(a, ast.Constant) and _private(str(a.value)) and not _own(node.args[0])]
+    return out
+
+
+def _private(name: str) -> bool:
+    return name.startswith("_") and not (name.startswith("__") and name.endswith("__"))
+
+
+def _own(node: ast.expr) -> bool:
+    return isinstance(node, ast.Name) and node.id in ("self", "cls")
+
+
+def _of_viser(node: ast.ImportFrom) -> bool:
+    return node.level == 0 and within(node.module or "", "viser")
+
+
+def mutable_globals(source: str) -> list[str]:
+    """Module-level names bound to a list, dict or set; `__all__` is read by Python itself and stays a list."""
+    out = []
+    for node in module_level(parsed(source)):
+        if isinstance(node, ast.Assign):
+            names, value = [ast.unparse(t) for t in node.targets], node.value
+        elif isinstance(node, ast.AnnAssign) and node.value is not None:
+            names, value = [ast.unparse(node.target)], node.value
+        else:
+            continue
+        out += [f"line {node.lineno}: {n}" for n in names if n != "__all__" and _mutable(value)]
+    return out
+
+
+def module_level(tree: ast.Module) -> Iterator[ast.stmt]:
+    """The statements that run at import, those inside if, try, with and for too."""
+    todo: list[ast.stmt] = list(tree.body)
+    while todo:
+        node = todo.pop()
+        yield node
+        if not isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)):
+            todo += [child for child in ast.iter_child_nodes(node) if isinstance(child, ast.stmt)]
+            todo += [s for h in getattr(node, "handlers", ()) for s in h.body]
+
+
+def _mutable(value: ast.expr) -> bool:
+    if isinstance(value, ast.Tuple):
+        return any(_mutable(item) for item in value.elts)
+    if isinstance(value, ast.Call):
+        maker = value.func.attr if isinstance(value.func, ast.Attribute) else getattr(value.func, "id", "")
+        return maker in MUTABLE_MAKERS
+    return isinstance(value, DISPLAYS)
