@@ -8,21 +8,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import (
-    EngineError,
-    Plant,
-    Run,
-    StartingGain,
-    dlqe,
-    dlqr,
-    lqe,
-    lqr,
-    observer_gain,
-    place,
-    shift_observer,
-    shift_poles,
-    typical_rate,
-)
+from app.engine import EngineError, Plant, dlqe, dlqr, lqe, lqr, observer_gain, place
+from app.engine.design import StartingGain, shift_observer, shift_poles, typical_rate
+from app.engine.simulation import Run
 from app.lesson.figures import Curve, TimeFigure
 from app.lesson.knobs import Choice, KnobError, Number, Poles
 from app.lesson.lesson import Board, Design, Lesson, Stage, Task

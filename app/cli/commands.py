@@ -15,8 +15,7 @@ import numpy as np
 
 from lessons import LESSONS, OPENING
 
-from ..engine.systems.convert import load_plant
-from ..engine.systems.errors import EngineError
+from ..engine import EngineError, load_plant
 from ..export.data import plain, run_record, save_csv
 from ..lesson.figures import Figure
 from ..lesson.knobs import Choice, Knob, KnobError, Number

@@ -1,398 +1,122 @@
-"""The engine: pure numerics of observers and estimate feedback. Arrays in, frozen records out."""
+"""The engine: pure numerics of observers and estimate feedback. Arrays in, frozen records out.
 
-from .design.diophantine import Diophantine, diophantine, sylvester
-from .design.optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
-from .design.placement import Placement, match_poles, move_pole, observer_gain, place
-from .design.siso import (
-    LoopShape,
-    diagonal_controller,
-    loop_shaped,
-    negated,
-    polynomial_roots,
-    rational,
-    realise,
-    series,
-)
-from .design.starting import (
-    StartingGain,
-    in_natural_units,
-    shift_observer,
-    shift_poles,
-    starting_feedback,
-    starting_observer,
-    typical_rate,
-)
-from .feedback.compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
-from .feedback.loop_spectrum import NoisyLoop, noisy_loop
-from .feedback.lqg import Lqg, lqg
-from .feedback.ltr import Recovered, recover, recover_at_output, transmission_zeros
-from .feedback.margins import (
-    ChannelMargins,
-    DiskMargin,
-    LoopMargins,
-    MultiMargins,
-    loop_margins,
-    state_feedback_margins,
-)
-from .feedback.sensitivity import Sensitivity, sensitivity
-from .filters.adc import AdcNoise, with_coloured_noise
-from .filters.belief import Belief, Correction, RootBelief
-from .filters.consistency import (
-    InnovationTest,
-    SquaredError,
-    Whiteness,
+The names that people need are here; the others are public in their room, as in `from app.engine.filters import Track`.
+"""
+
+from .design import dlqe, dlqr, lqe, lqr, observer_gain, place
+from .feedback import closed_loop, compensator, loop_margins, lqg, noisy_loop, recover, sensitivity
+from .filters import (
+    Belief,
+    ExtendedKalmanFilter,
+    KalmanFilter,
+    SquareRootFilter,
+    UnscentedKalmanFilter,
     chi2_band,
-    independent_errors,
+    error_parts,
     innovation_test,
     nees,
     nis,
-    whiteness,
 )
-from .filters.filter_trial import FilterTrial, filter_trial
-from .filters.kalman import KalmanFilter, gain_of, joseph, short_form
-from .filters.linear_filter import LinearFilter
-from .filters.many_filters import (
-    Beliefs,
-    Corrections,
-    ExtendedFilters,
-    LinearFilters,
-    ManyFilters,
-    PrintedUnscentedFilters,
-    UnscentedFilters,
-)
-from .filters.many_runs import Experiment, Sample, Steering, errors_squared, march_many
-from .filters.nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
-from .filters.square_root import SquareRootFilter
-from .filters.track import Schedule, Track, as_record, means_along
-from .filters.trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
-from .network.intermittent import (
-    CriticalLoss,
-    critical_loss,
-    intermittent_covariances,
-    intermittent_steps,
-    lossy_growth,
-    mare,
-    mean_bounds,
-    mean_lower_limit,
-    measured,
-    riccati_step,
-    spectral_radius,
-)
-from .network.network_loop import delayed_loop, mean_square_growth
-from .network.networked import NetworkRun, NetworkScenario, network_meter, promised_error, simulate_network
-from .network.packets import Link
-from .observers.bilinear import BilinearForm, BilinearObserver, BilinearPlant, bilinear_functional_observer
-from .observers.bilinear_run import BilinearRun, simulate_bilinear
-from .observers.fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
-from .observers.functional import FunctionalObserver, functional_observer
-from .observers.functional_loop import (
-    FunctionalRun,
-    error_index,
-    error_transfer,
-    peak_gain,
-    perturbed_loop,
+from .network import Link, NetworkScenario, critical_loss, simulate_network
+from .observers import (
+    BilinearPlant,
+    bilinear_functional_observer,
+    functional_observer,
+    residual_generator,
+    rlo,
     run_functional,
-    worst_error_gain,
+    simulate_bilinear,
+    unknown_input_observer,
 )
-from .observers.perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
-from .observers.residual_threshold import (
-    alarm_probability,
-    binomial_band,
-    needed_noncentrality,
-    residual_threshold,
-    window_energy,
-    window_mean,
-)
-from .observers.rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
-from .observers.unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
-from .sampled.hardware import Hardware, coil_driver
-from .sampled.lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
-from .sampled.monte_carlo import MonteCarlo, monte_carlo, welch_expectation
-from .sampled.sampled_control import SampledController, recursive_controller, sampled_controller
-from .sampled.sampled_loop import SampledLoop, sampled_loop
-from .sampled.sampled_spectrum import MechanicsResponse, loop_density, mechanics_response
-from .sampled.trial import ResponseMeasures, Trial, response_measures, run_trial
-from .simulation.recovery import RecoveryMap, recovery_map
-from .simulation.scenario import Run, Scenario
-from .simulation.simulate import autonomous_error, separation_meter, simulate
-from .structure.analysis import Controllability, Mode, Observability, controllability, observability
-from .structure.canonise import Canonisation, canonise, canonise_right
-from .structure.coprime import CoprimeFactors, coprime_factors
-from .structure.decomposition import (
-    KalmanDecomposition,
-    kalman_decomposition,
-    reachable_subspace,
-    unobservable_subspace,
-)
-from .structure.dominance import Dominance, dominance, dominance_of, relative_gains
-from .structure.gramian import (
-    Gramians,
-    StableSplit,
-    Truncation,
+from .sampled import run_trial, sampled_loop, sampled_lqg
+from .simulation import Scenario, autonomous_error, simulate
+from .structure import (
     balanced_truncation,
+    controllability,
     gramians,
     hankel_singular_values,
-    observability_gramian,
-    reachability_gramian,
-    split_stable,
+    kalman_decomposition,
+    observability,
 )
-from .structure.mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
-from .systems.arrays import as_covariance, symmetric
-from .systems.convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
-from .systems.errors import EngineError, PoleError, RiccatiError, ShapeError
-from .systems.flow import Flow, NonlinearPlant, slopes
-from .systems.jacobian import columns, each_column, expand, jacobian
-from .systems.plant import Plant, as_matrix
-from .systems.pole_sets import Poles, check_poles, pole_text, sorted_poles
-from .systems.sampling import continuous_of
-from .systems.spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd
+from .systems import (
+    EngineError,
+    NonlinearPlant,
+    Plant,
+    PoleError,
+    RiccatiError,
+    ShapeError,
+    frequency_response,
+    from_control,
+    from_json,
+    from_mat,
+    load_plant,
+    psd,
+    to_control,
+    to_json,
+    to_mat,
+)
 
 __all__ = [
-    "AdcNoise",
-    "Attempt",
     "Belief",
-    "Beliefs",
-    "BilinearForm",
-    "BilinearObserver",
     "BilinearPlant",
-    "BilinearRun",
-    "Canonisation",
-    "ChannelMargins",
-    "ClosedLoop",
-    "Controllability",
-    "CoprimeFactors",
-    "Correction",
-    "Corrections",
-    "Coupling",
-    "CriticalLoss",
-    "Decoupling",
-    "Diophantine",
-    "DiscreteFilter",
-    "DiskMargin",
-    "Dominance",
     "EngineError",
-    "ErrorParts",
-    "Experiment",
-    "ExtendedFilters",
     "ExtendedKalmanFilter",
-    "FaultBank",
-    "FilterTrial",
-    "Flow",
-    "FunctionalObserver",
-    "FunctionalRun",
-    "Gramians",
-    "Hardware",
-    "InnovationTest",
-    "KalmanDecomposition",
     "KalmanFilter",
-    "Ladder",
-    "LinearFilter",
-    "LinearFilters",
     "Link",
-    "LoopMargins",
-    "LoopShape",
-    "Lqg",
-    "ManyFilters",
-    "MechanicsResponse",
-    "Mixing",
-    "Mode",
-    "MonteCarlo",
-    "MultiMargins",
-    "NetworkRun",
     "NetworkScenario",
-    "NoisyLoop",
     "NonlinearPlant",
-    "Norm",
-    "Observability",
-    "Optimal",
-    "Perturbations",
-    "Placement",
     "Plant",
     "PoleError",
-    "Poles",
-    "PrintedUnscentedFilters",
-    "Recovered",
-    "RecoveryMap",
-    "Region",
-    "ResidualGenerator",
-    "ResponseMeasures",
     "RiccatiError",
-    "RobustObserver",
-    "RootBelief",
-    "Run",
-    "Sample",
-    "SampledController",
-    "SampledLoop",
-    "SampledLqg",
-    "SampledRun",
     "Scenario",
-    "Schedule",
-    "Sensitivity",
     "ShapeError",
-    "Spectrum",
     "SquareRootFilter",
-    "SquaredError",
-    "StableSplit",
-    "StartingGain",
-    "Steering",
-    "Track",
-    "TransferFunction",
-    "Trial",
-    "Truncation",
-    "UnknownInputObserver",
-    "UnscentedFilters",
     "UnscentedKalmanFilter",
-    "Whiteness",
-    "alarm_probability",
-    "amplitude_response",
-    "as_covariance",
-    "as_matrix",
-    "as_record",
     "autonomous_error",
     "balanced_truncation",
-    "best_mixing",
     "bilinear_functional_observer",
-    "binomial_band",
-    "canonise",
-    "canonise_right",
-    "check_poles",
     "chi2_band",
     "closed_loop",
-    "coil_driver",
-    "columns",
     "compensator",
-    "continuous_of",
     "controllability",
-    "coprime_factors",
-    "coupling",
-    "criterion",
     "critical_loss",
-    "decoupling",
-    "delayed_loop",
-    "diagonal_controller",
-    "diophantine",
     "dlqe",
     "dlqr",
-    "dominance",
-    "dominance_of",
-    "each_column",
-    "error_index",
     "error_parts",
-    "error_transfer",
-    "errors_squared",
-    "every_entry",
-    "expand",
-    "filter_trial",
     "frequency_response",
     "from_control",
     "from_json",
     "from_mat",
     "functional_observer",
-    "gain_of",
     "gramians",
-    "growing_error",
     "hankel_singular_values",
-    "in_natural_units",
-    "independent_errors",
     "innovation_test",
-    "intermittent_covariances",
-    "intermittent_steps",
-    "isolate",
-    "jacobian",
-    "joseph",
     "kalman_decomposition",
     "load_plant",
-    "loop_density",
     "loop_margins",
-    "loop_shaped",
-    "lossy_growth",
     "lqe",
     "lqg",
     "lqr",
-    "march_many",
-    "mare",
-    "match_poles",
-    "mean_bounds",
-    "mean_lower_limit",
-    "mean_square_growth",
-    "means_along",
-    "measured",
-    "mechanics_response",
-    "mixing_matrix",
-    "modal_coordinates",
-    "monte_carlo",
-    "move_pole",
-    "needed_noncentrality",
     "nees",
-    "negated",
-    "network_meter",
     "nis",
-    "noise_ladder",
     "noisy_loop",
     "observability",
-    "observability_gramian",
     "observer_gain",
-    "peak_gain",
-    "perturbations",
-    "perturbed_loop",
     "place",
-    "pole_text",
-    "polynomial_roots",
-    "promised_error",
     "psd",
-    "rational",
-    "reachability_gramian",
-    "reachable_subspace",
-    "read_plant",
-    "realise",
     "recover",
-    "recover_at_output",
-    "recovery_map",
-    "recursive_controller",
-    "relative_gains",
     "residual_generator",
-    "residual_threshold",
-    "response_measures",
-    "riccati_step",
     "rlo",
-    "rlo_steps",
     "run_functional",
     "run_trial",
-    "sampled_controller",
-    "sampled_cost",
     "sampled_loop",
     "sampled_lqg",
     "sensitivity",
-    "separation_meter",
-    "series",
-    "shift_observer",
-    "shift_poles",
-    "short_form",
     "simulate",
     "simulate_bilinear",
     "simulate_network",
-    "slopes",
-    "sorted_poles",
-    "spectral_radius",
-    "split_stable",
-    "starting_feedback",
-    "starting_observer",
-    "state_feedback_margins",
-    "sylvester",
-    "symmetric",
     "to_control",
     "to_json",
     "to_mat",
-    "to_tf",
-    "transmission_zeros",
-    "typical_rate",
     "unknown_input_observer",
-    "unobservable_subspace",
-    "vertices",
-    "welch_expectation",
-    "whiteness",
-    "window_energy",
-    "window_mean",
-    "with_coloured_noise",
-    "worst_error_gain",
 ]

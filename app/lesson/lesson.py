@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine.simulation.simulate import Run
+from ..engine.simulation import Run
 from ..plants.body import Body
 from ..plants.model import Model
 from ..plants.own import own_model, plant_of, without_hold

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from ..engine.systems.errors import EngineError
+from ..engine import EngineError
 from . import cart_pendulum, chip, platform, spring_damper, two_mass
 from .model import Model, Signal, Window
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..engine.observers.bilinear import BilinearForm, BilinearPlant
-from ..engine.systems.errors import EngineError
+from ..engine import BilinearPlant, EngineError
+from ..engine.observers import BilinearForm
 
 __all__ = ["PLANT", "POLE", "PRINTED_FORM", "PRINTED_L", "X0", "K", "fitting_functional", "with_sensors"]
 

@@ -15,9 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..engine.systems.errors import EngineError
-from ..engine.systems.flow import NonlinearPlant
-from ..engine.systems.plant import Plant
+from ..engine import EngineError, NonlinearPlant, Plant
 from ..text.words import Text
 from .body import (
     COPPER,

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..engine.systems.plant import Plant
+from ..engine import Plant
 from ..text.words import Text
 from .body import COPPER, DARK, METAL, PLANT, STEEL, Arrow, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded
 from .body import force_arrow as arrow

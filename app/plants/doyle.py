@@ -12,7 +12,7 @@ from math import sqrt
 
 import numpy as np
 
-from ..engine.systems.plant import Plant
+from ..engine import Plant
 from ..text.words import Text
 from .body import Body
 from .gauge_body import gauge_body

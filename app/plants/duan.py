@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.observers.perturbation import Perturbations, perturbations
-from ..engine.systems.plant import Plant
+from ..engine import Plant
+from ..engine.observers import Perturbations, perturbations
 
 __all__ = ["EXAMPLE_1", "EXAMPLE_2", "Example", "push"]
 

@@ -13,7 +13,7 @@ from math import exp, hypot
 
 import numpy as np
 
-from ..engine.systems.flow import NonlinearPlant
+from ..engine import NonlinearPlant
 from ..text.words import Text
 from .body import (
     COPPER,

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.design.starting import StartingGain
-from ..engine.systems.plant import Plant
+from ..engine import Plant
+from ..engine.design import StartingGain
 from ..text.words import Text
 from .body import Body
 

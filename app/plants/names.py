@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from ..engine.systems.plant import Plant
+from ..engine import Plant
 from ..text.words import Text, same
 
 __all__ = ["TITLES", "Title", "called", "title_of", "with_unit"]

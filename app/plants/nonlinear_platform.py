@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine.systems.flow import NonlinearPlant
+from ..engine import NonlinearPlant
 from . import platform
 
 

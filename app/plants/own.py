@@ -10,14 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.design.starting import StartingGain, starting_feedback, starting_observer, typical_rate
-from ..engine.simulation.scenario import Run, Scenario
-from ..engine.simulation.simulate import simulate
-from ..engine.structure.decomposition import state_scale
-from ..engine.systems.convert import from_json, read_plant, to_json
-from ..engine.systems.errors import EngineError
-from ..engine.systems.plant import Plant
-from ..engine.systems.sampling import continuous_of
+from ..engine import EngineError, Plant, Scenario, from_json, simulate, to_json
+from ..engine.design import StartingGain, starting_feedback, starting_observer, typical_rate
+from ..engine.simulation import Run
+from ..engine.structure import state_scale
+from ..engine.systems import continuous_of, read_plant
 from ..sentences import told
 from ..text.words import Text
 from .model import Model, Signal, Window

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.systems.plant import Plant
+from ..engine import Plant
 from ..text.words import Text
 from .body import Body
 from .deck_body import deck_body, platform_body

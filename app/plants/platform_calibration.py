@@ -33,8 +33,7 @@ from types import MappingProxyType
 import numpy as np
 from scipy.optimize import least_squares
 
-from ..engine.structure.gramian import hankel_singular_values
-from ..engine.systems.errors import EngineError
+from ..engine import EngineError, hankel_singular_values
 from .platform import Parameters, plant
 
 PUBLISHED = (572.7565, 572.7565, 360.3040, 360.2852, 43.0552, 43.0305, 0.0539, 0.0539, 0.0001, 0.0001)  # equation (39)

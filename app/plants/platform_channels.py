@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.systems.plant import Plant
+from ..engine import Plant
 from ..text.words import Text
 
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..engine.feedback.lqg import Lqg
-from ..engine.feedback.lqg import lqg as _lqg
-from ..engine.systems.plant import Plant
+from ..engine import Plant
+from ..engine import lqg as _lqg
+from ..engine.feedback import Lqg
 
 COILS = 3  # the first inputs of the platform; those after them are the ground
 V_MAG, H_MAG = 1e-4, 1e-5  # m/s, equation (80)

@@ -13,12 +13,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine.design.diophantine import Diophantine, diophantine
-from ..engine.design.siso import LoopShape, diagonal_controller, loop_shaped, negated, rational
-from ..engine.feedback.lqg import lqg
-from ..engine.structure.gramian import balanced_truncation
-from ..engine.systems.errors import EngineError
-from ..engine.systems.plant import Plant, as_matrix
+from ..engine import EngineError, Plant, balanced_truncation, lqg
+from ..engine.design import Diophantine, LoopShape, diagonal_controller, diophantine, loop_shaped, negated, rational
+from ..engine.systems import as_matrix
 from . import platform
 from .platform_channels import CHANNELS, HORIZONTAL, ROTATION, VERTICAL, Channel, T_u, T_y, in_channels
 from .platform_lqg import FIGURES, GROUND_UNIT, H_MAG, V_MAG, Weights

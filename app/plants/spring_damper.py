@@ -8,7 +8,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..engine.systems.plant import Plant
+from ..engine import Plant
 from ..text.words import Text
 from .body import (
     COPPER,

@@ -15,8 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..engine.systems.errors import EngineError
-from ..engine.systems.plant import Plant
+from ..engine import EngineError, Plant
 from ..text.words import Text
 from .chain_body import chain_body
 from .model import Model, Signal, Window

@@ -6,7 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine import BilinearForm, BilinearObserver, BilinearRun, bilinear_functional_observer, simulate_bilinear
+from ..engine import bilinear_functional_observer, simulate_bilinear
+from ..engine.observers import BilinearForm, BilinearObserver, BilinearRun
 from ..plants.bilinear import PLANT, POLE, PRINTED_FORM, PRINTED_L, X0, K
 from .record import Published
 

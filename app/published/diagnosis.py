@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..engine import Plant, decoupling, residual_threshold, unknown_input_observer
+from ..engine import Plant, unknown_input_observer
+from ..engine.observers import decoupling, residual_threshold
 from .record import Published
 
 BOOK, TABLE = "Chen & Patton 1999", "χ² table"

@@ -10,19 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..engine import (
-    EngineError,
-    FunctionalObserver,
-    Region,
-    RobustObserver,
-    coprime_factors,
-    functional_observer,
-    perturbed_loop,
-    rlo,
-    run_functional,
-    vertices,
-    worst_error_gain,
-)
+from ..engine import EngineError, functional_observer, rlo, run_functional
+from ..engine.observers import FunctionalObserver, Region, RobustObserver, perturbed_loop, vertices, worst_error_gain
+from ..engine.structure import coprime_factors
 from ..plants.duan import EXAMPLE_1, EXAMPLE_2, push
 from .record import Published
 

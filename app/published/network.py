@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..engine import EngineError, critical_loss, mare, mean_bounds
+from ..engine import EngineError, critical_loss
+from ..engine.network import mare, mean_bounds
 from .record import Published
 
 SCALAR, SINOPOLI = "scalar plant, lossy measurements", "Sinopoli et al. 2004"

@@ -6,20 +6,19 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine import (
-    Belief,
+from ..engine import Belief, UnscentedKalmanFilter
+from ..engine.filters import (
     Beliefs,
     Experiment,
     ExtendedFilters,
     ManyFilters,
     UnscentedFilters,
-    UnscentedKalmanFilter,
     errors_squared,
     joseph,
     march_many,
     short_form,
+    sigma_weights,
 )
-from ..engine.filters.sigma_points import sigma_weights
 from ..plants import falling_body, growth
 from .record import Published
 

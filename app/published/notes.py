@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..engine import Plant, Scenario, observability, observability_gramian, observer_gain, simulate
+from ..engine import Plant, Scenario, observability, observer_gain, simulate
+from ..engine.structure import observability_gramian
 from ..plants import spring_damper
 from .record import Published
 

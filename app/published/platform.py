@@ -9,7 +9,6 @@ import numpy as np
 
 from ..engine import (
     Plant,
-    amplitude_response,
     balanced_truncation,
     controllability,
     frequency_response,
@@ -18,6 +17,7 @@ from ..engine import (
     noisy_loop,
     observability,
 )
+from ..engine.systems import amplitude_response
 from ..plants import platform
 from ..plants.platform_lqg import Weights, coils, ground, lqg
 from .record import Published

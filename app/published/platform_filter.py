@@ -12,9 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..engine import (
-    AdcNoise,
     Belief,
-    InnovationTest,
     KalmanFilter,
     Plant,
     Scenario,
@@ -26,8 +24,8 @@ from ..engine import (
     nis,
     psd,
     simulate,
-    with_coloured_noise,
 )
+from ..engine.filters import AdcNoise, InnovationTest, with_coloured_noise
 from ..plants import platform
 from ..plants.platform_lqg import GROUND_UNIT, coils, ground
 from .record import Published

@@ -9,7 +9,6 @@ import numpy as np
 from ..engine import (
     Belief,
     KalmanFilter,
-    NoisyLoop,
     Plant,
     balanced_truncation,
     closed_loop,
@@ -20,6 +19,7 @@ from ..engine import (
     noisy_loop,
     sampled_lqg,
 )
+from ..engine.feedback import NoisyLoop
 from ..plants import platform
 from ..plants.platform_channels import T_y
 from ..plants.platform_lqg import FIGURE_V, FIGURES, LITERAL, LITERAL_V, LOOSE_V, S_Y, Weights, coils, ground, lqg

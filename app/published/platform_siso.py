@@ -6,19 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine import (
-    Plant,
-    best_mixing,
-    coupling,
-    dominance,
-    frequency_response,
-    loop_shaped,
-    mixing_matrix,
-    negated,
-    noisy_loop,
-    polynomial_roots,
-    sensitivity,
-)
+from ..engine import Plant, frequency_response, noisy_loop, sensitivity
+from ..engine.design import loop_shaped, negated, polynomial_roots
+from ..engine.structure import best_mixing, coupling, dominance, mixing_matrix
 from ..plants import platform
 from ..plants import platform_siso as siso
 from ..plants.platform_channels import T_u, T_y, in_channels

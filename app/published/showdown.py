@@ -6,15 +6,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine import (
-    Plant,
-    balanced_truncation,
-    loop_density,
-    mechanics_response,
-    sampled_controller,
-    sampled_loop,
-    sampled_lqg,
-)
+from ..engine import Plant, balanced_truncation, sampled_loop, sampled_lqg
+from ..engine.sampled import loop_density, mechanics_response, sampled_controller
 from ..plants import platform
 from ..plants import platform_siso as siso
 from ..plants.platform_channels import T_y

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..engine.systems.errors import EngineError
+from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
 from ..plants.own import canonical, plant_of

@@ -12,7 +12,7 @@ from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..engine.systems.errors import EngineError
+from ..engine import EngineError
 from ..lesson.figures import Figure
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson, Outcome

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import viser
 
-from ..engine.design.placement import move_pole
+from ..engine.systems import move_pole
 from ..lesson.figures import COLOURS
 from ..lesson.lesson import Board
 from . import phrases

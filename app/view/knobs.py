@@ -9,7 +9,7 @@ from typing import Any, Protocol
 
 import viser
 
-from ..engine.design.placement import move_pole
+from ..engine.systems import move_pole
 from ..lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
 from . import phrases
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.engine import BilinearForm, BilinearObserver
+from app.engine.observers import BilinearForm, BilinearObserver
 from app.lesson.lesson import Formula
 
 from ..toolkit import matrix, number

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import BilinearObserver
+from app.engine.observers import BilinearObserver
 from app.lesson.figures import Figure
 from app.lesson.knobs import Choice, Number, Poles, Track
 from app.lesson.lesson import Board, Check, Design, Lesson, Outcome, Stage

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import BilinearObserver
+from app.engine.observers import BilinearObserver
 from app.lesson.figures import TableFigure
 from app.plants.bilinear import POLE, PRINTED_L
 from app.text.words import Text, same

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import BilinearObserver
+from app.engine.observers import BilinearObserver
 from app.lesson.figures import Curve, Dash, Figure, TableFigure, TimeFigure
 from app.lesson.lesson import Check, Outcome
 from app.text.words import Text, same

@@ -8,7 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import BilinearObserver, BilinearPlant, bilinear_functional_observer
+from app.engine import BilinearPlant, bilinear_functional_observer
+from app.engine.observers import BilinearObserver
 from app.plants import bilinear as example
 from app.plants.body import Body
 from app.plants.gauge_body import gauge_body

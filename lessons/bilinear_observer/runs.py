@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import BilinearForm, BilinearPlant, BilinearRun, simulate_bilinear
+from app.engine import BilinearPlant, simulate_bilinear
+from app.engine.observers import BilinearForm, BilinearRun
 from app.lesson.lesson import Design
 from app.plants.bilinear import X0
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import polynomial_roots
+from app.engine.design import polynomial_roots
 from app.lesson.figures import Figure
 from app.lesson.knobs import Choice, Number, Poles, Switch
 from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome, Stage

@@ -8,23 +8,11 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine import (
-    Coupling,
-    Diophantine,
-    Dominance,
-    LoopShape,
-    Mixing,
-    NoisyLoop,
-    Plant,
-    best_mixing,
-    coupling,
-    dominance,
-    loop_shaped,
-    mixing_matrix,
-    negated,
-    noisy_loop,
-)
-from app.engine.systems.scan import held_scan
+from app.engine import Plant, noisy_loop
+from app.engine.design import Diophantine, LoopShape, loop_shaped, negated
+from app.engine.feedback import NoisyLoop
+from app.engine.structure import Coupling, Dominance, Mixing, best_mixing, coupling, dominance, mixing_matrix
+from app.engine.systems import held_scan
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design
 from app.plants import MODELS, platform

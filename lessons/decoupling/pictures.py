@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.engine import Plant, frequency_response, polynomial_roots
+from app.engine import Plant, frequency_response
+from app.engine.design import polynomial_roots
 from app.lesson.figures import (
     FLOOR,
     Curve,

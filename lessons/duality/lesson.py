@@ -8,7 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import Scenario, simulate, sorted_poles
+from app.engine import Scenario, simulate
+from app.engine.systems import sorted_poles
 from app.lesson.knobs import Choice, Number, Poles, Switch
 from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome
 from app.lesson.prose import read_prose

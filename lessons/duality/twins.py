@@ -8,7 +8,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Plant, Scenario, lqe, lqr, observer_gain, place, reachability_gramian, simulate
+from app.engine import Plant, Scenario, lqe, lqr, observer_gain, place, simulate
+from app.engine.structure import reachability_gramian
 from app.lesson.lesson import Design
 from app.plants import MODELS, Model, Window
 from app.text.words import Text

@@ -10,7 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import Plant, Run, Scenario, observer_gain, simulate, sorted_poles
+from app.engine import Plant, Scenario, observer_gain, simulate
+from app.engine.simulation import Run
+from app.engine.systems import sorted_poles
 from app.lesson.figures import Curve, Figure, TableFigure, TimeFigure
 from app.lesson.knobs import Choice, Number, Poles, Track
 from app.lesson.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import typical_rate
+from app.engine.design import typical_rate
 from app.lesson.knobs import Choice, Knob, Number, Poles, Track
 from app.lesson.lesson import Lesson
 from app.plants import Model

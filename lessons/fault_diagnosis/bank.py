@@ -7,8 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import FaultBank, KalmanFilter, ResidualGenerator, dlqr, residual_generator
-from app.engine.systems.sampling import discretise
+from app.engine import KalmanFilter, dlqr, residual_generator
+from app.engine.observers import FaultBank, ResidualGenerator
+from app.engine.systems import discretise
 from app.plants import MODELS
 from app.plants.platform import SENSORS, Parameters, deck, deck_disturbance
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import isolate, needed_noncentrality, residual_threshold, window_energy, window_mean
+from app.engine.observers import isolate, needed_noncentrality, residual_threshold, window_energy, window_mean
 
 from .bank import COUNT, NAMES, PLACES, guard
 from .runs import Record

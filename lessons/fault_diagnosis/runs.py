@@ -7,9 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import ResidualGenerator
-from app.engine.systems.noise import root
-from app.engine.systems.scan import affine_scan
+from app.engine.observers import ResidualGenerator
+from app.engine.systems import affine_scan, root
 
 from .bank import COUNT, DT, MODEL, PLACES, SIGMA, gain, guard, model, truth
 

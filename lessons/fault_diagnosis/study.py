@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Decoupling, binomial_band, decoupling
+from app.engine.observers import Decoupling, binomial_band, decoupling
 from app.lesson.lesson import Design
 
 from .bank import DT, MODEL, NAMES, PLACES

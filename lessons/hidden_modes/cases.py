@@ -8,14 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import (
-    Controllability,
-    KalmanDecomposition,
-    Observability,
-    controllability,
-    kalman_decomposition,
-    observability,
-)
+from app.engine import controllability, kalman_decomposition, observability
+from app.engine.structure import Controllability, KalmanDecomposition, Observability
 from app.plants import two_mass
 from app.plants.chain_body import chain_body
 from app.plants.model import Model

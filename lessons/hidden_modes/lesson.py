@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import Placement, Scenario, observer_gain, place, simulate
+from app.engine import Scenario, observer_gain, place, simulate
+from app.engine.design import Placement
 from app.lesson.figures import Figure
 from app.lesson.knobs import Choice, Number, Poles
 from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Lesson, Outcome

@@ -7,17 +7,11 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import (
-    Mode,
-    Run,
-    Scenario,
-    controllability,
-    in_natural_units,
-    kalman_decomposition,
-    observability,
-    simulate,
-    sorted_poles,
-)
+from app.engine import Scenario, controllability, kalman_decomposition, observability, simulate
+from app.engine.design import in_natural_units
+from app.engine.simulation import Run
+from app.engine.structure import Mode
+from app.engine.systems import sorted_poles
 from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
 from app.lesson.knobs import Knob, Number
 from app.lesson.lesson import Check, Design, Formula, Lesson, Outcome

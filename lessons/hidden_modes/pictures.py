@@ -7,7 +7,8 @@ from itertools import accumulate
 
 import numpy as np
 
-from app.engine import Mode, Run
+from app.engine.simulation import Run
+from app.engine.structure import Mode
 from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.lesson import Check, Outcome
 from app.text.words import Text, same, symbol

@@ -9,7 +9,8 @@ import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.stats import chi2, ncx2
 
-from app.engine import chi2_band, with_coloured_noise
+from app.engine import chi2_band
+from app.engine.filters import with_coloured_noise
 
 from .filters import ADC, CARRIED, COUNT, SKIP, WHITE, tuned, watcher
 

@@ -7,21 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import (
-    AdcNoise,
-    Belief,
-    DiscreteFilter,
-    KalmanFilter,
-    Plant,
-    Scenario,
-    Schedule,
-    Track,
-    independent_errors,
-    joseph,
-    short_form,
-    simulate,
-    with_coloured_noise,
-)
+from app.engine import Belief, KalmanFilter, Plant, Scenario, simulate
+from app.engine.design import DiscreteFilter
+from app.engine.filters import AdcNoise, Schedule, Track, independent_errors, joseph, short_form, with_coloured_noise
 from app.plants import MODELS
 from app.plants.platform import deck_disturbance
 

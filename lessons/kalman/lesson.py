@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import InnovationTest, SquaredError, Track, innovation_test, nees, nis
+from app.engine import innovation_test, nees, nis
+from app.engine.filters import InnovationTest, SquaredError, Track
 from app.lesson.knobs import Choice, Number
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.lesson.prose import read_prose

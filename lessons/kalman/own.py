@@ -8,7 +8,8 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import FilterTrial, InnovationTest, SquaredError, chi2_band, filter_trial, innovation_test, nees, nis
+from app.engine import chi2_band, innovation_test, nees, nis
+from app.engine.filters import FilterTrial, InnovationTest, SquaredError, filter_trial
 from app.lesson.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure
 from app.lesson.knobs import Choice, Knob, KnobError, Number
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage

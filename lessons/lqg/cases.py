@@ -8,7 +8,9 @@ from functools import cached_property
 
 import numpy as np
 
-from app.engine import NoisyLoop, Plant, noisy_loop, typical_rate
+from app.engine import Plant, noisy_loop
+from app.engine.design import typical_rate
+from app.engine.feedback import NoisyLoop
 from app.lesson.lesson import Design
 from app.plants import MODELS, doyle, platform_lqg
 from app.plants.model import Model

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import EngineError, Optimal, closed_loop
+from app.engine import EngineError, closed_loop
+from app.engine.design import Optimal
 from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.lesson.prose import read_prose
 from app.plants.doyle import gains as gains_of_paper

@@ -9,15 +9,9 @@ import numpy as np
 
 from app.engine import (
     Belief,
-    ChannelMargins,
     KalmanFilter,
-    LoopMargins,
-    NoisyLoop,
-    Optimal,
     Plant,
-    SampledLqg,
     Scenario,
-    Schedule,
     compensator,
     loop_margins,
     lqe,
@@ -25,8 +19,11 @@ from app.engine import (
     noisy_loop,
     sampled_lqg,
     simulate,
-    state_feedback_margins,
 )
+from app.engine.design import Optimal
+from app.engine.feedback import ChannelMargins, LoopMargins, NoisyLoop, state_feedback_margins
+from app.engine.filters import Schedule
+from app.engine.sampled import SampledLqg
 from app.lesson.lesson import Design
 
 from .cases import Case, Factors

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.engine import ChannelMargins
+from app.engine.feedback import ChannelMargins
 from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, finite
 from app.lesson.lesson import Outcome
 from app.plants.names import called

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from app.engine import Belief, EngineError, NoisyLoop, Plant, SampledLqg, chi2_band, noisy_loop, psd
-from app.engine.systems.noise import root, step_covariance
+from app.engine import Belief, EngineError, Plant, chi2_band, noisy_loop, psd
+from app.engine.feedback import NoisyLoop
+from app.engine.sampled import SampledLqg
+from app.engine.systems import root, step_covariance
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Outcome
 from app.text.words import Text

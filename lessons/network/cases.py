@@ -8,7 +8,9 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import CriticalLoss, DiscreteFilter, KalmanFilter, Plant, critical_loss, dlqe, dlqr, spectral_radius
+from app.engine import KalmanFilter, Plant, critical_loss, dlqe, dlqr
+from app.engine.design import DiscreteFilter
+from app.engine.network import CriticalLoss, spectral_radius
 from app.plants import MODELS, Signal
 from app.plants.body import Body
 from app.plants.cart_pendulum import STAGE as CART_SCALE

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.engine import mean_lower_limit
+from app.engine.network import mean_lower_limit
 from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same

@@ -7,16 +7,14 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import (
-    Link,
+from app.engine import Link, NetworkScenario, simulate_network
+from app.engine.network import (
     NetworkRun,
-    NetworkScenario,
     delayed_loop,
     mean_bounds,
     mean_square_growth,
     network_meter,
     promised_error,
-    simulate_network,
     spectral_radius,
 )
 from app.lesson.lesson import Design

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import intermittent_steps
+from app.engine.network import intermittent_steps
 from app.lesson.lesson import Design, Outcome
 
 from .cases import SAMPLES, watched

@@ -8,7 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import ErrorParts, Optimal, Run, Scenario, error_parts, lqe, observer_gain, simulate
+from app.engine import Scenario, error_parts, lqe, observer_gain, simulate
+from app.engine.design import Optimal
+from app.engine.filters import ErrorParts
+from app.engine.simulation import Run
 from app.lesson.knobs import Choice, KnobError, Number, Poles
 from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.lesson.prose import read_prose

@@ -8,19 +8,10 @@ from functools import lru_cache, partial
 
 import numpy as np
 
-from app.engine import (
-    ErrorParts,
-    Ladder,
-    Plant,
-    Run,
-    Scenario,
-    error_parts,
-    growing_error,
-    lqe,
-    noise_ladder,
-    simulate,
-    sorted_poles,
-)
+from app.engine import Plant, Scenario, error_parts, lqe, simulate
+from app.engine.filters import ErrorParts, Ladder, growing_error, noise_ladder
+from app.engine.simulation import Run
+from app.engine.systems import sorted_poles
 from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles
 from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome

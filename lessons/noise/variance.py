@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm, solve_discrete_lyapunov
 
-from app.engine import ErrorParts, Plant
+from app.engine import Plant
+from app.engine.filters import ErrorParts
 
 __all__ = ["Ray", "growing", "ray_of"]
 

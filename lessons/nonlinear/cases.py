@@ -7,8 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Flow, NonlinearPlant, lqr
-from app.engine.systems.noise import step_covariance
+from app.engine import NonlinearPlant, lqr
+from app.engine.systems import Flow, step_covariance
 from app.plants import cart_pendulum, falling_body, nonlinear_platform, platform
 from app.plants.body import Body
 from app.plants.deck_body import GAIN

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import joseph
+from app.engine.filters import joseph
 from app.text.words import Text
 
 from .cases import case_of, flow_of, plant_of

@@ -7,19 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import (
+from app.engine import EngineError, NonlinearPlant, chi2_band
+from app.engine.filters import (
     Beliefs,
-    EngineError,
     Experiment,
     ExtendedFilters,
     LinearFilters,
     ManyFilters,
-    NonlinearPlant,
     PrintedUnscentedFilters,
     Sample,
     Steering,
     UnscentedFilters,
-    chi2_band,
     errors_squared,
     march_many,
 )

@@ -14,7 +14,8 @@ from types import MappingProxyType
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine import Observability, Plant, observability, observability_gramian
+from app.engine import Plant, observability
+from app.engine.structure import Observability, observability_gramian
 from app.lesson.lesson import Design
 from app.plants.platform import DECK, Parameters
 from app.text.words import Text

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.engine import Mode
+from app.engine.structure import Mode
 from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same

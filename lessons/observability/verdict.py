@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import Mode
+from app.engine.structure import Mode
 
 from .cases import Case, Sensed
 from .criteria import Criterion

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import FunctionalObserver, FunctionalRun, error_index, perturbed_loop, run_functional
+from app.engine import run_functional
+from app.engine.observers import FunctionalObserver, FunctionalRun, error_index, perturbed_loop
 from app.lesson.figures import Figure
 from app.lesson.knobs import Choice, Number, Poles, Switch
 from app.lesson.lesson import Board, Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Stage

@@ -11,15 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import (
-    FunctionalObserver,
-    FunctionalRun,
-    Perturbations,
-    functional_observer,
-    peak_gain,
-    perturbed_loop,
-    vertices,
-)
+from app.engine import functional_observer
+from app.engine.observers import FunctionalObserver, FunctionalRun, Perturbations, peak_gain, perturbed_loop, vertices
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design
 from app.plants.body import Body

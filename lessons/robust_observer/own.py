@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import FunctionalObserver
+from app.engine.observers import FunctionalObserver
 from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model
 from app.text.words import Text

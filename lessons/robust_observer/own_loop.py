@@ -7,7 +7,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import expm
 
-from app.engine import EngineError, FunctionalObserver, Perturbations, Poles
+from app.engine import EngineError
+from app.engine.observers import FunctionalObserver, Perturbations
+from app.engine.systems import Poles
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design
 from app.text.words import Text

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import FunctionalObserver, RobustObserver, criterion
+from app.engine.observers import FunctionalObserver, RobustObserver, criterion
 from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.lesson import Design, Outcome
 from app.plants import Window

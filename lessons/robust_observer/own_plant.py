@@ -7,17 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import (
-    EngineError,
-    FunctionalObserver,
-    Perturbations,
-    Plant,
-    every_entry,
-    functional_observer,
-    observability,
-    perturbations,
-    typical_rate,
-)
+from app.engine import EngineError, Plant, functional_observer, observability
+from app.engine.design import typical_rate
+from app.engine.observers import FunctionalObserver, Perturbations, every_entry, perturbations
 from app.lesson.knobs import KnobError, Poles
 from app.plants import Model
 from app.plants.names import called

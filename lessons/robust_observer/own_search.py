@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import EngineError, Poles, Region, RobustObserver, rlo_steps
+from app.engine import EngineError
+from app.engine.observers import Region, RobustObserver, rlo_steps
+from app.engine.systems import Poles
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design, Outcome
 from app.text.words import Text

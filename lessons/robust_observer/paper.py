@@ -11,7 +11,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import FunctionalObserver, functional_observer
+from app.engine import functional_observer
+from app.engine.observers import FunctionalObserver
 from app.plants.duan import EXAMPLE_2
 
 TURN = np.array([[2.0, 1.0], [0.5, -1.0]])  # Λ

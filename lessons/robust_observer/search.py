@@ -8,15 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import (
-    FunctionalObserver,
-    Region,
-    RobustObserver,
-    functional_observer,
-    rlo_steps,
-    vertices,
-    worst_error_gain,
-)
+from app.engine import functional_observer
+from app.engine.observers import FunctionalObserver, Region, RobustObserver, rlo_steps, vertices, worst_error_gain
 from app.lesson.lesson import Design, Outcome
 
 from .loops import CASES, MOST, NORMS, ONE, deltas, weighted

@@ -10,31 +10,22 @@ from typing import TypeVar
 import numpy as np
 
 from app.engine import (
-    ChannelMargins,
-    ClosedLoop,
-    Controllability,
     EngineError,
-    ErrorParts,
-    KalmanDecomposition,
-    Ladder,
-    Observability,
     Plant,
-    Sensitivity,
-    SquaredError,
     compensator,
     controllability,
     error_parts,
-    filter_trial,
     hankel_singular_values,
-    in_natural_units,
     kalman_decomposition,
     loop_margins,
     nis,
-    noise_ladder,
     observability,
     sensitivity,
-    split_stable,
 )
+from app.engine.design import in_natural_units
+from app.engine.feedback import ChannelMargins, ClosedLoop, Sensitivity
+from app.engine.filters import ErrorParts, Ladder, SquaredError, filter_trial, noise_ladder
+from app.engine.structure import Controllability, KalmanDecomposition, Observability, split_stable
 from app.lesson.knobs import KnobError
 from app.plants import Model
 from app.sentences import told

@@ -10,17 +10,10 @@ from typing import Literal, cast
 
 import numpy as np
 
-from app.engine import (
-    ClosedLoop,
-    Scenario,
-    closed_loop,
-    loop_margins,
-    recover,
-    separation_meter,
-    simulate,
-    state_feedback_margins,
-    typical_rate,
-)
+from app.engine import Scenario, closed_loop, loop_margins, recover, simulate
+from app.engine.design import typical_rate
+from app.engine.feedback import ClosedLoop, state_feedback_margins
+from app.engine.simulation import separation_meter
 from app.lesson.figures import Figure
 from app.lesson.knobs import Choice, Knob, KnobError, Number, Switch
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Task

@@ -7,7 +7,10 @@ from typing import TypeVar
 
 import numpy as np
 
-from app.engine import ClosedLoop, Controllability, Mode, Observability, Plant, Run, autonomous_error, chi2_band
+from app.engine import Plant, autonomous_error, chi2_band
+from app.engine.feedback import ClosedLoop
+from app.engine.simulation import Run
+from app.engine.structure import Controllability, Mode, Observability
 from app.lesson.figures import Curve, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
 from app.plants import Model
 from app.plants.names import called

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.engine import ClosedLoop, Mode
+from app.engine.feedback import ClosedLoop
+from app.engine.structure import Mode
 from app.text.words import Text
 
 from ..toolkit import pole_words, tiny

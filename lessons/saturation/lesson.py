@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import Run, Scenario, autonomous_error, separation_meter
+from app.engine import Scenario, autonomous_error
+from app.engine.simulation import Run, separation_meter
 from app.lesson.figures import Curve, Figure
 from app.lesson.knobs import Choice, KnobError, Number
 from app.lesson.lesson import Check, Design, ExamItem, Formula, Job, Lesson, Outcome, Task, Verdict

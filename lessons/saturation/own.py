@@ -9,7 +9,9 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from app.engine import Plant, Run, Scenario, autonomous_error, recovery_map, separation_meter, simulate, sorted_poles
+from app.engine import Plant, Scenario, autonomous_error, simulate
+from app.engine.simulation import Run, recovery_map, separation_meter
+from app.engine.systems import sorted_poles
 from app.lesson.figures import Curve, Figure, MapFigure
 from app.lesson.knobs import Choice, Knob, KnobError, Number
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome

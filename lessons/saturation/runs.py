@@ -7,7 +7,8 @@ from math import radians
 
 import numpy as np
 
-from app.engine import Run, Scenario, simulate
+from app.engine import Scenario, simulate
+from app.engine.simulation import Run
 
 from .starts import ANGLE, FAR, NEAR
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import EngineError, Plant, Scenario, recovery_map
+from app.engine import EngineError, Plant, Scenario
+from app.engine.simulation import recovery_map
 from app.lesson.figures import MapFigure
 from app.text.words import Text
 

@@ -10,16 +10,10 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import (
-    ClosedLoop,
-    Plant,
-    Scenario,
-    amplitude_response,
-    autonomous_error,
-    closed_loop,
-    separation_meter,
-    simulate,
-)
+from app.engine import Plant, Scenario, autonomous_error, closed_loop, simulate
+from app.engine.feedback import ClosedLoop
+from app.engine.simulation import separation_meter
+from app.engine.systems import amplitude_response
 from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
 from app.lesson.knobs import Number, Switch
 from app.lesson.lesson import Check, Design, ExamItem, Formula, Lesson, Outcome, Task, Verdict

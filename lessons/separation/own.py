@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import typical_rate
+from app.engine.design import typical_rate
 from app.lesson.knobs import Knob, Number, Switch
 from app.lesson.lesson import Lesson, Task
 from app.plants import Model

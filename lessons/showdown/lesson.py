@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import ResponseMeasures
+from app.engine.sampled import ResponseMeasures
 from app.lesson.knobs import Choice, Number, Switch
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.lesson.prose import read_prose

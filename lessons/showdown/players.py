@@ -8,20 +8,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import solve_continuous_lyapunov
 
-from app.engine import (
-    Belief,
-    KalmanFilter,
-    Plant,
-    SampledController,
-    SampledLqg,
-    balanced_truncation,
-    compensator,
-    lqe,
-    lqr,
-    recursive_controller,
-    sampled_controller,
-    sampled_lqg,
-)
+from app.engine import Belief, KalmanFilter, Plant, balanced_truncation, compensator, lqe, lqr, sampled_lqg
+from app.engine.sampled import SampledController, SampledLqg, recursive_controller, sampled_controller
 from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.platform_lqg import GROUND_UNIT, H_MAG, V_MAG, Weights, coils, ground

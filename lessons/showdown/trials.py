@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.engine import MonteCarlo, loop_density, mechanics_response, monte_carlo
+from app.engine.sampled import MonteCarlo, loop_density, mechanics_response, monte_carlo
 from app.lesson.lesson import Outcome
 from app.plants import platform
 

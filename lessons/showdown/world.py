@@ -7,17 +7,15 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import (
+from app.engine import Plant, run_trial, sampled_loop
+from app.engine.sampled import (
     Hardware,
     MechanicsResponse,
-    Plant,
     ResponseMeasures,
     SampledLoop,
     loop_density,
     mechanics_response,
     response_measures,
-    run_trial,
-    sampled_loop,
 )
 from app.lesson.lesson import Design
 from app.plants import platform

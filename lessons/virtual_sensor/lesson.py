@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import Plant, Run, Scenario, observer_gain, simulate
+from app.engine import Plant, Scenario, observer_gain, simulate
+from app.engine.simulation import Run
 from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
 from app.lesson.knobs import Choice, Number, Poles
 from app.lesson.lesson import Board, Check, Design, Formula, Lesson, Outcome, Task

@@ -7,7 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from app.engine import Plant, Run, Scenario, simulate, sorted_poles
+from app.engine import Plant, Scenario, simulate
+from app.engine.simulation import Run
+from app.engine.systems import sorted_poles
 from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
 from app.lesson.knobs import Knob, Number, Poles
 from app.lesson.lesson import Board, Design, Formula, Lesson, Outcome

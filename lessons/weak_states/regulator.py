@@ -7,7 +7,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Lqg, NoisyLoop, Plant, lqg, noisy_loop
+from app.engine import Plant, lqg, noisy_loop
+from app.engine.feedback import Lqg, NoisyLoop
 from app.plants.platform_lqg import Weights, coils, ground
 from app.text.words import Text
 

@@ -7,7 +7,8 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from app.engine import Plant, Truncation, balanced_truncation, frequency_response
+from app.engine import Plant, balanced_truncation, frequency_response
+from app.engine.structure import Truncation
 from app.plants.platform import Parameters, plant
 from app.text.words import Text
 

@@ -23,7 +23,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from app.engine import EngineError
-from app.engine.design.placement import move_pole
+from app.engine.systems import move_pole
 from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
 from app.lesson.lesson import Design, Lesson
 from lessons import LESSONS

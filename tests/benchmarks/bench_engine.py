@@ -26,12 +26,8 @@ from scipy.linalg import expm, solve_continuous_are
 from stopwatch import median as patient_median
 from stopwatch import row
 
-from app.engine.simulation.batch import march_starts
-from app.engine.simulation.recovery import recovery_map
-from app.engine.simulation.scenario import Scenario
-from app.engine.simulation.simulate import simulate
-from app.engine.systems.plant import Plant
-from app.engine.systems.spectrum import frequency_response
+from app.engine import Plant, Scenario, frequency_response, simulate
+from app.engine.simulation import march_starts, recovery_map
 
 PATIENCE = float(sys.argv[1]) if len(sys.argv) > 1 else 2.0
 median = partial(patient_median, patience=PATIENCE)

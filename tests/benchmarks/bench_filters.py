@@ -16,14 +16,18 @@ import control
 import numpy as np
 from stopwatch import median, row
 
-from app.engine.design.optimal import lqe, lqr
-from app.engine.feedback.compensator import compensator
-from app.engine.feedback.margins import loop_margins
-from app.engine.filters.belief import Belief
-from app.engine.filters.kalman import KalmanFilter
-from app.engine.filters.nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
-from app.engine.filters.square_root import SquareRootFilter
-from app.engine.systems.plant import Plant
+from app.engine import (
+    Belief,
+    ExtendedKalmanFilter,
+    KalmanFilter,
+    Plant,
+    SquareRootFilter,
+    UnscentedKalmanFilter,
+    compensator,
+    loop_margins,
+    lqe,
+    lqr,
+)
 from app.plants import platform
 
 STEPS = 10_000

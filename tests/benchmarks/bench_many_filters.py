@@ -21,7 +21,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from app.engine import Beliefs, Experiment, ExtendedFilters, UnscentedFilters, march_many
+from app.engine.filters import Beliefs, Experiment, ExtendedFilters, UnscentedFilters, march_many
 from app.plants import nonlinear_platform
 
 RUNS, STEPS, FEW = 200, 100, 4

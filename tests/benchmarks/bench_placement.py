@@ -21,10 +21,7 @@ from scipy.signal import place_poles
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from app.engine.design.optimal import dlqr, lqe, lqr
-from app.engine.design.placement import observer_gain, place
-from app.engine.feedback.compensator import closed_loop
-from app.engine.systems.plant import Plant
+from app.engine import Plant, closed_loop, dlqr, lqe, lqr, observer_gain, place
 
 CASES = 12
 # scipy stops YT at a relative change of 1e-3, on random plants after 3 or 4 sweeps; "YT30" is YT left to its limit of 30

@@ -25,15 +25,8 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from app.engine import (
-    Hardware,
-    SampledLoop,
-    balanced_truncation,
-    monte_carlo,
-    run_trial,
-    sampled_controller,
-    sampled_loop,
-)
+from app.engine import balanced_truncation, run_trial, sampled_loop
+from app.engine.sampled import Hardware, SampledLoop, monte_carlo, sampled_controller
 from app.plants import platform
 from app.plants.platform_lqg import Weights, lqg
 

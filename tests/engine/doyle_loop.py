@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from app.engine.design.optimal import lqe, lqr
-from app.engine.feedback.compensator import compensator
-from app.engine.systems.plant import Plant
+from app.engine import Plant, compensator, lqe, lqr
 
 ONES = np.ones((2, 2))
 DOYLE = Plant([[1, 1], [0, 1]], [[0], [1]], [[1, 0]])

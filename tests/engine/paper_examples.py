@@ -1,6 +1,6 @@
 """The examples of the robust observer paper as functional observers."""
 
-from app.engine.observers.functional import functional_observer
+from app.engine import functional_observer
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2
 
 ONE, TWO = EXAMPLE_1.plant, EXAMPLE_2.plant

@@ -8,20 +8,8 @@ import mpmath
 import numpy as np
 from scipy import signal
 
-from app.engine import (
-    Hardware,
-    MonteCarlo,
-    Plant,
-    SampledLoop,
-    balanced_truncation,
-    coil_driver,
-    compensator,
-    lqe,
-    lqr,
-    monte_carlo,
-    sampled_controller,
-    sampled_loop,
-)
+from app.engine import Plant, balanced_truncation, compensator, lqe, lqr, sampled_loop
+from app.engine.sampled import Hardware, MonteCarlo, SampledLoop, coil_driver, monte_carlo, sampled_controller
 from app.plants import platform
 
 DT = 1e-3

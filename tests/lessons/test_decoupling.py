@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from app.engine import Plant, frequency_response, simulate
-from app.engine.simulation.scenario import Scenario
+from app.engine import Plant, Scenario, frequency_response, simulate
 from app.lesson.figures import axis_range
 from app.lesson.lesson import Outcome
 from app.plants import platform

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from app.engine import FaultBank, Plant, binomial_band, observability, residual_generator
+from app.engine import Plant, observability, residual_generator
+from app.engine.observers import FaultBank, binomial_band
 from lessons.fault_diagnosis.bank import COUNT, DT, PLACES, gain, guard, model, truth
 from lessons.fault_diagnosis.diagnosis import ENERGY, HOLD, MEAN, Rule, judge
 from lessons.fault_diagnosis.lesson import LESSON

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from app.engine import Scenario, match_poles, simulate
+from app.engine import Scenario, simulate
+from app.engine.systems import match_poles
 from lessons.hidden_modes.cases import CASES, COMMON, RELATIVE, UNMOVED, UNSEEN
 from lessons.hidden_modes.lesson import LESSON, movable
 from lessons.hidden_modes.pictures import DRAWS, random_poles

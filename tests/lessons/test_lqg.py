@@ -5,7 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from app.engine import EngineError, compensator, loop_margins, lqg, recover, state_feedback_margins
+from app.engine import EngineError, compensator, loop_margins, lqg, recover
+from app.engine.feedback import state_feedback_margins
 from app.lesson.figures import Curve, TimeFigure
 from app.lesson.lesson import Outcome
 from app.plants import MODELS, doyle

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from app.engine import critical_loss, mean_square_growth
+from app.engine import critical_loss
+from app.engine.network import mean_square_growth
 from app.lesson.lesson import Outcome
 from app.plants import MODELS
 from lessons.network.cases import CART, CHIP, DECK, KINDS, SAMPLES, SCALAR, TWO, sampled

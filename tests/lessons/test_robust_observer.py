@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from app.engine import EngineError, Region, ShapeError, functional_observer, rlo, vertices, worst_error_gain
+from app.engine import EngineError, ShapeError, functional_observer, rlo
+from app.engine.observers import Region, vertices, worst_error_gain
 from app.lesson.knobs import KnobError
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2
 from lessons.robust_observer.lesson import LESSON

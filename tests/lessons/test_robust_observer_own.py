@@ -8,7 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from app.engine import EngineError, Plant, criterion, observability, perturbed_loop, run_functional
+from app.engine import EngineError, Plant, observability, run_functional
+from app.engine.observers import criterion, perturbed_loop
 from app.lesson.figures import TableFigure
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Lesson, Outcome

@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.engine import Plant, Scenario, autonomous_error, observer_gain, place, recovery_map, simulate
+from app.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
+from app.engine.simulation import recovery_map
 from app.lesson.lesson import Design, Outcome
 from lessons.saturation.lesson import FAST, LESSON, PLANT, scenario_of
 from lessons.saturation.runs import FALLEN, comes_home, march

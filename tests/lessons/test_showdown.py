@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.engine import monte_carlo, noisy_loop, sampled_lqg, welch_expectation
+from app.engine import noisy_loop, sampled_lqg
+from app.engine.sampled import monte_carlo, welch_expectation
 from app.lesson.lesson import Outcome
 from app.plants import platform, platform_siso
 from app.plants.platform_channels import T_y

@@ -12,9 +12,8 @@ from plant_models import every_model, pbh_seen, rank
 from scipy.linalg import expm
 from scipy.signal import place_poles
 
-from app.engine.design.placement import observer_gain, place
-from app.engine.systems.errors import EngineError
-from app.engine.systems.plant import as_matrix
+from app.engine import EngineError, observer_gain, place
+from app.engine.systems import as_matrix
 from app.plants import MODELS, chip, model, spring_damper
 from app.plants import cart_pendulum as cart
 

@@ -6,8 +6,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from app.engine import Plant, frequency_response, loop_margins, match_poles, mixing_matrix, noisy_loop, sensitivity
-from app.engine.design.siso import loop_shaped, negated, polynomial_roots
+from app.engine import Plant, frequency_response, loop_margins, noisy_loop, sensitivity
+from app.engine.design import loop_shaped, negated, polynomial_roots
+from app.engine.structure import mixing_matrix
+from app.engine.systems import match_poles
 from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_u, T_y

@@ -7,8 +7,7 @@ import pytest
 from plant_models import pbh_moved, pbh_seen
 from scipy.linalg import expm
 
-from app.engine.design.placement import observer_gain, place
-from app.engine.systems.errors import EngineError
+from app.engine import EngineError, observer_gain, place
 from app.plants import cart_pendulum as cart
 from app.plants import two_mass
 from app.plants.two_mass import HIDDEN, Parameters, hidden

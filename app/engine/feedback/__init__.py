@@ -1,1 +1,32 @@
 """The loop closed: compensators, sensitivity, margins, spectra, LQG and its recovery."""
+
+from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
+from .loop_spectrum import NoisyLoop, noisy_loop
+from .lqg import Lqg, lqg
+from .ltr import Recovered, recover, recover_at_output, transmission_zeros
+from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
+from .sensitivity import Sensitivity, sensitivity
+
+__all__ = [
+    "ChannelMargins",
+    "ClosedLoop",
+    "DiskMargin",
+    "LoopMargins",
+    "Lqg",
+    "MultiMargins",
+    "NoisyLoop",
+    "Recovered",
+    "Sensitivity",
+    "TransferFunction",
+    "closed_loop",
+    "compensator",
+    "loop_margins",
+    "lqg",
+    "noisy_loop",
+    "recover",
+    "recover_at_output",
+    "sensitivity",
+    "state_feedback_margins",
+    "to_tf",
+    "transmission_zeros",
+]

@@ -1,1 +1,69 @@
 """Observers beyond Luenberger's: functional, robust, bilinear, with unknown inputs, banks for faults."""
+
+from .bilinear import BilinearForm, BilinearObserver, BilinearPlant, bilinear_functional_observer
+from .bilinear_run import BilinearRun, simulate_bilinear
+from .fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
+from .functional import FunctionalObserver, functional_observer
+from .functional_loop import (
+    FunctionalRun,
+    error_index,
+    error_transfer,
+    peak_gain,
+    perturbed_loop,
+    run_functional,
+    worst_error_gain,
+)
+from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
+from .residual_threshold import (
+    alarm_probability,
+    binomial_band,
+    needed_noncentrality,
+    residual_threshold,
+    window_energy,
+    window_mean,
+)
+from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
+from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
+
+__all__ = [
+    "Attempt",
+    "BilinearForm",
+    "BilinearObserver",
+    "BilinearPlant",
+    "BilinearRun",
+    "Decoupling",
+    "FaultBank",
+    "FunctionalObserver",
+    "FunctionalRun",
+    "Norm",
+    "Perturbations",
+    "Region",
+    "ResidualGenerator",
+    "RobustObserver",
+    "UnknownInputObserver",
+    "alarm_probability",
+    "bilinear_functional_observer",
+    "binomial_band",
+    "criterion",
+    "decoupling",
+    "error_index",
+    "error_transfer",
+    "every_entry",
+    "functional_observer",
+    "isolate",
+    "needed_noncentrality",
+    "peak_gain",
+    "perturbations",
+    "perturbed_loop",
+    "residual_generator",
+    "residual_threshold",
+    "rlo",
+    "rlo_steps",
+    "run_functional",
+    "simulate_bilinear",
+    "unknown_input_observer",
+    "vertices",
+    "window_energy",
+    "window_mean",
+    "worst_error_gain",
+]

@@ -1,1 +1,34 @@
 """Loops with sampled controllers and real hardware, one run or many."""
+
+from .hardware import Hardware, coil_driver
+from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
+from .monte_carlo import MonteCarlo, monte_carlo, welch_expectation
+from .sampled_control import SampledController, recursive_controller, sampled_controller
+from .sampled_loop import SampledLoop, sampled_loop, thin_root
+from .sampled_spectrum import MechanicsResponse, loop_density, mechanics_response
+from .trial import ResponseMeasures, Trial, response_measures, run_trial
+
+__all__ = [
+    "Hardware",
+    "MechanicsResponse",
+    "MonteCarlo",
+    "ResponseMeasures",
+    "SampledController",
+    "SampledLoop",
+    "SampledLqg",
+    "SampledRun",
+    "Trial",
+    "coil_driver",
+    "loop_density",
+    "mechanics_response",
+    "monte_carlo",
+    "recursive_controller",
+    "response_measures",
+    "run_trial",
+    "sampled_controller",
+    "sampled_cost",
+    "sampled_loop",
+    "sampled_lqg",
+    "thin_root",
+    "welch_expectation",
+]

@@ -1,1 +1,61 @@
 """What a plant is made of: observability, controllability, decomposition, Gramians, dominance."""
+
+from .analysis import Controllability, Mode, Observability, controllability, observability
+from .canonise import Canonisation, canonise, canonise_right
+from .coprime import CoprimeFactors, coprime_factors
+from .decomposition import (
+    KalmanDecomposition,
+    kalman_decomposition,
+    reachable_subspace,
+    state_scale,
+    unobservable_subspace,
+)
+from .dominance import Dominance, dominance, dominance_of, relative_gains
+from .gramian import (
+    Gramians,
+    StableSplit,
+    Truncation,
+    balanced_truncation,
+    gramians,
+    hankel_singular_values,
+    observability_gramian,
+    reachability_gramian,
+    split_stable,
+)
+from .mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
+
+__all__ = [
+    "Canonisation",
+    "Controllability",
+    "CoprimeFactors",
+    "Coupling",
+    "Dominance",
+    "Gramians",
+    "KalmanDecomposition",
+    "Mixing",
+    "Mode",
+    "Observability",
+    "StableSplit",
+    "Truncation",
+    "balanced_truncation",
+    "best_mixing",
+    "canonise",
+    "canonise_right",
+    "controllability",
+    "coprime_factors",
+    "coupling",
+    "dominance",
+    "dominance_of",
+    "gramians",
+    "hankel_singular_values",
+    "kalman_decomposition",
+    "mixing_matrix",
+    "observability",
+    "observability_gramian",
+    "reachability_gramian",
+    "reachable_subspace",
+    "relative_gains",
+    "split_stable",
+    "state_scale",
+    "unobservable_subspace",
+]

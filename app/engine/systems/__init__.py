@@ -1,1 +1,61 @@
 """Plants, poles, conversion, noise and sampling: what every other room of the engine stands on."""
+
+from .arrays import as_covariance, symmetric
+from .convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
+from .errors import EngineError, PoleError, RiccatiError, ShapeError
+from .flow import Flow, Map, NonlinearPlant, slopes
+from .jacobian import columns, each_column, expand, jacobian
+from .noise import process_noise, root, step_covariance
+from .plant import Plant, as_matrix
+from .pole_sets import Poles, all_stable, check_poles, match_poles, move_pole, pole_text, sorted_poles
+from .sampling import continuous_of, discretise
+from .scan import affine_scan, held_scan, step_matrices
+from .spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd, solved_response
+
+__all__ = [
+    "EngineError",
+    "Flow",
+    "Map",
+    "NonlinearPlant",
+    "Plant",
+    "PoleError",
+    "Poles",
+    "RiccatiError",
+    "ShapeError",
+    "Spectrum",
+    "affine_scan",
+    "all_stable",
+    "amplitude_response",
+    "as_covariance",
+    "as_matrix",
+    "check_poles",
+    "columns",
+    "continuous_of",
+    "discretise",
+    "each_column",
+    "expand",
+    "frequency_response",
+    "from_control",
+    "from_json",
+    "from_mat",
+    "held_scan",
+    "jacobian",
+    "load_plant",
+    "match_poles",
+    "modal_coordinates",
+    "move_pole",
+    "pole_text",
+    "process_noise",
+    "psd",
+    "read_plant",
+    "root",
+    "slopes",
+    "solved_response",
+    "sorted_poles",
+    "step_covariance",
+    "step_matrices",
+    "symmetric",
+    "to_control",
+    "to_json",
+    "to_mat",
+]

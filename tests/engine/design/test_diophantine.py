@@ -10,20 +10,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from app.engine import (
-    EngineError,
-    Plant,
-    PoleError,
-    compensator,
-    frequency_response,
-    match_poles,
-    observer_gain,
-    place,
-    sensitivity,
-    to_tf,
-)
-from app.engine.design.diophantine import diophantine, sylvester
-from app.engine.design.siso import rational
+from app.engine import EngineError, Plant, PoleError, compensator, frequency_response, observer_gain, place, sensitivity
+from app.engine.design import diophantine, rational, sylvester
+from app.engine.feedback import to_tf
+from app.engine.systems import match_poles
 
 
 def test_a_double_integrator_by_hand() -> None:

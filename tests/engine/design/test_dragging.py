@@ -8,9 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pole_requests import random_pair, random_poles
 
-from app.engine.design.placement import move_pole, place
-from app.engine.systems.errors import PoleError
-from app.engine.systems.pole_sets import check_poles
+from app.engine import PoleError, place
+from app.engine.systems import check_poles, move_pole
 
 
 def test_a_pair_moves_together():

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
 
-from app.engine.design.optimal import dlqe, dlqr, lqe, lqr
-from app.engine.systems.errors import EngineError, RiccatiError, ShapeError
+from app.engine import EngineError, RiccatiError, ShapeError, dlqe, dlqr, lqe, lqr
 
 ONES = np.ones((2, 2))
 DOYLE_A, DOYLE_B, DOYLE_C = np.array([[1.0, 1.0], [0.0, 1.0]]), np.array([[0.0], [1.0]]), np.array([[1.0, 0.0]])

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from pole_requests import SPRING
 
-from app.engine.design.placement import match_poles, observer_gain, place
-from app.engine.systems.errors import EngineError, PoleError, ShapeError
-from app.engine.systems.pole_sets import check_poles
+from app.engine import EngineError, PoleError, ShapeError, observer_gain, place
+from app.engine.systems import check_poles, match_poles
 
 
 # --- uncontrollable modes --------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.engine import EngineError, Plant, ShapeError, frequency_response
-from app.engine.design.siso import (
+from app.engine.design import (
     LoopShape,
     diagonal_controller,
     loop_shaped,

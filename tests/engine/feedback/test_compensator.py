@@ -6,11 +6,9 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from app.engine.design.optimal import lqe, lqr
-from app.engine.design.placement import match_poles, observer_gain, place
-from app.engine.feedback.compensator import closed_loop, compensator, to_tf
-from app.engine.systems.errors import ShapeError
-from app.engine.systems.plant import Plant
+from app.engine import Plant, ShapeError, closed_loop, compensator, lqe, lqr, observer_gain, place
+from app.engine.feedback import to_tf
+from app.engine.systems import match_poles
 
 
 def random_plant(seed, n, m, p, through=0.0, dt=0.0):

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from doyle_loop import DOYLE, ONES
 
-from app.engine.design.optimal import lqe, lqr
-from app.engine.feedback.ltr import recover, recover_at_output, transmission_zeros
-from app.engine.systems.plant import Plant
+from app.engine import Plant, lqe, lqr, recover
+from app.engine.feedback import recover_at_output, transmission_zeros
 
 
 def test_recovery_brings_doyles_margins_back():

@@ -7,14 +7,21 @@ from doyle_loop import DOYLE, ONES, doyle
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine.design.optimal import dlqe, dlqr, lqe, lqr
-from app.engine.feedback.compensator import compensator
-from app.engine.feedback.ltr import recover
-from app.engine.feedback.margins import DiskMargin, loop_margins, state_feedback_margins
-from app.engine.feedback.sensitivity import sensitivity
-from app.engine.systems.errors import EngineError, ShapeError
-from app.engine.systems.plant import Plant
-from app.engine.systems.sampling import discretise
+from app.engine import (
+    EngineError,
+    Plant,
+    ShapeError,
+    compensator,
+    dlqe,
+    dlqr,
+    loop_margins,
+    lqe,
+    lqr,
+    recover,
+    sensitivity,
+)
+from app.engine.feedback import DiskMargin, state_feedback_margins
+from app.engine.systems import discretise
 from app.plants import platform
 
 

@@ -7,11 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_continuous_lyapunov, solve_discrete_are
 
-from app.engine.filters.belief import Belief, RootBelief
-from app.engine.filters.kalman import KalmanFilter, joseph, short_form
-from app.engine.filters.square_root import SquareRootFilter
-from app.engine.systems.errors import EngineError, ShapeError
-from app.engine.systems.plant import Plant
+from app.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, SquareRootFilter
+from app.engine.filters import RootBelief, joseph, short_form
 from app.plants import platform
 
 BOTH = pytest.mark.parametrize("kind", [KalmanFilter, SquareRootFilter])

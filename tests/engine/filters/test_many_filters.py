@@ -5,19 +5,27 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from app.engine.filters.belief import Belief
-from app.engine.filters.consistency import chi2_band, nees
-from app.engine.filters.kalman import KalmanFilter
-from app.engine.filters.many_filters import (
+from app.engine import (
+    Belief,
+    EngineError,
+    ExtendedKalmanFilter,
+    KalmanFilter,
+    ShapeError,
+    UnscentedKalmanFilter,
+    chi2_band,
+    nees,
+)
+from app.engine.filters import (
     Beliefs,
+    Experiment,
     ExtendedFilters,
     LinearFilters,
     PrintedUnscentedFilters,
+    Steering,
     UnscentedFilters,
+    errors_squared,
+    march_many,
 )
-from app.engine.filters.many_runs import Experiment, Steering, errors_squared, march_many
-from app.engine.filters.nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
-from app.engine.systems.errors import EngineError, ShapeError
 from app.plants import cart_pendulum, growth
 
 RUNS, STEPS = 6, 12

@@ -6,12 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine.filters.belief import Belief
-from app.engine.filters.consistency import nees
-from app.engine.filters.kalman import KalmanFilter
-from app.engine.filters.nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
-from app.engine.systems.errors import EngineError, ShapeError
-from app.engine.systems.jacobian import each_column, jacobian
+from app.engine import Belief, EngineError, ExtendedKalmanFilter, KalmanFilter, ShapeError, UnscentedKalmanFilter, nees
+from app.engine.systems import each_column, jacobian
 
 
 def linear(seed, n=4, m=2, p=2):

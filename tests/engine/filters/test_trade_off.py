@@ -8,20 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 
-from app.engine import (
-    EngineError,
-    Plant,
-    Scenario,
-    ShapeError,
-    dlqe,
-    error_parts,
-    filter_trial,
-    growing_error,
-    lqe,
-    nis,
-    noise_ladder,
-    simulate,
-)
+from app.engine import EngineError, Plant, Scenario, ShapeError, dlqe, error_parts, lqe, nis, simulate
+from app.engine.filters import filter_trial, growing_error, noise_ladder
 
 BELIEFS = np.logspace(-2, 2, 5)
 

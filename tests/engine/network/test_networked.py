@@ -13,19 +13,14 @@ from app.engine import (
     EngineError,
     KalmanFilter,
     Link,
-    NetworkRun,
     NetworkScenario,
     Plant,
     ShapeError,
-    delayed_loop,
     dlqe,
     dlqr,
-    mean_square_growth,
-    network_meter,
-    promised_error,
     simulate_network,
 )
-from app.engine.network.packets import age_of
+from app.engine.network import NetworkRun, age_of, delayed_loop, mean_square_growth, network_meter, promised_error
 
 A = np.array([[1.1, 0.3], [0.0, 0.9]])
 B = np.array([[0.1], [1.0]])

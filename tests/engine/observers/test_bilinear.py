@@ -8,10 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from app.engine.observers.bilinear import BilinearForm, BilinearPlant, bilinear_functional_observer
-from app.engine.observers.bilinear_run import simulate_bilinear
-from app.engine.structure.canonise import canonise, canonise_right
-from app.engine.systems.errors import EngineError, PoleError, ShapeError
+from app.engine import (
+    BilinearPlant,
+    EngineError,
+    PoleError,
+    ShapeError,
+    bilinear_functional_observer,
+    simulate_bilinear,
+)
+from app.engine.observers import BilinearForm
+from app.engine.structure import canonise, canonise_right
 from app.plants import bilinear as example
 
 P = example.PLANT

@@ -6,18 +6,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_examples import ONE, TWO, two
 
-from app.engine.observers.functional import functional_observer
-from app.engine.observers.functional_loop import (
+from app.engine import EngineError, Plant, PoleError, ShapeError, functional_observer, run_functional
+from app.engine.observers import (
+    criterion,
     error_index,
     error_transfer,
+    every_entry,
     peak_gain,
-    run_functional,
+    perturbations,
+    vertices,
     worst_error_gain,
 )
-from app.engine.observers.perturbation import criterion, every_entry, perturbations, vertices
-from app.engine.structure.coprime import coprime_factors
-from app.engine.systems.errors import EngineError, PoleError, ShapeError
-from app.engine.systems.plant import Plant
+from app.engine.structure import coprime_factors
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
 
 

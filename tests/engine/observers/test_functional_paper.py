@@ -5,16 +5,8 @@ import pytest
 from paper_examples import ONE, TWO, one, two
 from scipy.integrate import solve_ivp
 
-from app.engine.observers.functional import functional_observer
-from app.engine.observers.functional_loop import (
-    error_index,
-    error_transfer,
-    perturbed_loop,
-    run_functional,
-    worst_error_gain,
-)
-from app.engine.observers.perturbation import vertices
-from app.engine.systems.errors import EngineError
+from app.engine import EngineError, functional_observer, run_functional
+from app.engine.observers import error_index, error_transfer, perturbed_loop, vertices, worst_error_gain
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
 
 

@@ -5,13 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine.observers.functional import functional_observer
-from app.engine.observers.functional_loop import worst_error_gain
-from app.engine.observers.perturbation import vertices
-from app.engine.observers.rlo import Region, rlo, rlo_steps
-from app.engine.structure.coprime import coprime_factors
-from app.engine.systems.errors import EngineError
-from app.engine.systems.plant import Plant
+from app.engine import EngineError, Plant, functional_observer, rlo
+from app.engine.observers import Region, rlo_steps, vertices, worst_error_gain
+from app.engine.structure import coprime_factors
 from app.plants import MODELS
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2
 

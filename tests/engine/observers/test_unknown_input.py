@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.engine import EngineError, Plant, PoleError, ShapeError, decoupling, unknown_input_observer
-from app.engine.systems.sampling import discretise
+from app.engine import EngineError, Plant, PoleError, ShapeError, unknown_input_observer
+from app.engine.observers import decoupling
+from app.engine.systems import discretise
 from app.plants.platform import deck
 
 BOOK = Plant([[-1, 1, 0], [-1, 0, 0], [0, -1, -1]], [[-1], [0], [0]], [[1, 0, 0], [0, 0, 1]])

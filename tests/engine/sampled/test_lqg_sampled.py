@@ -6,8 +6,8 @@ import pytest
 from scipy.integrate import quad_vec
 from scipy.linalg import expm
 
-from app.engine import EngineError, Plant, balanced_truncation, noisy_loop, sampled_cost, sampled_lqg
-from app.engine.filters.belief import Belief
+from app.engine import Belief, EngineError, Plant, balanced_truncation, noisy_loop, sampled_lqg
+from app.engine.sampled import sampled_cost
 from app.plants import platform, platform_lqg
 from app.plants.platform_channels import T_y
 

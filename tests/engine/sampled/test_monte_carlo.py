@@ -7,21 +7,18 @@ import pytest
 from sampled_platform import DT, IDEAL, PLANT, V, W, finished, loop_of
 from scipy import signal
 
-from app.engine import (
-    EngineError,
+from app.engine import EngineError, Plant, frequency_response, sampled_loop
+from app.engine.sampled import (
     Hardware,
-    Plant,
     coil_driver,
-    frequency_response,
     loop_density,
     mechanics_response,
     monte_carlo,
     sampled_controller,
-    sampled_loop,
+    thin_root,
     welch_expectation,
 )
 from app.engine.sampled.monte_carlo import _one
-from app.engine.sampled.sampled_loop import thin_root
 
 
 def test_a_batch_is_the_plain_loop_with_its_own_draws() -> None:

@@ -22,21 +22,9 @@ from sampled_platform import (
 from scipy import signal
 from scipy.linalg import solve_continuous_lyapunov
 
-from app.engine import (
-    Belief,
-    EngineError,
-    Hardware,
-    KalmanFilter,
-    Plant,
-    ShapeError,
-    monte_carlo,
-    recursive_controller,
-    response_measures,
-    run_trial,
-    sampled_controller,
-    sampled_loop,
-)
-from app.engine.systems.noise import step_covariance
+from app.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, run_trial, sampled_loop
+from app.engine.sampled import Hardware, monte_carlo, recursive_controller, response_measures, sampled_controller
+from app.engine.systems import step_covariance
 
 
 @pytest.mark.parametrize("hardware", [

@@ -3,12 +3,8 @@
 import numpy as np
 import pytest
 
-from app.engine.simulation.batch import march_starts
-from app.engine.simulation.recovery import recovery_map, starts_of
-from app.engine.simulation.scenario import Scenario
-from app.engine.simulation.simulate import simulate
-from app.engine.systems.errors import EngineError
-from app.engine.systems.plant import Plant
+from app.engine import EngineError, Plant, Scenario, simulate
+from app.engine.simulation import march_starts, recovery_map, starts_of
 
 FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[5.0, 4.0]]), np.array([[12.0], [37.0]])

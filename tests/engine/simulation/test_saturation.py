@@ -5,9 +5,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from app.engine.simulation.scenario import Scenario
-from app.engine.simulation.simulate import simulate
-from app.engine.systems.plant import Plant
+from app.engine import Plant, Scenario, simulate
 
 DOUBLE = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[4.0, 4.0]]), np.array([[12.0], [36.0]])  # poles −2, −2 and −6, −6

@@ -6,13 +6,9 @@ import pytest
 from scipy import signal
 from scipy.linalg import expm
 
-from app.engine.simulation.loop import emulated_gain
-from app.engine.simulation.scenario import Scenario
-from app.engine.simulation.simulate import autonomous_error, separation_meter, simulate
-from app.engine.systems.errors import EngineError
-from app.engine.systems.plant import Plant
-from app.engine.systems.sampling import discretise
-from app.engine.systems.scan import affine_scan, held_scan
+from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
+from app.engine.simulation import emulated_gain, separation_meter
+from app.engine.systems import affine_scan, discretise, held_scan
 
 DOUBLE = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[4.0, 4.0]]), np.array([[12.0], [36.0]])  # poles −2, −2 and −6, −6

@@ -6,9 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine.structure.analysis import controllability, observability
-from app.engine.systems.errors import EngineError
-from app.engine.systems.plant import Plant
+from app.engine import EngineError, Plant, controllability, observability
 
 SEEDS = st.integers(0, 2**32 - 1)
 

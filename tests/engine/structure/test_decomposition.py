@@ -5,10 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.engine.structure.analysis import controllability, observability
-from app.engine.structure.decomposition import kalman_decomposition, reachable_subspace, unobservable_subspace
-from app.engine.systems.errors import EngineError
-from app.engine.systems.plant import Plant
+from app.engine import EngineError, Plant, controllability, kalman_decomposition, observability
+from app.engine.structure import reachable_subspace, unobservable_subspace
 
 SEEDS = st.integers(0, 2**32 - 1)
 SIZES = st.tuples(*[st.integers(0, 3)] * 4).filter(lambda sizes: sum(sizes) > 0)

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from scipy.optimize import differential_evolution
 
 from app.engine import EngineError, Plant, ShapeError, frequency_response
-from app.engine.structure.dominance import dominance, dominance_of, relative_gains
-from app.engine.structure.mixing import best_mixing, coupling, mixing_matrix
+from app.engine.structure import best_mixing, coupling, dominance, dominance_of, mixing_matrix, relative_gains
 
 G2 = np.array([[[2.0, 1.0], [-0.5, 4.0]], [[1.0j, 3.0], [0.0, -2.0]]])
 

@@ -15,9 +15,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.io import savemat
 
-from app.engine.systems.convert import from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
-from app.engine.systems.errors import EngineError
-from app.engine.systems.plant import Plant
+from app.engine import EngineError, Plant, from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 WORD = st.text(st.characters(whitelist_categories=("L", "N"), whitelist_characters=" _-()ẋ"), min_size=1, max_size=12)

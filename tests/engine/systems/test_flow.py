@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from app.engine.systems.errors import EngineError, ShapeError
-from app.engine.systems.flow import Flow, NonlinearPlant, slopes
+from app.engine import EngineError, NonlinearPlant, ShapeError
+from app.engine.systems import Flow, slopes
 from app.plants import cart_pendulum, falling_body, growth, nonlinear_platform, platform
 
 PLANTS = {

@@ -4,8 +4,8 @@ import control
 import numpy as np
 import pytest
 
-from app.engine.systems.errors import EngineError, ShapeError
-from app.engine.systems.spectrum import amplitude_response, frequency_response, psd
+from app.engine import EngineError, ShapeError, frequency_response, psd
+from app.engine.systems import amplitude_response
 
 RNG = np.random.default_rng(1)
 
