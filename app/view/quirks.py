@@ -6,15 +6,20 @@ import json
 import re
 import secrets
 import shutil
+import socket
 import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from unittest import mock
-from urllib.parse import quote, urlsplit
+from urllib.parse import quote
 
 import viser
+import websockets.asyncio.server
 from viser import _messages, infra
+
+from .gate import Gate, Refusal
+from .handshake import guarded
 
 NAME = "Observer Lab"
 OPENING = threading.Lock()  # two servers opened at once would take each other's page
@@ -22,6 +27,8 @@ CROSS = '<path d="M{0} {1}l18 18m0-18l-18 18" stroke="{2}" stroke-width="6" stro
 ICON = "data:image/svg+xml," + quote(
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32" fill="none">'
     + CROSS.format(11, 10, "#D55E00", ' opacity=".55"') + CROSS.format(4, 4, "#0072B2", "") + "</svg>")
+OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
+                       "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
 STORAGE = "observer-lab"
 VISERS_OWN = "viser-user:"  # what viser puts before every key of localStorage that it reads
 WITHOUT_GRAPHICS_CARD = """(() => {
@@ -118,33 +125,48 @@ def page_of_our_own(folder: Path) -> None:
     page.write_text(text.replace("<title>Viser</title>", ours, 1), encoding="utf-8")
 
 
-def open_server(host: str, port: int, page: Path) -> viser.ViserServer:
-    """viser's server on the page that lies in a folder: viser itself always serves the one it is shipped with."""
+def open_server(listener: socket.socket, page: Path, gate: Gate, refused: Callable[[Refusal], None]) -> viser.ViserServer:
+    """viser's server on a socket that listens, behind a gate, on the page that lies in a folder.
+
+    viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB and serves the page that it is
+    shipped with. Here nobody is let in until every door that all tabs share is closed.
+    """
+    ready = threading.Event()
+
     class Server(infra.WebsockServer):
         def start(self) -> None:
             self._http_server_root = page
             super().start()
 
-    with OPENING, mock.patch.object(infra, "WebsockServer", Server):
-        return viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
+    host, port = listener.getsockname()[:2]
+    serve = guarded(listener, gate, refused, ready.is_set)
+    with OPENING, mock.patch.object(infra, "WebsockServer", Server), mock.patch.object(websockets.asyncio.server, "serve", serve):
+        server = viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
+    close_shared_doors(server)
+    server._websock_server.on_client_connect(keep_own_doors)
+    ready.set()
+    return server
 
 
-def close_share_tunnel(server: viser.ViserServer) -> None:
-    """Unregister the handlers by which any browser could make this server open a public tunnel."""
-    for message in (_messages.ShareUrlRequest, _messages.ShareUrlDisconnect):
-        server._websock_server.unregister_handler(message)
+def close_shared_doors(server: viser.ViserServer) -> frozenset[str]:
+    """Take away every handler by which a message of one tab acts on the server or on all tabs; their names.
+
+    Among them are one that hands a message on to everybody and keeps it for those who come later, and one that opens a
+    public tunnel. All that we show belongs to one tab, so none is needed.
+    """
+    handlers = server._websock_server._incoming_handlers
+    names = frozenset(message.__name__ for message in handlers)
+    handlers.clear()
+    return names
 
 
-def foreign_origin(server: viser.ViserServer, client: viser.ClientHandle) -> str | None:
-    """The Origin of a connection that another site's page opened, None when it is our own page or a script."""
-    connection = server._websock_server._live_connections.get(client.client_id)
-    request = getattr(connection, "request", None)
-    if request is None:
-        return None
-    origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
-    if not origin:
-        return None  # not a browser: a script, a test
-    return None if urlsplit(origin).netloc == host else origin
+def keep_own_doors(connection: infra.WebsockClientConnection) -> frozenset[str]:
+    """Leave to a connection, before its first message is read, the handlers that our widgets use; the names of the others."""
+    handlers = connection._incoming_handlers
+    closed = [message for message in handlers if message.__name__ not in OWN_DOORS]
+    for message in closed:
+        del handlers[message]
+    return frozenset(message.__name__ for message in closed)
 
 
 def accept_values_only(client: viser.ClientHandle, refused: Callable[[], None]) -> None:
@@ -202,13 +224,6 @@ def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused
 
     connection.register_handler(_messages.FileTransferStartUpload, starts)
     connection.register_handler(_messages.FileTransferPart, goes_on)
-
-
-def disconnect(server: viser.ViserServer, client: viser.ClientHandle) -> None:
-    """Close one connection."""
-    connection = server._websock_server._live_connections.get(client.client_id)
-    if connection is not None:
-        server.get_event_loop().create_task(connection.close(1008, "this server answers its own page only"))
 
 
 def name_page(client: viser.ClientHandle, title: str, language: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 import viser
@@ -13,43 +13,51 @@ from ..lesson.lesson import Lesson
 from ..tab.edits import Do
 from ..tab.session import Session
 from . import quirks
+from .address import is_public, listen, url
+from .gate import Gate, Refusal
 from .plants import MOST_BYTES
 from .screen import Screen
 
 log = logging.getLogger(__name__)
+
+TOLD = 20  # different refusals that are written down: a name is enough to help, and a flood is none
 
 
 class LabServer:
     """Observer Lab on a port: every tab that connects gets a session, every tab that leaves takes it away."""
 
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
-                 lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "") -> None:
+                 lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
+                 names: Iterable[str] = ()) -> None:
+        """Raises OSError where it cannot listen, ValueError at a name that is none."""
         self._lessons = lessons
         self._lesson, self._language, self._max, self._plant = lesson, language, max_sessions, plant
         self._sessions: dict[int, Session] = {}
+        self._host, self._refused = host, set[Refusal]()
+        gate = Gate.of(host, is_public(host), names)
+        listener = listen(host, port)
         self._page = tempfile.TemporaryDirectory(prefix="observer-lab-")
         quirks.page_of_our_own(Path(self._page.name))
-        self._server = quirks.open_server(host, port, Path(self._page.name))
-        quirks.close_share_tunnel(self._server)
+        self._server = quirks.open_server(listener, Path(self._page.name), gate, self._write_down)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
 
     @property
     def url(self) -> str:
         """Where the page is: the port may differ from the one asked for, when that was taken."""
-        return f"http://{self._server.get_host()}:{self._server.get_port()}"
+        return url(self._host, self._server.get_port())
 
     @property
     def sessions(self) -> Mapping[int, Session]:
         """The open tabs' sessions."""
         return self._sessions
 
+    def _write_down(self, refusal: Refusal) -> None:
+        if refusal not in self._refused and len(self._refused) < TOLD:
+            self._refused.add(refusal)
+            log.warning("refused: %s", refusal.words)
+
     async def _enter(self, client: viser.ClientHandle) -> None:
-        origin = quirks.foreign_origin(self._server, client)
-        if origin is not None:
-            log.warning("refused a connection from a page of %s", origin)
-            quirks.disconnect(self._server, client)
-            return
         if len(self._sessions) >= self._max:
             client.add_notification("Observer Lab", f"This server is full ({self._max} tabs). Close one and reload.",
                                     color="red")
