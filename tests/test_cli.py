@@ -8,6 +8,8 @@ import socket
 import subprocess
 import sys
 import urllib.request
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
@@ -16,12 +18,15 @@ import numpy as np
 import pytest
 
 from app.cli import commands
+from app.cli import serve as serving
 from app.cli.entry import main
+from app.cli.serve import ServeRequest
 from app.engine import EngineError
 from app.lesson.lesson import Check, Job, Lesson
 from app.published import records
 from app.tab.state import write_design
 from app.text.words import same
+from app.view.address import url
 from lessons import LESSONS
 
 SEPARATION = LESSONS["separation"]
@@ -156,7 +161,14 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["--lang", "de"], "de"),
     (["--lesson", "nope"], "no lesson nope"),
     (["serve", "--max-sessions", "0"], "tabs"),
-    (["serve", "--host", "203.0.113.9"], "cannot listen"),
+    (["serve", "--host", "203.0.113.9", "--public"], "cannot listen"),
+    (["serve", "--host", "no.such.host.invalid"], "cannot listen"),
+    (["serve", "--host", "a" * 70 + ".example"], "cannot listen"),
+    (["serve", "--host", "203.0.113.9"], "say --public"),
+    (["serve", "--host", "0.0.0.0"], "say --public"),
+    (["serve", "--host", "::"], "say --public"),
+    (["serve", "--allow-host", "http://lab.example"], "without http"),
+    (["serve", "--allow-host", "lab.example:80"], "not the name of a host"),
 ])
 def test_bad_input_is_status_2_and_one_sentence(words: list[str], told: str, capsys, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
@@ -242,11 +254,12 @@ def test_help_is_status_0_and_names_the_commands(capsys) -> None:
 
 def test_without_a_command_serve_is_meant(monkeypatch) -> None:
     asked = []
-    monkeypatch.setattr(commands, "serve", lambda *options: asked.append(options) or 0)
+    monkeypatch.setattr(serving, "serve", lambda request: asked.append(request) or 0)
     assert main([]) == 0 and main(["--port", "8123", "--lang", "zh"]) == 0
-    assert main(["serve", "--host", "0.0.0.0", "--lesson", "separation", "--max-sessions", "7"]) == 0
-    assert asked == [("127.0.0.1", 8080, None, "en", 200, None), ("127.0.0.1", 8123, None, "zh", 200, None),
-                     ("0.0.0.0", 8080, "separation", "en", 7, None)]
+    assert main(["serve", "--host", "0.0.0.0", "--public", "--lesson", "separation", "--max-sessions", "7",
+                 "--allow-host", "lab.example", "--allow-host", "::1"]) == 0
+    assert asked == [ServeRequest(), ServeRequest(port=8123, language="zh"),
+                     ServeRequest("0.0.0.0", 8080, "separation", "en", 7, None, ("lab.example", "::1"), True)]
 
 
 QUIET = """
@@ -289,3 +302,53 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
         finally:
             server.send_signal(signal.SIGINT)
             assert server.wait(30) == 0
+
+
+@contextmanager
+def started(*words: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """`serve` in a process of its own and the address that it prints; ended by SIGTERM, and well."""
+    server = subprocess.Popen([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment(),
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        assert server.stdout is not None
+        yield server, server.stdout.readline().strip()
+    finally:
+        server.send_signal(signal.SIGTERM)
+        assert server.wait(30) == 0
+
+
+def test_the_last_port_when_taken_is_refused_and_does_not_hang(capsys) -> None:
+    with socket.socket() as taken:
+        try:
+            taken.bind(("127.0.0.1", 65535))
+            taken.listen()
+        except OSError:
+            pass  # somebody else has it: as good
+        assert "in use" in refused(capsys, "serve", "--port", "65535")
+
+
+def test_an_address_that_others_reach_says_what_that_means() -> None:
+    with started("--host", "0.0.0.0", "--public", "--port", "0") as (server, url):
+        assert re.fullmatch(r"http://localhost:\d+", url)
+        assert server.stderr is not None
+        told = server.stderr.readline() + server.stderr.readline()
+        assert "0.0.0.0 can be reached by other machines" in told and "without a password" in told
+        with urllib.request.urlopen(url.replace("localhost", "127.0.0.1"), timeout=20) as page:
+            assert page.status == 200
+
+
+def test_an_ipv6_address_is_printed_in_brackets() -> None:
+    assert url("::1", 8080) == "http://[::1]:8080" and url("127.0.0.1", 1) == "http://127.0.0.1:1"
+
+
+def test_ctrl_c_while_starting_prints_no_traceback() -> None:
+    server = subprocess.Popen([sys.executable, "-X", "importtime", "-m", "app.cli", "--port", "0"], cwd=ROOT,
+                              env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert server.stderr is not None
+    for line in server.stderr:
+        if line.endswith(" numpy\n"):  # from here on the command has begun, and seconds of loading lie ahead
+            break
+    server.send_signal(signal.SIGINT)
+    rest = server.stderr.read()
+    assert server.wait(30) in (0, 128 + signal.SIGINT)
+    assert "Traceback" not in rest

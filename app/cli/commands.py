@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import signal
-import socket
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -13,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from lessons import LESSONS, OPENING
+from lessons import LESSONS
 
 from ..engine import EngineError, load_plant
 from ..export.data import plain, run_record, save_csv
@@ -24,8 +22,6 @@ from ..lesson.lesson import Design, Lesson, Outcome
 from ..plants.examples import EXAMPLES, example
 from ..plants.own import canonical
 from ..tab.state import read_design
-
-SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
 
 
 class InputError(Exception):
@@ -43,40 +39,6 @@ class RunRequest:
     figure: str | None = None
     csv: str | None = None
     plant: str | None = None
-
-
-def serve(host: str, port: int, lesson: str | None, language: str, max_sessions: int, file: str | None = None) -> int:
-    """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
-    plant = "" if file is None else _plant(file)
-    opening = find_lesson(lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING))
-    _fit(opening, plant)
-    _can_listen(host)
-    from ..view.server import LabServer  # viser is loaded only here
-
-    server = LabServer(LESSONS, host, port, opening.id, language, max_sessions, plant)
-    for ending in (signal.SIGINT, signal.SIGTERM):  # a background shell starts us with SIGINT ignored
-        signal.signal(ending, signal.default_int_handler)
-    try:
-        print(server.url, flush=True)
-        server.wait()
-    except KeyboardInterrupt:
-        pass
-    finally:
-        for ending in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(ending, signal.SIG_IGN)  # it is ending already
-        server.stop()
-    return 0
-
-
-def _can_listen(host: str) -> None:
-    """Try the address first: viser waits for ever on one that this machine has not. Raises InputError."""
-    try:
-        family, kind, protocol, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
-        with socket.socket(family, kind, protocol) as probe:
-            probe.bind(address)
-    except (OSError, UnicodeError) as problem:
-        raise InputError(f"The server cannot listen on {host[:80]} ({_cause(problem)}); choose an address of this "
-                         "machine.") from problem
 
 
 def list_lessons(as_json: bool) -> int:
@@ -98,7 +60,7 @@ def list_lessons(as_json: bool) -> int:
 def run(request: RunRequest, as_json: bool) -> int:
     """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
     design = _design(find_lesson(request.lesson), request)
-    lesson = _fit(find_lesson(request.lesson), design.plant)
+    lesson = fitted(find_lesson(request.lesson), design.plant)
     try:
         outcome = _outcome(lesson, design, request.final)
         figures = lesson.figures(outcome)
@@ -137,9 +99,9 @@ def _design(lesson: Lesson, request: RunRequest) -> Design:
         raise InputError("Give --plant or --state, not both: a saved design brings its own plant.")
     try:
         if request.plant is not None:
-            lesson = _fit(lesson, _plant(request.plant))
+            lesson = fitted(lesson, plant_in(request.plant))
         design = lesson.start() if request.state is None else _state(request.state, lesson)
-        lesson = _fit(find_lesson(lesson.id), design.plant)
+        lesson = fitted(find_lesson(lesson.id), design.plant)
         for change in request.changes:
             name, equals, words = change.partition("=")
             if not equals:
@@ -152,7 +114,7 @@ def _design(lesson: Lesson, request: RunRequest) -> Design:
         raise InputError("The design holds a number or a nesting too large for a computer; simplify it.") from problem
 
 
-def _plant(name: str) -> str:
+def plant_in(name: str) -> str:
     """The canonical text of the plant in a file, or of an example of that name."""
     try:
         if name in EXAMPLES:
@@ -162,7 +124,7 @@ def _plant(name: str) -> str:
         raise InputError(str(problem)) from problem
 
 
-def _fit(lesson: Lesson, plant: str) -> Lesson:
+def fitted(lesson: Lesson, plant: str) -> Lesson:
     """The lesson for that plant. Raises InputError where the two do not fit."""
     try:
         return lesson.fit(plant)
@@ -177,7 +139,7 @@ def _state(name: str, lesson: Lesson) -> Design:
     except UnicodeDecodeError as problem:
         raise InputError(f"The state file {name[:80]} is not text; give one that the app saved.") from problem
     except (OSError, ValueError) as problem:
-        raise InputError(f"The state file {name[:80]} cannot be read ({_cause(problem)}).") from problem
+        raise InputError(f"The state file {name[:80]} cannot be read ({cause(problem)}).") from problem
     design = read_design(text, LESSONS)
     if design.lesson != lesson.id:
         raise InputError(f"The state file {name[:80]} belongs to lesson {design.lesson}, not {lesson.id}.")
@@ -205,10 +167,10 @@ def _write(path: str, save: Callable[[str], None]) -> None:
     try:
         save(path)
     except (OSError, ValueError) as problem:
-        raise InputError(f"{path[:80]} cannot be written ({_cause(problem)}); choose another place.") from problem
+        raise InputError(f"{path[:80]} cannot be written ({cause(problem)}); choose another place.") from problem
 
 
-def _cause(problem: Exception) -> str:
+def cause(problem: Exception) -> str:
     words = getattr(problem, "strerror", None) or str(problem) or type(problem).__name__
     return words[:1].lower() + words[1:].rstrip(".")
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
+import signal
 import sys
 from collections.abc import Sequence
 from typing import NoReturn
@@ -36,6 +38,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except UsageError as problem:
         print(f"observer-lab: {problem}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:  # whoever pressed Ctrl-C knows why
+        return 128 + signal.SIGINT
     except BrokenPipeError:  # the reader of our output has gone, as with `| head`
         sys.stdout = None  # type: ignore[assignment]
         return 0
@@ -61,6 +65,9 @@ def parser() -> argparse.ArgumentParser:
     serve.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     serve.add_argument("--lang", choices=LANGUAGES, default="en", help="language that a page opens in")
     serve.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    serve.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
+    serve.add_argument("--allow-host", action="append", default=[], type=_host, metavar="NAME", dest="names",
+                       help="a name that people reach this server by, as that of a proxy; may be repeated")
     serve.add_argument("--max-sessions", type=_count, default=200, metavar="N", help="most tabs (default %(default)s)")
 
     listing = commands.add_parser("list", help="lessons, their knobs and tasks", allow_abbrev=False)
@@ -88,6 +95,12 @@ def _port(words: str) -> int:
     return int(words)
 
 
+def _host(words: str) -> str:
+    if not re.fullmatch(r"[A-Za-z0-9_.-]{1,253}|[0-9A-Fa-f:.]{2,45}", words):
+        raise argparse.ArgumentTypeError(f"{words[:40]} is not the name of a host; give it without http:// and without a port")
+    return words
+
+
 def _count(words: str) -> int:
     if not words.isascii() or not words.isdigit() or not 1 <= int(words[:9]) <= 100_000:
         raise argparse.ArgumentTypeError(f"{words[:40]} is not a number of tabs; give one from 1 to 100000")
@@ -99,8 +112,11 @@ def _run(options: argparse.Namespace) -> int:
 
     try:
         if options.command == "serve":
-            return commands.serve(options.host, options.port, options.lesson, options.lang, options.max_sessions,
-                                  options.plant)
+            from . import serve
+
+            return serve.serve(serve.ServeRequest(options.host, options.port, options.lesson, options.lang,
+                                                  options.max_sessions, options.plant, tuple(options.names),
+                                                  options.public))
         if options.command == "list":
             return commands.list_lessons(options.json)
         if options.command == "verify":

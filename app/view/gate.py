@@ -70,7 +70,7 @@ class Gate:
             return Refusal(403, f"This server does not answer to the name {name[:80]}; if that is its name, start it with "
                                 f"--allow-host {name[:80]}.")
         origin = next(iter(head.get_all("Origin")), None)
-        if origin is not None and self._socket(head) and not self._our_page(origin, host):
+        if origin is not None and is_socket(head) and not self._our_page(origin, host):
             return Refusal(403, f"A page of {origin[:80]} may not speak to this server.")
         return None
 
@@ -79,10 +79,6 @@ class Gate:
             return True
         address = _address(name)
         return address is not None and (self.public or address.is_loopback)
-
-    @staticmethod
-    def _socket(head: Head) -> bool:
-        return any("websocket" in value.lower() for value in head.get_all("Upgrade"))
 
     def _our_page(self, origin: str, host: str) -> bool:
         """Whether a page of that origin is ours: it comes from the host that is spoken to, or from a name that was given.
@@ -99,6 +95,11 @@ class Gate:
             return False
         mine, my_port = _split(host)
         return name in self.given or (name, port or usual) == (mine, my_port or usual)
+
+
+def is_socket(head: Head) -> bool:
+    """Whether the request asks for a WebSocket."""
+    return any("websocket" in value.lower() for value in head.get_all("Upgrade"))
 
 
 def policy(host: str) -> str:

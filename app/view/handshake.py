@@ -6,21 +6,73 @@ Stands in the place of `websockets.asyncio.server.serve`, which viser calls with
 from __future__ import annotations
 
 import asyncio
+import gzip
+import hashlib
 import logging
 import socket
 from collections.abc import Callable
+from dataclasses import dataclass
+from http import HTTPStatus
 from typing import Any
 
 from websockets.asyncio.server import ServerConnection, serve
+from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from .gate import Gate, Refusal, policy
-
-log = logging.getLogger(__name__)
+from .gate import Gate, Refusal, is_socket, policy
 
 PART = 512 * 1024  # bytes of one part of an upload, as viser's page cuts it
 LARGEST = PART + 64 * 1024  # bytes of one message
 STALLED = 30.0  # s in which a connection must take something of what waits for it
+WHERE = ("/", "/index.html")  # the page; a proxy may show us its second name
+STARTING = Refusal(503, "The server is starting; try again.")
+
+
+class OneLine(logging.Filter):
+    """What a stranger sent costs one line in the log: no traceback, and nothing for a handshake that was none."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Whether the record is written down."""
+        if record.getMessage() == "opening handshake failed":
+            return False
+        if record.exc_info and record.exc_info[1] is not None:
+            record.msg, record.args = f"{record.getMessage()} ({type(record.exc_info[1]).__name__})", ()
+            record.exc_info = None
+        return True
+
+
+log = logging.getLogger(__name__)
+log.addFilter(OneLine())
+
+
+@dataclass(frozen=True)
+class Page:
+    """The page, packed once and kept in memory: there is no folder to fill up, to leave behind or to walk out of."""
+
+    plain: bytes
+    packed: bytes
+    tag: str
+
+    @classmethod
+    def of(cls, text: str) -> Page:
+        """The page with that text."""
+        plain = text.encode("utf-8")
+        return cls(plain, gzip.compress(plain, mtime=0), f'"{hashlib.sha256(plain).hexdigest()[:20]}"')
+
+    def answer(self, request: Request) -> Response:
+        """The page, or that it is still the one the browser has; 404 for any other path."""
+        if request.path.partition("?")[0] not in WHERE:
+            return _plain(404, "There is no such page here.")
+        if self.tag in request.headers.get_all("If-None-Match"):
+            return Response(304, "Not Modified", Headers(ETag=self.tag))
+        packs = any("gzip" in value for value in request.headers.get_all("Accept-Encoding"))
+        body = self.packed if packs else self.plain
+        headers = Headers({"Content-Type": "text/html; charset=utf-8", "Content-Length": str(len(body)), "ETag": self.tag,
+                           "Vary": "Accept-Encoding", "Cache-Control": "no-cache", "Referrer-Policy": "same-origin",
+                           "Content-Security-Policy": policy(request.headers["Host"])})
+        if packs:
+            headers["Content-Encoding"] = "gzip"
+        return Response(200, "OK", headers, body)
 
 
 class Connection(ServerConnection):
@@ -43,27 +95,26 @@ class Connection(ServerConnection):
                     raise
 
 
-def guarded(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None],
+def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[Refusal], None],
             ready: Callable[[], bool]) -> Callable[..., Any]:
     """`serve` on a socket that listens already; whom the gate refuses gets an answer and no connection."""
-    def server(handler: Any, host: str, port: int, *, process_request: Any, **options: Any) -> Any:
-        def ask(connection: ServerConnection, request: Request) -> Response | None:
-            refusal = gate.refusal(request.headers) if ready() else Refusal(503, "The server is starting; try again.")
-            if refusal is None:
-                return process_request(connection, request)
+    def ask(connection: ServerConnection, request: Request) -> Response | None:
+        refusal = gate.refusal(request.headers)
+        if refusal is not None:
             refused(refusal)
-            return connection.respond(refusal.status, refusal.words + "\n")
+            return _plain(refusal.status, refusal.words)
+        if not ready():
+            return _plain(STARTING.status, STARTING.words)
+        return None if is_socket(request.headers) else page.answer(request)
 
-        options |= {"max_size": LARGEST, "create_connection": Connection, "process_response": safe_headers}
-        return serve(handler, sock=listener, process_request=ask, **options)
+    def server(handler: Any, host: str, port: int, **options: Any) -> Any:
+        options |= {"max_size": LARGEST, "create_connection": Connection, "process_request": ask, "logger": log}
+        return serve(handler, sock=listener, **options)
     return server
 
 
-def safe_headers(connection: ServerConnection, request: Request, response: Response) -> None:
-    """What the page may load and call, and that a browser must not guess what a file is."""
-    hosts = request.headers.get_all("Host")
-    if response.status_code == 200 and len(hosts) == 1:  # past the gate, so it is a name and a port
-        response.headers["Content-Security-Policy"] = policy(hosts[0])
-        response.headers["Referrer-Policy"] = "same-origin"
-        response.headers["Cache-Control"] = "no-cache"
-    response.headers["X-Content-Type-Options"] = "nosniff"
+def _plain(status: int, words: str) -> Response:
+    body = f"{words}\n".encode()
+    headers = Headers({"Content-Type": "text/plain; charset=utf-8", "Content-Length": str(len(body)),
+                       "X-Content-Type-Options": "nosniff"})
+    return Response(status, HTTPStatus(status).phrase, headers, body)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import secrets
-import shutil
 import socket
 import threading
 from collections.abc import Callable
@@ -19,10 +18,10 @@ import websockets.asyncio.server
 from viser import _messages, infra
 
 from .gate import Gate, Refusal
-from .handshake import guarded
+from .handshake import Page, guarded
 
 NAME = "Observer Lab"
-OPENING = threading.Lock()  # two servers opened at once would take each other's page
+OPENING = threading.Lock()  # two servers opened at once would take each other's socket
 CROSS = '<path d="M{0} {1}l18 18m0-18l-18 18" stroke="{2}" stroke-width="6" stroke-linecap="round"{3}/>'
 ICON = "data:image/svg+xml," + quote(
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32" fill="none">'
@@ -112,38 +111,35 @@ FOLDERS_BY_KEY = """(() => {
 })()"""
 
 
-def page_of_our_own(folder: Path) -> None:
-    """Put viser's page into `folder`, under our name and sign, with what must run before the view opens in it.
+def page_of_our_own() -> str:
+    """viser's page under our name and sign, with what must run before the view opens in it.
 
     Without a graphics card the view is drawn without multisampling, which doubles the price of a frame there; a scene at
     rest is drawn finer instead (`frugal_frames`).
     """
-    shutil.copytree(Path(viser.__file__).parent / "client" / "build", folder, dirs_exist_ok=True)
-    page = folder / "index.html"
+    page = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = re.sub(r'<link\s+rel="icon".*?/>', "", page.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
     ours = f'<link rel="icon" href="{ICON}" /><title>{NAME}</title><script>{WITHOUT_GRAPHICS_CARD}</script>'
-    page.write_text(text.replace("<title>Viser</title>", ours, 1), encoding="utf-8")
+    return text.replace("<title>Viser</title>", ours, 1)
 
 
-def open_server(listener: socket.socket, page: Path, gate: Gate, refused: Callable[[Refusal], None]) -> viser.ViserServer:
-    """viser's server on a socket that listens, behind a gate, on the page that lies in a folder.
+def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None]) -> viser.ViserServer:
+    """viser's server on a socket that listens, behind a gate, with our own page.
 
-    viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB and serves the page that it is
-    shipped with. Here nobody is let in until every door that all tabs share is closed.
+    viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB, serves the page that it is
+    shipped with and prints a table. Here nobody is let in until every door that all tabs share is closed.
     """
     ready = threading.Event()
-
-    class Server(infra.WebsockServer):
-        def start(self) -> None:
-            self._http_server_root = page
-            super().start()
-
     host, port = listener.getsockname()[:2]
-    serve = guarded(listener, gate, refused, ready.is_set)
-    with OPENING, mock.patch.object(infra, "WebsockServer", Server), mock.patch.object(websockets.asyncio.server, "serve", serve):
+    serve = guarded(listener, Page.of(page_of_our_own()), gate, refused, ready.is_set)
+    with OPENING, mock.patch.object(websockets.asyncio.server, "serve", serve), mock.patch("rich.print"):
         server = viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
     close_shared_doors(server)
-    server._websock_server.on_client_connect(keep_own_doors)
+
+    @server._websock_server.on_client_connect
+    def _(connection: infra.WebsockClientConnection) -> None:
+        keep_own_doors(connection)
+
     ready.set()
     return server
 

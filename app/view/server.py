@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import logging
-import tempfile
 from collections.abc import Iterable, Mapping
-from pathlib import Path
 
 import viser
 
@@ -35,10 +33,7 @@ class LabServer:
         self._sessions: dict[int, Session] = {}
         self._host, self._refused = host, set[Refusal]()
         gate = Gate.of(host, is_public(host), names)
-        listener = listen(host, port)
-        self._page = tempfile.TemporaryDirectory(prefix="observer-lab-")
-        quirks.page_of_our_own(Path(self._page.name))
-        self._server = quirks.open_server(listener, Path(self._page.name), gate, self._write_down)
+        self._server = quirks.open_server(listen(host, port), gate, self._write_down)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
 
@@ -84,4 +79,3 @@ class LabServer:
         for session in list(self._sessions.values()):
             session.close()
         self._server.stop()
-        self._page.cleanup()

@@ -7,11 +7,13 @@ from __future__ import annotations
 
 import json
 import re
+import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from types import TracebackType
 from typing import Any
+from urllib.parse import urlsplit
 
 import msgspec
 import zstandard
@@ -28,15 +30,19 @@ class WireTab:
     """One connection. `widgets` and `nodes` are kept up to date by `until` and `listen`."""
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
-                 camera: bool = True) -> None:
+                 camera: bool = True, hosts: Sequence[str] = ()) -> None:
         self.widgets: dict[str, dict[str, Any]] = {}  # uuid → message with its props
         self.commands: dict[str, str] = {}  # label → uuid
         self.nodes: dict[str, dict[str, Any]] = {}  # scene nodes by name
         self.notes: list[str] = []  # bodies of notifications, in order
         self.messages: list[dict[str, Any]] = []  # everything received
         self.kept = kept  # what the page's sessionStorage holds
-        self._socket = connect(url.replace("http", "ws", 1), origin=Origin(origin) if origin else None,
+        place = urlsplit(url)
+        name, *more = hosts or (place.netloc,)
+        self._socket = connect(f"ws://{name}", origin=Origin(origin) if origin else None,
+                               sock=socket.create_connection((place.hostname, place.port), timeout=PATIENCE),
                                subprotocols=[Subprotocol(protocol or f"viser-v{version('viser')}")],
+                               additional_headers=[("Host", host) for host in more],
                                compression=None, max_size=None, open_timeout=PATIENCE, close_timeout=1.0)
         if camera:
             self.look()

@@ -110,18 +110,6 @@ def test_a_request_to_share_opens_no_tunnel(enter: Enter, server: LabServer, mon
     assert "ShareUrlUpdated" not in {m["type"] for m in tab.messages if m.get("share_url")}
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "https://evil.example:8080", "http://127.0.0.1:1", "null"])
-def test_a_page_of_another_site_is_refused(server: LabServer, origin: str) -> None:
-    """A sandboxed frame of any site has the origin "null"."""
-    tab = WireTab(server.url, origin=origin)
-    try:
-        assert tab.closed(8.0) == 1008
-        assert not server.sessions and not tab.widgets
-        assert not [name for name in tab.nodes if name.startswith(("/board", "/plant", "/ghost"))]
-    finally:
-        tab.close()
-
-
 def test_our_own_page_is_welcome(enter: Enter, server: LabServer) -> None:
     assert enter(origin=server.url).has(STIFFNESS)
 

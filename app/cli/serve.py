@@ -1,0 +1,73 @@
+"""`serve`: the lessons for browsers, until somebody ends it."""
+
+from __future__ import annotations
+
+import signal
+import sys
+from dataclasses import dataclass
+
+from lessons import LESSONS, OPENING
+
+from .commands import InputError, cause, find_lesson, fitted, plant_in
+
+SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
+ENDINGS = (signal.SIGINT, signal.SIGTERM)
+OPEN_TO_ALL = """\
+observer-lab: {host} can be reached by other machines. Whoever reaches it can open tabs, without a password, and what
+observer-lab: they send and see is not encrypted. For a course put a proxy with TLS in front, listen on 127.0.0.1 and
+observer-lab: name the proxy with --allow-host NAME."""
+
+
+@dataclass(frozen=True)
+class ServeRequest:
+    """What `serve` was asked for."""
+
+    host: str = "127.0.0.1"
+    port: int = 8080
+    lesson: str | None = None
+    language: str = "en"
+    max_sessions: int = 200
+    plant: str | None = None
+    names: tuple[str, ...] = ()
+    public: bool = False
+
+
+def serve(request: ServeRequest) -> int:
+    """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
+    before = [signal.signal(ending, signal.default_int_handler) for ending in ENDINGS]  # a shell may have them ignored
+    try:
+        _serve(request)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        for ending, handler in zip(ENDINGS, before, strict=True):
+            signal.signal(ending, handler)
+    return 0
+
+
+def _serve(request: ServeRequest) -> None:
+    plant = "" if request.plant is None else plant_in(request.plant)
+    opening = find_lesson(request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING))
+    fitted(opening, plant)
+    from ..view.address import is_public
+    from ..view.server import LabServer  # viser is loaded only here
+
+    try:
+        public = is_public(request.host)
+        if public and not request.public:
+            raise InputError(f"{request.host[:80]} can be reached by other machines, without a password; say --public as well "
+                             "if that is meant.")
+        server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions, plant,
+                           request.names)
+    except OSError as problem:
+        raise InputError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); choose a "
+                         "free port of an address of this machine.") from problem
+    try:
+        if public:
+            print(OPEN_TO_ALL.format(host=request.host), file=sys.stderr)
+        print(server.url, flush=True)
+        server.wait()
+    finally:
+        for ending in ENDINGS:
+            signal.signal(ending, signal.SIG_IGN)  # it is ending already
+        server.stop()
