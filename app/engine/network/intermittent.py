@@ -2,7 +2,9 @@
 
 x[k+1] = A x + w, y = C x + v with covariances Q, R; a measurement is lost with probability `loss`, independently of
 everything else. Source: Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry, "Kalman filtering with intermittent
-observations", IEEE TAC 49 (2004). Covariances P are those of x[k] − x̂[k|k−1], before the measurement of sample k.
+observations", IEEE TAC 49 (2004); for the critical loss also Mo, Sinopoli, "Kalman filtering with intermittent
+observations: tail distribution and critical value", IEEE TAC 57 (2012). Covariances P are those of x[k] − x̂[k|k−1], before
+the measurement of sample k.
 """
 
 from __future__ import annotations
@@ -42,17 +44,23 @@ SINGULAR = "The covariance S of the innovation is singular: give every sensor so
 class CriticalLoss:
     """What share of the measurements may be lost.
 
-    Below `safe` the mean covariance stays bounded for every start, above `lost` it grows without end for some start.
-    Where they agree they are the critical loss; 1 means that nothing unstable has to be watched.
+    Below `safe` the upper bound of the mean covariance has a limit, above `lost` the lower bound has none. `critical` is the
+    share itself, None where it is not known; 1 means that nothing unstable has to be watched.
     """
 
     safe: float
     lost: float
+    critical: float | None
 
     @property
     def exact(self) -> bool:
-        """Whether the two agree."""
+        """Whether the two bounds agree."""
         return self.lost - self.safe <= 1e-12
+
+    def bounded(self, loss: float) -> bool | None:
+        """Whether the mean covariance stays bounded at this loss, None where neither the bounds nor theory decides."""
+        edge = self.safe if self.critical is None else self.critical
+        return True if loss < edge or edge >= 1 else None if self.critical is None and loss <= self.lost else False
 
 
 # --- one step --------------------------------------------------------------------------------------------------------
@@ -188,13 +196,15 @@ def critical_loss(A: object, C: object) -> CriticalLoss:
 
     lost = 1/max|λ|² always. It is exact (safe = lost) where a single mode is unstable, or where C sees all unstable
     modes at once (as a square regular C does). With sensors of rank one safe = 1/∏|λᵤ|² over the unstable modes; else
-    it is found by bisection on `lossy_growth`. Raises EngineError where an unstable mode is hidden.
+    it is found by bisection on `lossy_growth`. critical = lost also where (A, C) is not degenerate (Mo and Sinopoli): the
+    unstable modes of each modulus are seen apart in one reading, as where no two moduli agree. Raises EngineError where an
+    unstable mode is hidden.
     """
     A, C = _pair(A, C)
     Au, Cu = _unstable(A, C)
     n = len(Au)
     if n == 0:
-        return CriticalLoss(1.0, 1.0)
+        return CriticalLoss(1.0, 1.0, 1.0)
     seen = [Cu]
     for _ in range(n - 1):
         seen.append(seen[-1] @ Au)
@@ -203,14 +213,24 @@ def critical_loss(A: object, C: object) -> CriticalLoss:
     moduli = np.abs(np.linalg.eigvals(Au))
     lost, rank = float(1 / moduli.max() ** 2), _rank(Cu)
     if n == 1 or rank == n:
-        return CriticalLoss(lost, lost)
+        return CriticalLoss(lost, lost, lost)
+    critical = None if _degenerate(Au, Cu) else lost
     if rank == 1:
-        return CriticalLoss(float(1 / np.prod(moduli) ** 2), lost)
+        return CriticalLoss(float(1 / np.prod(moduli) ** 2), lost, critical)
     low, high = float(1 / np.prod(moduli) ** 2), lost
     while high - low > 1e-6:
         middle = (low + high) / 2
         low, high = (middle, high) if lossy_growth(Au, Cu, middle) < 1 else (low, middle)
-    return CriticalLoss(low, lost)
+    return CriticalLoss(low, lost, critical)
+
+
+def _degenerate(A: np.ndarray, C: np.ndarray) -> bool:
+    """Whether modes of one modulus (to 1e-6) look alike in a single reading, or A lacks eigenvectors to tell."""
+    poles, shapes = np.linalg.eig(A)
+    if _rank(shapes) < len(A):
+        return True
+    alike = np.abs(np.abs(poles)[:, None] - np.abs(poles)) <= 1e-6 * np.abs(poles)
+    return any(_rank(C @ shapes[:, group]) < group.sum() for group in alike)
 
 
 def lossy_growth(A: object, C: object, loss: float, steps: int = 4000) -> float:

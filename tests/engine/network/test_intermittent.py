@@ -12,7 +12,14 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_are
 
 from app.engine import Belief, EngineError, KalmanFilter, RiccatiError, critical_loss
-from app.engine.network import intermittent_covariances, lossy_growth, mare, mean_bounds, mean_lower_limit, riccati_step
+from app.engine.network import (
+    intermittent_covariances,
+    lossy_growth,
+    mare,
+    mean_bounds,
+    mean_lower_limit,
+    riccati_step,
+)
 
 Model = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 TWO: Model = (np.array([[1.25, 0.0], [1.0, 1.1]]), np.array([[1.0, 1.0]]), 20 * np.eye(2), np.array([[2.5]]))
@@ -177,6 +184,23 @@ def test_stable_modes_do_not_count_and_hidden_unstable_ones_are_refused() -> Non
     assert critical_loss(np.diag([1.2, 0.99, 0.3]), [[1.0, 2.0, 3.0]]) == critical_loss([[1.2]], [[1.0]])
     with pytest.raises(EngineError, match="hidden"):
         critical_loss(np.diag([1.2, 0.5]), [[0.0, 1.0]])
+
+
+@pytest.mark.parametrize("A, C, known", [
+    (np.diag([1.25, 1.1]), [[1.0, 1.0]], True),  # two moduli
+    (np.diag([1.25, -1.25]), [[1.0, 1.0]], False),  # one modulus, one sensor: every other reading alone tells them apart
+    (np.diag([1.25, -1.25]), [[1.0, 1.0], [0.0, 1.0]], True),
+    (np.array([[1.2, 1.0], [0.0, 1.2]]), [[1.0, 0.0]], False),  # too few eigenvectors
+    (1.1 * np.array([[0.0, -1.0], [1.0, 0.0]]), [[1.0, 0.0]], False),  # a quarter turn a sample
+    (np.array([[1.3, 0.2, 0.0], [0.0, 1.2, 0.1], [0.0, 0.0, 1.15]]), [[1.0, 0.4, -0.3], [0.2, -1.0, 0.5]], True),
+])
+def test_the_critical_loss_is_known_where_modes_of_one_modulus_are_seen_apart(A: object, C: object, known: bool) -> None:
+    edge = critical_loss(A, C)
+    assert edge.critical == (edge.lost if known else None)
+    between = (edge.safe + edge.lost) / 2
+    assert edge.bounded(edge.safe - 1e-3) is True and edge.bounded(edge.lost + 1e-3) is False
+    if not edge.exact:
+        assert edge.bounded(between) is (True if known else None)
 
 
 def test_a_loss_is_a_probability() -> None:
