@@ -8,7 +8,21 @@ from typing import Any
 import viser
 
 from ..lesson.knobs import Knob, Poles
-from ..tab.edits import Do, SetKnobs
+from ..tab.commands import (
+    AnswerExam,
+    CheckTask,
+    DrawByHand,
+    Edit,
+    OpenLesson,
+    Predict,
+    Reveal,
+    RunJob,
+    SetKnobs,
+    SetLanguage,
+    ShowHint,
+    ShowSolution,
+    ToggleLecture,
+)
 from ..tab.picture import Picture, TaskState
 from ..text.words import Text
 from . import phrases
@@ -16,7 +30,7 @@ from .knobs import Widget, make_widget
 from .plants import PlantRow
 from .prose import mathml, render, with_minus
 
-Post = Callable[[SetKnobs | Do], None]
+Post = Callable[[Edit], None]
 LETTERS = "ABCDEFGH"
 
 
@@ -60,13 +74,13 @@ class Panel:
         @self._choice.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
-                self._post(Do("lesson", keys.get(event.target.value, "")))
+                self._post(OpenLesson(keys.get(event.target.value, "")))
 
         @self._tongue.on_click
         async def _(event: viser.GuiEvent) -> None:
             word = event.target.value
-            self._post(Do("language", "en") if word == "English" else Do("language", "zh") if word == "中文"
-                       else Do("lecture"))
+            self._post(SetLanguage("en") if word == "English" else SetLanguage("zh") if word == "中文"
+                       else ToggleLecture())
 
     def _predict(self) -> None:
         gui, lang = self._gui, self._lang
@@ -81,11 +95,11 @@ class Panel:
         @self._letters.on_click
         async def _(event: viser.GuiEvent) -> None:
             word = event.target.value
-            self._post(Do("predict", letters.index(word) if word in letters else -1))
+            self._post(Predict(letters.index(word) if word in letters else -1))
 
         @self._unveil.on_click
         async def _(_: viser.GuiEvent) -> None:
-            self._post(Do("reveal"))
+            self._post(Reveal())
 
     def _knobs(self) -> None:
         gui, lang = self._gui, self._lang
@@ -108,7 +122,7 @@ class Panel:
     def _add_knob(self, knob: Knob) -> None:
         widget = make_widget(self._gui, knob, self._lang,
                              lambda name, value: self._post(SetKnobs({name: value})),
-                             lambda name, value: self._post(Do("hand", (name, value))))
+                             lambda name, value: self._post(DrawByHand(name, value)))
         self._widgets[knob.name] = (knob, widget)
 
     def _make_job(self) -> None:
@@ -119,7 +133,7 @@ class Panel:
 
         @self._job.on_click
         async def _(_: viser.GuiEvent) -> None:
-            self._post(Do("run_job"))
+            self._post(RunJob())
 
     def _numbers(self, picture: Picture) -> None:
         if not picture.outcome.formulas and not picture.outcome.live(self._lang):
@@ -146,13 +160,13 @@ class Panel:
                 self._listen(row, task.id)
 
     def _listen(self, row: viser.GuiButtonGroupHandle, task_id: str) -> None:
-        names = {phrases.CHECK(self._lang): "check", phrases.HINT(self._lang): "hint",
-                 phrases.SOLUTION(self._lang): "solution"}
+        commands: dict[str, Edit] = {phrases.CHECK(self._lang): CheckTask(task_id), phrases.HINT(self._lang): ShowHint(task_id),
+                                     phrases.SOLUTION(self._lang): ShowSolution(task_id)}
 
         @row.on_click
         async def _(event: viser.GuiEvent) -> None:
-            if event.target.value in names:
-                self._post(Do(names[event.target.value], task_id))
+            if event.target.value in commands:
+                self._post(commands[event.target.value])
 
     def _make_exam(self, picture: Picture) -> None:
         gui, lang = self._gui, self._lang
@@ -166,7 +180,7 @@ class Panel:
 
         @button.on_click
         async def _(_: viser.GuiEvent) -> None:
-            self._post(Do("exam", answer.value))
+            self._post(AnswerExam(answer.value))
 
     # --- showing ---------------------------------------------------------------------------------------------------
     def show(self, picture: Picture) -> None:

@@ -55,3 +55,7 @@ EXAMPLE = Text("example: {0}", "示例：{0}")
 UPLOAD = Text("Upload a plant (.json, .mat)", "上传对象（.json、.mat）")
 UPLOAD_HINT = Text("Your own A, B, C and D, up to 30 states and 1 MB: JSON as the command line writes it, or MATLAB's save -v7.",
                    "你自己的 A、B、C、D，不超过 30 个状态和 1 MB：JSON，或 MATLAB 的 save -v7。")
+NONSENSE = Text("The browser sent a value that this widget cannot take; nothing was changed.",
+                "浏览器发来的数值不适用于这个控件，未作任何更改。")
+TOO_LARGE = Text("The file is larger than 1 MB, or is not for this button; a plant with 30 states needs far less.",
+                 "文件超过 1 MB，或不是交给这个按钮的；30 个状态的对象远用不了这么大。")

@@ -10,9 +10,9 @@ import viser
 from ..plants.examples import EXAMPLES, example
 from ..plants.names import title_of
 from ..plants.own import plant_of
-from ..tab.edits import Do, SetKnobs
+from ..tab.commands import ChoosePlant, Edit, UploadPlant
+from ..tab.designing import YOURS
 from ..tab.picture import Picture
-from ..tab.session import YOURS
 from ..text.words import Text
 from . import phrases
 
@@ -29,7 +29,7 @@ def named(plant: str) -> Text:
 class PlantRow:
     """A dropdown of plants and a button that takes a file."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[SetKnobs | Do], None]) -> None:
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], None]) -> None:
         self._language = picture.state.language
         self._words = self._choices(picture)
         now = self._words[self._present(picture)]
@@ -41,12 +41,12 @@ class PlantRow:
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
                 keys = {words: key for key, words in self._words.items()}
-                post(Do("plant", keys.get(event.target.value, OWN)))
+                post(ChoosePlant(keys.get(event.target.value, OWN)))
 
         @self._upload.on_upload
         async def _(event: viser.GuiEvent) -> None:
             file = event.target.value
-            post(Do("upload", (file.name, file.content[:MOST_BYTES + 1])))
+            post(UploadPlant(file.name, file.content[:MOST_BYTES + 1]))
 
     def _choices(self, picture: Picture) -> dict[str, str]:
         """The key of each plant and what the dropdown calls it."""

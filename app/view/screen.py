@@ -11,8 +11,9 @@ import viser
 
 from ..lesson.figures import MapFigure, tabs
 from ..lesson.lesson import Board
-from ..tab.edits import COMMANDS, Do, SetKnobs
+from ..tab.commands import Command, Edit, PickPoint, SetKnobs
 from ..tab.picture import Picture
+from ..tab.shortcuts import SHORTCUTS
 from ..text.words import Text
 from . import phrases, quirks
 from .boards import BoardView
@@ -23,7 +24,7 @@ from .stage import PHONE, StageView, aspect_of
 from .style import sheet
 from .transport import Transport
 
-Post = Callable[[SetKnobs | Do], None]
+Post = Callable[[Edit], None]
 LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
 LECTURE = 1.28  # how much wider the panels are in lecture mode
@@ -158,8 +159,8 @@ class Screen:
         language = self._picture.state.language if self._picture is not None else "en"
         gui = self._client.gui
         modal = self._help = gui.add_modal(phrases.KEYS_TITLE(language))
-        rows = "".join(f"<tr><td><kbd>{html.escape(c.key or '')}</kbd></td><td>{html.escape(c.label(language))}</td></tr>"
-                       for c in COMMANDS)
+        rows = "".join(f"<tr><td><kbd>{html.escape(c.key)}</kbd></td><td>{html.escape(c.label(language))}</td></tr>"
+                       for c in SHORTCUTS)
         with modal:
             gui.add_html(f'<table class="ol-table ol-keys">{rows}</table>')
             button = gui.add_button(phrases.CLOSE(language))
@@ -199,15 +200,15 @@ class Screen:
                                                                       picture.horizon)
 
     def _commands(self, language: str) -> None:
-        for command in COMMANDS:
-            handle = self._client.gui.add_command(command.label(language), hotkey=command.key,  # type: ignore[arg-type]
-                                                  modifier=command.modifier)  # type: ignore[arg-type]
-            self._bind(handle, command.name, command.argument)
+        for shortcut in SHORTCUTS:
+            handle = self._client.gui.add_command(shortcut.label(language), hotkey=shortcut.key,  # type: ignore[arg-type]
+                                                  modifier=shortcut.modifier)  # type: ignore[arg-type]
+            self._bind(handle, shortcut.command)
 
-    def _bind(self, handle: viser.CommandHandle, name: str, argument: Any) -> None:
+    def _bind(self, handle: viser.CommandHandle, command: Command) -> None:
         @handle.on_trigger
         async def _(_: Any) -> None:
-            self._post(Do(name, argument))
+            self._post(command)
 
     def _show_style(self, picture: Picture) -> None:
         content = sheet(picture.state.lecture, picture.state.predicted is None)
@@ -228,7 +229,7 @@ class Screen:
             if isinstance(figure, MapFigure):
                 if self._map is None:
                     self._map = MapBoard(self._client, picture.state.language,
-                                         lambda x, y: self._post(Do("pick", (x, y))))
+                                         lambda x, y: self._post(PickPoint(x, y)))
                 self._map.show(figure)
 
     def _landscape(self, picture: Picture) -> None:

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Mapping
 import viser
 
 from ..lesson.lesson import Lesson
-from ..tab.edits import Do
+from ..tab.commands import Refuse
 from ..tab.session import Session
-from . import quirks
+from . import phrases, quirks
 from .address import is_public, listen, url
 from .gate import Gate, Refusal
 from .plants import MOST_BYTES
@@ -60,8 +60,8 @@ class LabServer:
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant)
         screen.attach(session.post)
-        quirks.accept_values_only(client, lambda: session.post(Do("refuse_value")))
-        quirks.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Do("refuse_file")))
+        quirks.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
+        quirks.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
         self._sessions[client.client_id] = session
         session.start()
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from ..tab.edits import Do, SetKnobs
+from ..tab.commands import ChangeSpeed, Command, Edit, Kick, Play, Redo, Reset, Rewind, Seek, ToggleHelp, Undo
 from ..tab.picture import Picture
 from . import phrases
 from .style import clock
@@ -27,7 +27,7 @@ def step_of(horizon: float) -> float:
 class Transport:
     """Play, kick, start, undo, redo, reset; the time slider and the speed."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[SetKnobs | Do], None]) -> None:
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], None]) -> None:
         lang = picture.state.language
         self._lang = lang
         self._count, self._rate = 0, picture.rate
@@ -35,15 +35,16 @@ class Transport:
         self._horizon = picture.horizon or 0.01
         panel = gui.add_panel()
         with panel.add_tab(phrases.TRANSPORT(lang)):
-            names = {phrases.PLAY(lang): "play", phrases.PAUSE(lang): "play", phrases.KICK(lang): "kick",
-                     phrases.REWIND(lang): "rewind", phrases.SLOWER(lang): "slower",
-                     phrases.FASTER(lang): "faster", phrases.UNDO(lang): "undo", phrases.REDO(lang): "redo",
-                     phrases.RESET(lang): "reset", phrases.HELP(lang): "help"}
+            commands: dict[str, Command] = {
+                phrases.PLAY(lang): Play(), phrases.PAUSE(lang): Play(), phrases.KICK(lang): Kick(),
+                phrases.REWIND(lang): Rewind(), phrases.SLOWER(lang): ChangeSpeed(-1),
+                phrases.FASTER(lang): ChangeSpeed(+1), phrases.UNDO(lang): Undo(), phrases.REDO(lang): Redo(),
+                phrases.RESET(lang): Reset(), phrases.HELP(lang): ToggleHelp()}
             self._row = gui.add_button_group("", self._options(picture))
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
         panel.float(x=12, y=-12, width=600)
-        self._listen(names, post)
+        self._listen(commands, post)
 
     def _words(self, picture: Picture) -> str:
         """What stands on the stage; a knob may put another plant there."""
@@ -57,16 +58,16 @@ class Transport:
         words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.HELP]
         return tuple(w(self._lang) for w in words)
 
-    def _listen(self, names: dict[str, str], post: Callable[[SetKnobs | Do], None]) -> None:
+    def _listen(self, commands: dict[str, Command], post: Callable[[Edit], None]) -> None:
         @self._row.on_click
         async def _(event: viser.GuiEvent) -> None:
-            if event.target.value in names:
-                post(Do(names[event.target.value]))
+            if event.target.value in commands:
+                post(commands[event.target.value])
 
         @self._time.on_update
         async def _(event: viser.GuiEvent) -> None:
             if event.client_id is not None:
-                post(Do("seek", event.target.value))
+                post(Seek(event.target.value))
 
     def show(self, picture: Picture) -> None:
         """Play or pause on the first button, the speed, the length of the run, what is on the stage."""

@@ -15,9 +15,10 @@ from app.lesson.knobs import Choice, Number, Poles, Track
 from app.lesson.lesson import Design, ExamItem, Job, Lesson, Outcome, Stage, Task, Verdict
 from app.lesson.prose import parse_prose
 from app.plants import MODELS
-from app.tab.edits import Do, SetKnobs
+from app.tab.commands import Command, SetKnobs
 from app.tab.picture import Picture
-from app.tab.session import FRAME, REST, Session
+from app.tab.playing import FRAME
+from app.tab.session import REST, Session
 from app.text.words import Text, same
 
 MODEL = MODELS["chip"]
@@ -188,9 +189,9 @@ class Tab:
         self.session.post(SetKnobs(values))
         self.session.step(0.0)
 
-    def do(self, name: str, argument: Any = None) -> None:
+    def do(self, command: Command) -> None:
         """Post a command and work on it."""
-        self.session.post(Do(name, argument))
+        self.session.post(command)
         self.session.step(0.0)
 
     def rest(self) -> None:

@@ -9,7 +9,24 @@ import numpy as np
 import pytest
 from fakes import BROKEN, FORBIDDEN, UNDRAWABLE, UNSHOWABLE, FakeView, Tab, toy, toy_compute
 
-from app.tab.edits import Do, SetKnobs
+from app.tab.commands import (
+    AnswerExam,
+    CheckTask,
+    ChoosePlant,
+    Command,
+    DrawByHand,
+    OpenLesson,
+    Play,
+    Predict,
+    Refuse,
+    Seek,
+    SetKnobs,
+    ShowHint,
+    ShowSolution,
+    ToggleHelp,
+    Undo,
+    UploadPlant,
+)
 from app.tab.history import MERGE
 from app.tab.session import Session
 from app.text.words import Text
@@ -21,8 +38,8 @@ GOOD = 2.0
 def tab() -> Tab:
     tab = Tab()
     tab.set(gain=GOOD)
-    tab.do("predict", 1)
-    tab.do("play")
+    tab.do(Predict(1))
+    tab.do(Play())
     tab.rest()
     tab.clock.advance(MERGE)
     tab.view.clear()
@@ -39,7 +56,7 @@ def nothing_happened(tab: Tab) -> None:
     assert all(p.design["gain"] == GOOD for p in tab.view.of("show"))
     tab.set(gain=4.0)
     assert tab.shown.design["gain"] == 4.0
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == GOOD
     assert len(tab.view.scolded()) == 1
 
@@ -71,15 +88,15 @@ def test_a_bad_value_does_not_take_a_good_one_of_another_knob_with_it(tab: Tab) 
     nothing_happened(tab)
 
 
-@pytest.mark.parametrize("name, argument", [
-    ("nonsense", None), ("", None), ("_init__", None), ("set", None), ("predict", "first"), ("predict", None),
-    ("predict", 1e9), ("predict", float("nan")), ("seek", "soon"), ("lesson", "nowhere"), ("lesson", None), ("lesson", ["toy"]),
-    ("check", "nothing"), ("check", None), ("hint", "nothing"), ("hint", None), ("solution", "nothing"),
-    ("exam", "a lot"), ("exam", None), ("hand", ("gain", 1.0)),
-])
-def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, name: str, argument: object) -> None:
+@pytest.mark.parametrize("command", [
+    object(), "play", Play, Predict("first"), Predict(None), Predict(1e9), Predict(float("nan")), Predict(10**400),
+    Seek("soon"), Seek([1.0]), OpenLesson("nowhere"), OpenLesson(None), OpenLesson(["toy"]), CheckTask("nothing"),
+    CheckTask(None), ShowHint("nothing"), ShowHint(None), ShowSolution("nothing"), AnswerExam("a lot"), AnswerExam(None),
+    DrawByHand("gain", 1.0), ChoosePlant("nowhere"), UploadPlant("a.json", None), Refuse(Text("No.", "不行。")),
+], ids=repr)
+def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, command: Command) -> None:
     before = tab.picture.state
-    tab.do(name, argument)
+    tab.do(command)
     after = tab.picture.state
     assert replace(after, can_undo=before.can_undo) == before
     nothing_happened(tab)
@@ -87,8 +104,8 @@ def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, name: str, argume
 
 def test_a_sentence_about_a_command_does_not_speak_of_computing_a_design(tab: Tab) -> None:
     """What happened and what to change: a task that does not exist has nothing to do with the design."""
-    for name, argument in (("solution", "nothing"), ("exam", "a lot"), ("predict", "first"), ("seek", "soon")):
-        tab.do(name, argument)
+    for command in (ShowSolution("nothing"), AnswerExam("a lot"), Predict("first"), Seek("soon")):
+        tab.do(command)
     assert not [s.en for s in tab.view.scolded() if "could not compute this design" in s.en]
 
 
@@ -107,7 +124,7 @@ def test_a_lesson_that_raises_anything_at_all(tab: Tab, gain: float) -> None:
 def test_a_design_that_failed_is_not_a_step_of_undo(tab: Tab) -> None:
     tab.set(gain=BROKEN)
     tab.set(gain=UNDRAWABLE)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 1.0 and tab.picture.design == tab.lessons["toy"].start()
 
 
@@ -124,7 +141,7 @@ def test_a_screen_that_cannot_draw_a_picture_does_not_end_the_session(tab: Tab) 
 
 
 def test_the_edits_behind_a_bad_one_are_still_done(tab: Tab) -> None:
-    for edit in (SetKnobs({"gain": BROKEN}), Do("nonsense"), SetKnobs({"offset": 0.5}), Do("help")):
+    for edit in (SetKnobs({"gain": BROKEN}), OpenLesson("nowhere"), SetKnobs({"offset": 0.5}), ToggleHelp()):
         tab.session.post(edit)
     tab.session.step(0.0)
     assert tab["offset"] == 0.5 and len(tab.view.of("help")) == 1
@@ -136,7 +153,7 @@ def test_a_task_whose_check_raises(tab: Tab) -> None:
         raise RuntimeError("check")
     lesson = toy()
     other = Tab({"toy": replace(lesson, tasks=(replace(lesson.tasks[0], check=bad), *lesson.tasks[1:]))})
-    other.do("check", "high")
+    other.do(CheckTask("high"))
     assert len(other.view.scolded()) == 1 and not other.picture.state.tasks
     other.set(gain=GOOD)
     assert other["gain"] == GOOD
@@ -148,13 +165,13 @@ def test_a_lesson_that_cannot_open_leaves_the_present_one_open() -> None:
     tab = Tab({"toy": toy(), "ruin": toy("ruin", compute=never)})
     tab.set(gain=GOOD)
     tab.clock.advance(MERGE + 0.01)
-    tab.do("lesson", "ruin")
+    tab.do(OpenLesson("ruin"))
     assert tab.picture.lesson.id == "toy" and tab["gain"] == GOOD
     assert tab.shown.lesson.id == "toy"
     assert len(tab.view.scolded()) == 1
     tab.set(gain=3.0)
     assert tab["gain"] == 3.0
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == GOOD
 
 

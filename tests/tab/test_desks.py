@@ -9,7 +9,18 @@ from dataclasses import replace
 import pytest
 from fakes import FakeView, Tab, toy
 
-from app.tab.edits import Do, SetKnobs
+from app.tab.commands import (
+    AnswerExam,
+    CheckTask,
+    OpenLesson,
+    Predict,
+    Reveal,
+    SetKnobs,
+    SetLanguage,
+    ShowHint,
+    TurnPage,
+    Undo,
+)
 from app.tab.history import MERGE
 from app.tab.session import Session
 
@@ -21,27 +32,27 @@ def two() -> Tab:
 def test_the_language_changes_the_words_and_nothing_else() -> None:
     tab = Tab()
     tab.set(gain=2.0)
-    tab.do("predict", 1)
+    tab.do(Predict(1))
     tab.run_for(0.5)
-    tab.do("check", "high")
+    tab.do(CheckTask("high"))
     before = tab.picture
     tab.view.clear()
-    tab.do("language", "zh")
+    tab.do(SetLanguage("zh"))
     after = tab.picture
     assert [name for name, _ in tab.view.calls if name != "remember"] == ["build", "show", "pose"]
     assert after.state == replace(before.state, language="zh")
     assert after.design == before.design and after.outcome is before.outcome and after.figures is before.figures
     assert tab.view.of("pose") == [before.state.t]
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 1.0
-    tab.do("language")  # without an argument it toggles
+    tab.do(SetLanguage())  # without an argument it toggles
     assert tab.picture.state.language == "en"
 
 
 @pytest.mark.parametrize("asked", ["fr", 3, None, ""])
 def test_a_language_that_the_lab_does_not_speak_toggles(asked: object) -> None:
     tab = Tab()
-    tab.do("language", asked)
+    tab.do(SetLanguage(asked))
     assert tab.picture.state.language == "zh"
 
 
@@ -50,43 +61,43 @@ def test_every_lesson_keeps_its_own_desk() -> None:
     tab.set(gain=2.0)
     tab.clock.advance(MERGE + 0.01)
     tab.set(gain=5.0)
-    tab.do("predict", 1)
-    tab.do("hint", "high")
-    tab.do("check", "high")
-    tab.do("exam", 2.0)
-    tab.do("reveal")
+    tab.do(Predict(1))
+    tab.do(ShowHint("high"))
+    tab.do(CheckTask("high"))
+    tab.do(AnswerExam(2.0))
+    tab.do(Reveal())
     mine = tab.picture.state
-    tab.do("lesson", "second")
+    tab.do(OpenLesson("second"))
     other = tab.picture
     assert other.lesson.id == "second" and other.design == tab.lessons["second"].start()
     assert other.state.predicted is None and not other.state.revealed and not other.state.tasks
     assert other.state.exam is None and not other.state.can_undo and not other.state.playing and other.state.t == 0.0
     tab.set(gain=3.0)
-    tab.do("lesson", "first")
+    tab.do(OpenLesson("first"))
     back = tab.picture
     assert back.design["gain"] == 5.0
     assert (back.state.predicted, back.state.revealed) == (mine.predicted, mine.revealed)
     assert (back.state.tasks, back.state.exam) == (mine.tasks, mine.exam)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 2.0
-    tab.do("lesson", "second")
+    tab.do(OpenLesson("second"))
     assert tab["gain"] == 3.0
 
 
 def test_next_and_previous_go_round() -> None:
     tab = two()
     seen = []
-    for name in ("next", "next", "previous", "previous"):
-        tab.do(name)
+    for steps in (+1, +1, -1, -1):
+        tab.do(TurnPage(steps))
         seen.append(tab.picture.lesson.id)
     assert seen == ["second", "first", "second", "first"]
 
 
 def test_a_run_stops_when_another_lesson_opens() -> None:
     tab = two()
-    tab.do("predict", 1)
+    tab.do(Predict(1))
     tab.run_for(0.5)
-    tab.do("next")
+    tab.do(TurnPage(+1))
     tab.view.clear()
     tab.run_for(1.0)
     assert not tab.view.calls
@@ -96,25 +107,25 @@ def test_two_tabs_do_not_mix() -> None:
     lessons = {"first": toy("first"), "second": toy("second")}
     a, b = Tab(lessons), Tab(lessons)
     a.set(gain=2.0)
-    a.do("predict", 1)
-    a.do("language", "zh")
-    a.do("check", "high")
+    a.do(Predict(1))
+    a.do(SetLanguage("zh"))
+    a.do(CheckTask("high"))
     a.run_for(0.3)
     assert not b.view.calls
     b.session.step(0.0)
     assert b["gain"] == 1.0 and b.picture.state.predicted is None and b.picture.state.language == "en"
-    b.do("undo")
+    b.do(Undo())
     assert b["gain"] == 1.0
-    b.do("lesson", "second")
+    b.do(OpenLesson("second"))
     assert a.picture.lesson.id == "first" and a["gain"] == 2.0
 
 
 def test_a_reload_goes_on_where_the_tab_was() -> None:
     tab = two()
-    tab.do("lesson", "second")
+    tab.do(OpenLesson("second"))
     tab.set(gain=2.123456789012345, mode="b", poles=[(-0.123456789, 0.987654321), (-0.123456789, -0.987654321)])
-    tab.do("predict", 2)
-    tab.do("language", "zh")
+    tab.do(Predict(2))
+    tab.do(SetLanguage("zh"))
     tab.rest()
     again = Session(tab.lessons, FakeView(), "first")
     again.restore(tab.view.kept)
@@ -130,7 +141,7 @@ def test_a_session_works_on_its_own_thread_and_ends_when_closed() -> None:
     before = set(threading.enumerate())
     session.start()
     session.post(SetKnobs({"gain": 2.0}))
-    session.post(Do("nonsense"))
+    session.post(OpenLesson("nowhere"))
     session.post(SetKnobs({"gain": 3.0}))
     _until(lambda: session.picture is not None and session.picture.design["gain"] == 3.0)
     _until(lambda: view.calls and session.picture.resting)
@@ -155,7 +166,7 @@ def test_a_screen_that_breaks_once_does_not_end_the_thread() -> None:
     session = Session({"toy": toy()}, view, "toy")
     session.start()
     try:
-        session.post(Do("predict", 1))
+        session.post(Predict(1))
         _until(lambda: len(view.of("pose")) > 3)
         view.broken = True
         _until(lambda: not view.broken)

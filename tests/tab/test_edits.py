@@ -6,7 +6,7 @@ import pytest
 from fakes import FakeView, Tab, toy, toy_compute
 
 from app.lesson.lesson import Design, Outcome
-from app.tab.edits import Do, SetKnobs
+from app.tab.commands import LookFrom, Predict, Redo, Reset, SetKnobs, ToggleHelp, ToggleLecture, Undo
 from app.tab.history import MERGE
 from app.tab.session import REST, Session
 
@@ -44,8 +44,8 @@ def test_neighbouring_changes_of_different_knobs_all_count() -> None:
 def test_commands_between_changes_are_neither_dropped_nor_moved() -> None:
     """set 2, set 3, undo, set 4 is not the same as set 4, undo."""
     tab = Tab()
-    for edit in (SetKnobs({"gain": 2.0}), SetKnobs({"gain": 3.0}), Do("undo"), SetKnobs({"offset": 0.5}),
-                 Do("camera", "all"), Do("camera", "plant"), Do("help"), Do("lecture"), Do("lecture"), Do("lecture")):
+    for edit in (SetKnobs({"gain": 2.0}), SetKnobs({"gain": 3.0}), Undo(), SetKnobs({"offset": 0.5}),
+                 LookFrom("all"), LookFrom("plant"), ToggleHelp(), ToggleLecture(), ToggleLecture(), ToggleLecture()):
         tab.session.post(edit)
     tab.session.step(0.0)
     assert (tab["gain"], tab["offset"]) == (1.0, 0.5)
@@ -83,13 +83,13 @@ def test_undo_and_redo_reach_more_than_two_hundred_steps() -> None:
         tab.clock.advance(MERGE + 0.01)
     back = []
     while tab.picture.state.can_undo:
-        tab.do("undo")
+        tab.do(Undo())
         back.append(tab["gain"])
     assert back == [*reversed(values[:-1]), 1.0]
     assert len(back) >= 200
     forth = []
     while tab.picture.state.can_redo:
-        tab.do("redo")
+        tab.do(Redo())
         forth.append(tab["gain"])
     assert forth == values
 
@@ -97,8 +97,8 @@ def test_undo_and_redo_reach_more_than_two_hundred_steps() -> None:
 def test_undo_with_nothing_left_says_so_and_changes_nothing() -> None:
     tab = Tab()
     before = tab.picture.design
-    tab.do("undo")
-    tab.do("redo")
+    tab.do(Undo())
+    tab.do(Redo())
     assert len(tab.view.sentences()) == 2 and not tab.view.scolded()
     assert tab.picture.design == before
 
@@ -108,11 +108,11 @@ def test_a_new_change_after_undo_forgets_what_could_be_redone() -> None:
     for value in (2.0, 3.0):
         tab.set(gain=value)
         tab.clock.advance(MERGE + 0.01)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 2.0 and tab.picture.state.can_redo
     tab.set(gain=4.0)
     assert not tab.picture.state.can_redo
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 2.0
 
 
@@ -123,7 +123,7 @@ def test_a_drag_is_one_step_of_undo() -> None:
     for i in range(20):
         tab.set(gain=2.0 + i / 10)
         tab.clock.advance(0.05)
-    tab.do("undo")
+    tab.do(Undo())
     assert (tab["gain"], tab["offset"]) == (1.0, 0.2)
 
 
@@ -132,7 +132,7 @@ def test_the_first_drag_of_a_session_can_be_undone_to_the_start() -> None:
     for i in range(20):
         tab.set(gain=2.0 + i / 10)
         tab.clock.advance(0.05)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab.picture.design == tab.lessons["toy"].start()
 
 
@@ -141,7 +141,7 @@ def test_quick_changes_of_different_knobs_are_different_steps() -> None:
     tab.set(gain=2.0)
     tab.clock.advance(0.05)
     tab.set(offset=0.5)
-    tab.do("undo")
+    tab.do(Undo())
     assert (tab["gain"], tab["offset"]) == (2.0, 0.0)
 
 
@@ -150,7 +150,7 @@ def test_slow_changes_of_one_knob_are_different_steps() -> None:
     tab.set(gain=2.0)
     tab.clock.advance(MERGE + 0.01)
     tab.set(gain=3.0)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 2.0
 
 
@@ -159,9 +159,9 @@ def test_a_change_right_after_undo_does_not_swallow_the_design_it_returned_to() 
     tab.set(gain=2.0)
     tab.clock.advance(0.05)
     tab.set(offset=0.5)
-    tab.do("undo")
+    tab.do(Undo())
     tab.set(gain=3.0)
-    tab.do("undo")
+    tab.do(Undo())
     assert (tab["gain"], tab["offset"]) == (2.0, 0.0)
 
 
@@ -169,28 +169,28 @@ def test_reset_restores_the_start_stops_the_run_and_can_be_undone() -> None:
     tab = Tab()
     tab.set(gain=2.0)
     tab.set(offset=0.5)
-    tab.do("predict", 0)
+    tab.do(Predict(0))
     tab.run_for(0.5)
-    tab.do("reset")
+    tab.do(Reset())
     assert tab.picture.design == tab.lessons["toy"].start()
     assert not tab.picture.state.playing and tab.picture.state.t == 0.0
     assert tab.view.of("pose")[-1] == 0.0
-    tab.do("undo")
+    tab.do(Undo())
     assert (tab["gain"], tab["offset"]) == (2.0, 0.5)
 
 
 def test_a_design_seen_before_is_not_computed_again() -> None:
     seen, tab = counting()
     tab.set(gain=2.0)
-    tab.do("undo")
-    tab.do("redo")
+    tab.do(Undo())
+    tab.do(Redo())
     assert len(seen) == 1
 
 
 def test_posting_does_no_work_of_its_own() -> None:
     seen, tab = counting()
     tab.session.post(SetKnobs({"gain": 2.0}))
-    tab.session.post(Do("help"))
+    tab.session.post(ToggleHelp())
     assert not seen and not tab.view.calls
 
 
@@ -206,7 +206,7 @@ def test_a_slow_drag_is_one_step_of_undo_and_the_next_drag_another() -> None:
         tab.session.post(SetKnobs({"gain": gain}, grip))
         tab.session.step(0.0)
         tab.clock.advance(3 * MERGE)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 4.0
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["gain"] == 1.0

@@ -17,9 +17,11 @@ from app.lesson.lesson import Design, Lesson, Outcome
 from app.plants import Model
 from app.plants.examples import EXAMPLES, example
 from app.plants.own import canonical
+from app.tab.commands import ChoosePlant, OpenLesson, Predict, Redo, Reset, Seek, Undo, UploadPlant
+from app.tab.designing import YOURS
 from app.tab.history import MERGE
 from app.tab.picture import Picture
-from app.tab.session import YOURS, Session
+from app.tab.session import Session
 from app.text.words import Text
 
 ASSETS = Path(__file__).parents[2] / "assets" / "plants"
@@ -52,7 +54,7 @@ def file_of(plant: Plant, name: str = "mine.json") -> tuple[str, bytes]:
 
 def test_an_upload_opens_the_lesson_with_the_plant() -> None:
     tab = tab_of()
-    tab.do("upload", file_of(SMALL))
+    tab.do(UploadPlant(*file_of(SMALL)))
     assert tab.picture.design.plant == canonical(SMALL) and tab["state1"] == 0.5
     assert [name for name, _ in tab.view.calls if name in ("build", "show", "pose")][:3] == ["build", "show", "pose"]
     assert "small" in tab.shown.lesson.words["en"].introduction and "small" in tab.shown.lesson.words["zh"].introduction
@@ -65,47 +67,47 @@ def test_undo_and_redo_walk_across_plants() -> None:
     tab = tab_of()
     tab.set(gain=3.0)
     tab.clock.advance(MERGE + 0.1)
-    tab.do("upload", file_of(SMALL))
-    tab.do("upload", file_of(LARGE))
+    tab.do(UploadPlant(*file_of(SMALL)))
+    tab.do(UploadPlant(*file_of(LARGE)))
     tab.view.clear()
-    tab.do("undo")
+    tab.do(Undo())
     assert tab.picture.design.plant == canonical(SMALL) and len(tab.shown.lesson.knobs) == len(toy().knobs) + 2
-    tab.do("undo")
+    tab.do(Undo())
     assert tab.picture.design.plant == "" and tab["gain"] == 3.0 and tab.shown.lesson.tasks
     assert len(tab.view.of("build")) == 2
-    tab.do("redo")
-    tab.do("redo")
+    tab.do(Redo())
+    tab.do(Redo())
     assert tab.picture.design.plant == canonical(LARGE) and tab["state4"] == 0.5
     assert not tab.view.scolded()
 
 
 def test_back_to_the_lessons_own_plant_and_to_ones_own_again() -> None:
     tab = tab_of()
-    tab.do("upload", file_of(SMALL))
-    tab.do("plant", "")
+    tab.do(UploadPlant(*file_of(SMALL)))
+    tab.do(ChoosePlant(""))
     assert tab.picture.design == tab.lessons["toy"].start()
     assert tab.picture.state.plant == canonical(SMALL)
-    tab.do("plant", YOURS)
+    tab.do(ChoosePlant(YOURS))
     assert tab.picture.design.plant == canonical(SMALL)
-    tab.do("plant", "aircraft")
+    tab.do(ChoosePlant("aircraft"))
     assert tab.picture.design.plant == example("aircraft") and tab.picture.state.plant == canonical(SMALL)
 
 
 def test_reset_keeps_the_plant() -> None:
     tab = tab_of()
-    tab.do("upload", file_of(SMALL))
+    tab.do(UploadPlant(*file_of(SMALL)))
     tab.set(state0=0.9)
-    tab.do("reset")
+    tab.do(Reset())
     assert tab["state0"] == 0.5 and tab.picture.design.plant == canonical(SMALL)
 
 
 def test_a_reload_brings_the_plant_back_shown_or_not() -> None:
     for shown in (True, False):
         tab = tab_of()
-        tab.do("upload", file_of(SMALL))
+        tab.do(UploadPlant(*file_of(SMALL)))
         tab.set(state0=0.25)
         if not shown:
-            tab.do("plant", "")
+            tab.do(ChoosePlant(""))
         tab.rest()
         again = Session(tab.lessons, FakeView(), "plain")
         again.restore(tab.view.kept)
@@ -118,31 +120,31 @@ def test_the_plant_comes_along_to_the_next_lesson_only_while_it_is_shown() -> No
     lessons = {"toy": toy(adapt=wear), "other": toy("other", adapt=partial(wear, name="other")),
                "third": toy("third", adapt=partial(wear, name="third")), "plain": toy("plain")}
     tab = Tab(lessons)
-    tab.do("upload", file_of(SMALL))
-    tab.do("lesson", "other")
+    tab.do(UploadPlant(*file_of(SMALL)))
+    tab.do(OpenLesson("other"))
     assert tab.picture.design.plant == canonical(SMALL)
-    tab.do("plant", "")
-    tab.do("lesson", "third")
+    tab.do(ChoosePlant(""))
+    tab.do(OpenLesson("third"))
     assert tab.picture.design.plant == ""
-    tab.do("lesson", "toy")
+    tab.do(OpenLesson("toy"))
     assert tab.picture.design.plant == canonical(SMALL)  # every lesson keeps its own desk
-    tab.do("lesson", "plain")
+    tab.do(OpenLesson("plain"))
     assert tab.picture.design == lessons["plain"].start() and not tab.view.scolded()
 
 
 def test_a_server_may_bring_a_plant_for_every_tab() -> None:
     tab = tab_of(plant=canonical(SMALL))
     assert tab.picture.design.plant == canonical(SMALL)
-    tab.do("lesson", "plain")
+    tab.do(OpenLesson("plain"))
     assert tab.picture.design.plant == ""
 
 
 def test_two_tabs_do_not_see_each_others_plants() -> None:
     lessons = {"toy": toy(adapt=wear)}
     a, b = Tab(lessons), Tab(lessons)
-    a.do("upload", file_of(SMALL))
+    a.do(UploadPlant(*file_of(SMALL)))
     assert b.picture.design.plant == "" and b.picture.state.plant == ""
-    b.do("plant", YOURS)
+    b.do(ChoosePlant(YOURS))
     assert b.picture.design.plant == ""
 
 
@@ -162,11 +164,11 @@ HOSTILE = [
 def test_a_refused_file_costs_one_sentence_and_the_last_picture_stays(file: tuple[str, bytes], before: Plant | None) -> None:
     tab = tab_of()
     if before is not None:
-        tab.do("upload", file_of(before))
+        tab.do(UploadPlant(*file_of(before)))
     tab.set(gain=2.0)
     tab.view.clear()
     good = tab.picture
-    tab.do("upload", file)
+    tab.do(UploadPlant(*file))
     assert len(tab.view.scolded()) == 1
     said = tab.view.scolded()[0]
     assert said.en.strip() and said.zh.strip() and "\n" not in said.en
@@ -176,17 +178,18 @@ def test_a_refused_file_costs_one_sentence_and_the_last_picture_stays(file: tupl
     assert tab.shown.design["gain"] == 4.0 and tab.shown.design.plant == good.design.plant
 
 
-@pytest.mark.parametrize("argument", [None, 3, "x", ("a",), ("a", "b", "c"), ("mine.json", None), ("mine.json", 10**12)])
-def test_an_upload_of_nonsense_costs_one_sentence(argument: object) -> None:
+@pytest.mark.parametrize("argument", [(None, b""), (3, b"{}"), ("mine.json", "{}"), ("mine.json", [1, 2]), ("mine.json", None),
+                                      ("mine.json", 10**12)])
+def test_an_upload_of_nonsense_costs_one_sentence(argument: tuple[object, object]) -> None:
     tab = tab_of()
-    tab.do("upload", argument)
+    tab.do(UploadPlant(*argument))
     assert len(tab.view.scolded()) == 1 and tab.picture.design == tab.lessons["toy"].start()
 
 
 def test_a_lesson_that_takes_no_plant_says_so() -> None:
     tab = tab_of()
-    tab.do("lesson", "plain")
-    tab.do("upload", file_of(SMALL))
+    tab.do(OpenLesson("plain"))
+    tab.do(UploadPlant(*file_of(SMALL)))
     assert "about its own plant" in tab.view.scolded()[0].en and tab.picture.design.plant == ""
 
 
@@ -201,7 +204,7 @@ def test_a_screen_that_cannot_show_the_new_plant_is_laid_out_for_the_old_one_aga
     session.open()
     tab = tab_of()
     tab.session, tab.view = session, view
-    tab.do("upload", file_of(SMALL))
+    tab.do(UploadPlant(*file_of(SMALL)))
     built = [picture.design.plant for picture in view.of("build")]
     assert built[-1] == "" and built[-2] == canonical(SMALL)
     assert view.of("show")[-1].design.plant == "" and len(view.scolded()) == 1
@@ -214,7 +217,7 @@ def test_names_from_a_file_are_plain_words_wherever_they_go() -> None:
     text = canonical(evil)
     assert not set("<>&$\\`*{}|#'[]") & set(json.loads(text)["name"] + "".join(json.loads(text)["states"]))
     tab = tab_of()
-    tab.do("upload", file_of(evil))
+    tab.do(UploadPlant(*file_of(evil)))
     assert "<" not in tab.picture.lesson.words["en"].introduction
     long = Plant(-np.eye(1), np.eye(1), np.eye(1), state_names=("x" * 90,), name="n" * 99)
     assert len(json.loads(canonical(long))["states"][0]) <= 18
@@ -226,15 +229,15 @@ def test_the_example_plants_pass_the_gate_of_a_strangers_file(name: str) -> None
     assert (ASSETS / EXAMPLES[name].file).exists()
     tab = tab_of()
     file = EXAMPLES[name].file
-    tab.do("upload", (file, (ASSETS / file).read_bytes()))
+    tab.do(UploadPlant(file, (ASSETS / file).read_bytes()))
     assert tab.picture.design.plant == example(name)
 
 
 def test_a_new_plant_stands_at_the_start_of_its_run_on_the_stage_too() -> None:
     tab = tab_of()
-    tab.do("predict", 0)
+    tab.do(Predict(0))
     tab.clock.advance(0.3)
-    tab.do("seek", 0.3)
-    tab.do("upload", file_of(SMALL))
+    tab.do(Seek(0.3))
+    tab.do(UploadPlant(*file_of(SMALL)))
     assert tab.shown.state.t == 0.0 and not tab.shown.state.playing
     assert tab.view.of("pose")[-1] == 0.0

@@ -7,23 +7,23 @@ from dataclasses import replace
 import pytest
 from fakes import Tab, toy, toy_compute
 
+from app.tab.commands import ChangeSpeed, Command, DrawByHand, Kick, Play, Predict, Reveal, Rewind, Seek, Undo
 from app.tab.history import MERGE
-from app.tab.session import FRAME, PREDICT_FIRST, SPEEDS
+from app.tab.playing import FRAME, PREDICT_FIRST, SPEEDS
 
 
 def playing(**changes: object) -> Tab:
     tab = Tab({"toy": toy(**changes)})
-    tab.do("predict", 1)
+    tab.do(Predict(1))
     tab.view.clear()
     return tab
 
 
-@pytest.mark.parametrize("name, argument", [("play", None), ("seek", 1.0), ("rewind", None), ("kick", None),
-                                            ("reveal", None)])
-def test_the_run_is_locked_until_a_prediction(name: str, argument: object) -> None:
+@pytest.mark.parametrize("command", [Play(), Seek(1.0), Rewind(), Kick(), Reveal()], ids=repr)
+def test_the_run_is_locked_until_a_prediction(command: Command) -> None:
     tab = Tab()
     before = tab.picture.design
-    tab.do(name, argument)
+    tab.do(command)
     assert tab.view.sentences() == [PREDICT_FIRST]
     state = tab.picture.state
     assert not state.playing and state.t == 0.0 and not state.revealed
@@ -34,22 +34,22 @@ def test_the_run_is_locked_until_a_prediction(name: str, argument: object) -> No
 
 def test_a_prediction_unlocks_and_starts_the_run() -> None:
     tab = Tab()
-    tab.do("predict", 2)
+    tab.do(Predict(2))
     state = tab.picture.state
     assert state.predicted == 2 and state.playing and not state.revealed
 
 
 def test_skipping_the_prediction_unlocks_too() -> None:
     tab = Tab()
-    tab.do("predict", -1)
-    tab.do("seek", 1.0)
+    tab.do(Predict(-1))
+    tab.do(Seek(1.0))
     assert tab.picture.state.t == 1.0
 
 
 @pytest.mark.parametrize("index", [-2, 3, 99])
 def test_there_are_only_so_many_predictions(index: int) -> None:
     tab = Tab()
-    tab.do("predict", index)
+    tab.do(Predict(index))
     assert tab.picture.state.predicted is None
     assert len(tab.view.scolded()) == 1
 
@@ -72,9 +72,9 @@ def test_half_a_frame_moves_nothing() -> None:
 @pytest.mark.parametrize("speed", SPEEDS)
 def test_speed_scales_the_run(speed: float) -> None:
     tab = playing()
-    tab.do("slower" if speed < 1 else "faster")
+    tab.do(ChangeSpeed(-1 if speed < 1 else +1))
     while tab.picture.state.speed != speed:
-        tab.do("slower" if speed < 1 else "faster" if speed > 1 else "slower")
+        tab.do(ChangeSpeed(+1 if speed > 1 else -1))
     tab.run_for(0.3)
     assert tab.view.of("pose")[-1] == pytest.approx(0.3 * speed)
 
@@ -82,10 +82,10 @@ def test_speed_scales_the_run(speed: float) -> None:
 def test_faster_and_slower_stop_at_the_ends_of_the_table() -> None:
     tab = playing()
     for _ in range(10):
-        tab.do("faster")
+        tab.do(ChangeSpeed(+1))
     assert tab.picture.state.speed == SPEEDS[-1]
     for _ in range(10):
-        tab.do("slower")
+        tab.do(ChangeSpeed(-1))
     assert tab.picture.state.speed == SPEEDS[0]
 
 
@@ -110,14 +110,14 @@ def test_the_run_ends_at_its_horizon_reveals_and_falls_silent() -> None:
 def test_play_at_the_end_starts_over_and_play_in_the_middle_pauses() -> None:
     tab = playing()
     tab.run_for(2.2)
-    tab.do("play")
+    tab.do(Play())
     assert tab.picture.state.t == 0.0 and tab.picture.state.playing
     tab.run_for(1.0)
-    tab.do("play")
+    tab.do(Play())
     assert not tab.picture.state.playing
     assert tab.picture.state.t == pytest.approx(1.0)
     tab.clock.advance(30.0)
-    tab.do("play")  # the pause does not count
+    tab.do(Play())  # the pause does not count
     tab.clock.advance(FRAME)
     tab.session.step(0.0)
     assert tab.picture.state.playing and tab.view.of("pose")[-1] == pytest.approx(1.0 + FRAME)
@@ -127,7 +127,7 @@ def test_nothing_is_sent_while_paused_and_idle() -> None:
     tab = playing()
     tab.set(gain=2.0)
     tab.run_for(1.0)
-    tab.do("play")
+    tab.do(Play())
     tab.rest()
     tab.view.clear()
     for _ in range(100):
@@ -145,15 +145,15 @@ def test_a_tab_that_was_only_opened_sends_nothing() -> None:
 @pytest.mark.parametrize("asked, reached", [(1.0, 1.0), (-5.0, 0.0), (1e9, 2.0), ("1.5", 1.5)])
 def test_seek_stays_within_the_run(asked: object, reached: float) -> None:
     tab = playing()
-    tab.do("seek", asked)
+    tab.do(Seek(asked))
     assert tab.picture.state.t == reached and tab.view.of("pose")[-1] == reached
 
 
 @pytest.mark.parametrize("asked", [float("nan"), float("inf"), "soon", None])
 def test_seek_to_no_time_at_all_says_one_sentence(asked: object) -> None:
     tab = playing()
-    tab.do("seek", 1.0)
-    tab.do("seek", asked)
+    tab.do(Seek(1.0))
+    tab.do(Seek(asked))
     assert tab.picture.state.t == 1.0
     assert len(tab.view.scolded()) == 1
 
@@ -161,17 +161,17 @@ def test_seek_to_no_time_at_all_says_one_sentence(asked: object) -> None:
 def test_a_kick_is_part_of_the_design_and_can_be_undone() -> None:
     tab = playing()
     tab.run_for(1.0)
-    tab.do("kick")
+    tab.do(Kick())
     assert tab["kick"] == pytest.approx(1.0)
     assert tab.picture.state.playing and tab.picture.state.t == pytest.approx(1.0)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab["kick"] == -1.0
 
 
 def test_a_kick_after_the_end_strikes_at_the_start() -> None:
     tab = playing()
     tab.run_for(2.2)
-    tab.do("kick")
+    tab.do(Kick())
     assert tab["kick"] == 0.0
     assert tab.picture.state.playing and tab.picture.state.t == 0.0
 
@@ -179,45 +179,45 @@ def test_a_kick_after_the_end_strikes_at_the_start() -> None:
 def test_two_kicks_are_two_steps_of_undo() -> None:
     tab = playing()
     tab.run_for(0.3)
-    tab.do("kick")
+    tab.do(Kick())
     tab.run_for(0.3)
-    tab.do("kick")
-    tab.do("undo")
+    tab.do(Kick())
+    tab.do(Undo())
     assert tab["kick"] == pytest.approx(0.3, abs=1e-6)
 
 
 def test_a_lesson_without_a_kick_ignores_it() -> None:
     tab = playing(kick=False)
-    tab.do("kick")
+    tab.do(Kick())
     assert tab["kick"] == -1.0 and not tab.view.scolded()
 
 
 def test_a_hand_track_is_recorded_from_the_present_time_on() -> None:
     tab = playing()
     tab.run_for(0.5)
-    tab.do("hand", ("hand", 0.4))
+    tab.do(DrawByHand("hand", 0.4))
     tab.run_for(0.5)
-    tab.do("hand", ("hand", -0.2))
+    tab.do(DrawByHand("hand", -0.2))
     times, values = zip(*tab["hand"], strict=True)
     assert times == pytest.approx((0.5, 1.0)) and values == (0.4, -0.2)
-    tab.do("seek", 0.2)
-    tab.do("hand", ("hand", 1.0))
+    tab.do(Seek(0.2))
+    tab.do(DrawByHand("hand", 1.0))
     assert tab["hand"] == ((pytest.approx(0.2), 1.0),)  # drawing anew from 0.2 s replaces what came after
 
 
-@pytest.mark.parametrize("argument", [("gain", 0.5), ("nobody", 0.5), ("hand", 1e9), ("hand", float("nan")),
-                                      ("hand", "left"), None, 3])
-def test_a_bad_hand_costs_one_sentence(argument: object) -> None:
+@pytest.mark.parametrize("knob, value", [("gain", 0.5), ("nobody", 0.5), ("hand", 1e9), ("hand", float("nan")),
+                                         ("hand", "left"), ("hand", None), ("hand", (0.5,))])
+def test_a_bad_hand_costs_one_sentence(knob: str, value: object) -> None:
     tab = playing()
     before = tab.picture.design
-    tab.do("hand", argument)
+    tab.do(DrawByHand(knob, value))
     assert tab.picture.design == before and len(tab.view.scolded()) == 1
 
 
 def test_time_never_exceeds_a_run_that_has_become_shorter() -> None:
     tab = playing()
-    tab.do("play")
-    tab.do("seek", 2.0)
+    tab.do(Play())
+    tab.do(Seek(2.0))
     tab.clock.advance(MERGE)
     tab.view.clear()
     tab.set(length=1.0)
@@ -230,9 +230,9 @@ def test_time_never_exceeds_a_run_that_has_become_shorter() -> None:
 def test_a_lesson_without_a_run_is_revealed_by_the_prediction() -> None:
 
     tab = Tab({"toy": toy(compute=lambda d: replace(toy_compute(d), stage=None), figures=lambda o: ())})
-    tab.do("predict", 0)
+    tab.do(Predict(0))
     state = tab.picture.state
     assert state.revealed and not state.playing
-    tab.do("play")
+    tab.do(Play())
     tab.run_for(0.5)
     assert not tab.picture.state.playing and not tab.view.scolded()

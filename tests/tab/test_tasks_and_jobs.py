@@ -10,17 +10,33 @@ from fakes import Tab, job_of, toy
 
 from app.engine import EngineError
 from app.lesson.lesson import Outcome
-from app.tab.edits import Do
+from app.tab.commands import (
+    AnswerExam,
+    CheckNextTask,
+    CheckTask,
+    Command,
+    LookFrom,
+    OpenLesson,
+    Predict,
+    Reset,
+    RunJob,
+    SetLanguage,
+    ShowHint,
+    ShowSolution,
+    ToggleLecture,
+    TurnPage,
+    Undo,
+)
 
 
 # --- tasks ---------------------------------------------------------------------------------------------------------
 def test_a_check_gives_a_verdict_on_the_present_design() -> None:
     tab = Tab()
-    tab.do("check", "high")
+    tab.do(CheckTask("high"))
     assert not tab.picture.state.tasks["high"].verdict.solved
     assert [bad for _, bad in tab.view.of("say")] == [True]
     tab.set(gain=6.0)
-    tab.do("check", "high")
+    tab.do(CheckTask("high"))
     assert tab.shown.state.tasks["high"].verdict.solved
     assert [bad for _, bad in tab.view.of("say")] == [True, False]
     assert "low" not in tab.picture.state.tasks
@@ -30,7 +46,7 @@ def test_hints_come_one_by_one() -> None:
     tab = Tab()
     seen = []
     for _ in range(2):
-        tab.do("hint", "high")
+        tab.do(ShowHint("high"))
         seen.append(tab.shown.state.tasks["high"].hints)
     assert seen == [1, 2]
 
@@ -38,28 +54,28 @@ def test_hints_come_one_by_one() -> None:
 def test_a_solution_sets_the_knobs_passes_and_can_be_undone() -> None:
     tab = Tab()
     tab.set(offset=0.5)
-    tab.do("solution", "high")
+    tab.do(ShowSolution("high"))
     assert tab["gain"] == 5.0 and tab["offset"] == 0.5
     assert tab.shown.state.tasks["high"].solution
-    tab.do("check", "high")
+    tab.do(CheckTask("high"))
     assert tab.picture.state.tasks["high"].verdict.solved
-    tab.do("undo")
+    tab.do(Undo())
     assert (tab["gain"], tab["offset"]) == (1.0, 0.5)
     assert tab.picture.state.tasks["high"].solution  # what was seen stays seen
 
 
 def test_the_next_unsolved_task_is_checked_in_order() -> None:
     tab = Tab()
-    tab.do("solution", "high")
+    tab.do(ShowSolution("high"))
     for _ in range(3):
-        tab.do("check_next")
+        tab.do(CheckNextTask())
     tasks = tab.picture.state.tasks
     assert tasks["high"].verdict.solved and not tasks["low"].verdict.solved
-    tab.do("solution", "low")
-    tab.do("check_next")
+    tab.do(ShowSolution("low"))
+    tab.do(CheckNextTask())
     assert tab.picture.state.tasks["low"].verdict.solved
     count = len(tab.view.sentences())
-    tab.do("check_next")
+    tab.do(CheckNextTask())
     assert len(tab.view.sentences()) == count
 
 
@@ -67,7 +83,7 @@ def test_the_next_unsolved_task_is_checked_in_order() -> None:
                                            (float("inf"), False), (1e300, False)])
 def test_the_exam_item_is_judged_with_its_own_seed_and_tolerance(answer: object, right: bool) -> None:
     tab = Tab(exam_seed=3)
-    tab.do("exam", answer)
+    tab.do(AnswerExam(answer))
     verdict = tab.shown.state.exam
     assert verdict is not None and verdict.solved is right
     assert not tab.view.scolded()
@@ -90,7 +106,7 @@ class Worker:
                 if i == self.fail_at and self.problem is not None:
                     raise self.problem
                 self.done = i
-                self.tab.session.post(Do("camera", "all"))
+                self.tab.session.post(LookFrom("all"))
                 yield i / self.steps, replace(outcome, extra=self.extra(i))
         finally:
             self.ended += 1
@@ -103,7 +119,7 @@ class Worker:
 
 def test_a_job_shows_its_progress_and_its_pictures_and_ends() -> None:
     work = Worker()
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     tab = work.step(6)
     assert tab.view.of("progress") == [0.0, 0.25, 0.5, 0.75, 1.0, None]
     assert [p.outcome.extra for p in tab.view.of("show")] == [1, 2, 3, 4]
@@ -116,9 +132,9 @@ def test_a_job_shows_its_progress_and_its_pictures_and_ends() -> None:
 
 def test_a_job_started_twice_is_cancelled_and_keeps_the_last_picture() -> None:
     work = Worker(100)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     tab = work.step(3)
-    tab.do("run_job")
+    tab.do(RunJob())
     assert tab.view.of("progress")[-1] is None
     assert [bad for _, bad in tab.view.of("say")] == [False]
     assert work.ended == 1  # the generator is closed at once, not some day
@@ -130,7 +146,7 @@ def test_a_job_started_twice_is_cancelled_and_keeps_the_last_picture() -> None:
 
 def test_a_changed_knob_drops_the_job_and_its_stale_results() -> None:
     work = Worker(100)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     work.step(2)
     work.tab.set(gain=3.0)
     work.step(5)
@@ -140,13 +156,13 @@ def test_a_changed_knob_drops_the_job_and_its_stale_results() -> None:
     assert not work.tab.view.sentences()
 
 
-@pytest.mark.parametrize("name, argument", [("lesson", "other"), ("next", None), ("undo", None), ("reset", None)])
-def test_whatever_changes_the_design_or_the_lesson_drops_the_job(name: str, argument: object) -> None:
+@pytest.mark.parametrize("command", [OpenLesson("other"), TurnPage(+1), Undo(), Reset()], ids=repr)
+def test_whatever_changes_the_design_or_the_lesson_drops_the_job(command: Command) -> None:
     work = Worker(100)
     work.tab.set(gain=2.0)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     work.step(2)
-    work.tab.do(name, argument)
+    work.tab.do(command)
     reached = work.done
     work.step(5)
     assert work.ended == 1 and work.done == reached
@@ -155,10 +171,10 @@ def test_whatever_changes_the_design_or_the_lesson_drops_the_job(name: str, argu
 
 def test_a_job_lets_other_edits_through() -> None:
     work = Worker(100)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     work.step(2)
-    work.tab.do("lecture")
-    work.tab.do("language")
+    work.tab.do(ToggleLecture())
+    work.tab.do(SetLanguage())
     state = work.tab.picture.state
     assert state.lecture and state.language == "zh"
     reached = work.done
@@ -168,8 +184,8 @@ def test_a_job_lets_other_edits_through() -> None:
 
 def test_a_run_goes_on_playing_while_a_job_works() -> None:
     work = Worker(100)
-    work.tab.do("predict", 1)
-    work.tab.do("run_job")
+    work.tab.do(Predict(1))
+    work.tab.do(RunJob())
     work.tab.run_for(0.5)
     assert work.tab.view.of("pose")[-1] == pytest.approx(0.5, abs=0.04)
     assert work.done >= 10
@@ -178,7 +194,7 @@ def test_a_run_goes_on_playing_while_a_job_works() -> None:
 @pytest.mark.parametrize("problem", [EngineError("This map needs a stable loop."), ZeroDivisionError("division by zero")])
 def test_a_job_that_fails_says_one_sentence_and_keeps_the_last_good_picture(problem: Exception) -> None:
     work = Worker(fail_at=3, problem=problem)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     tab = work.step(6)
     assert len(tab.view.scolded()) == 1
     assert tab.view.of("progress")[-1] is None
@@ -191,7 +207,7 @@ def test_a_job_that_fails_at_once_says_one_sentence() -> None:
     def broken(_: Outcome) -> Iterator[tuple[float, Outcome]]:
         raise EngineError("No.")
     tab = Tab({"toy": toy(job=job_of(broken))})
-    tab.do("run_job")
+    tab.do(RunJob())
     tab.session.step(0.0)
     assert [s.en for s in tab.view.scolded()] == ["No."]
     assert not tab.view.of("progress") or tab.view.of("progress")[-1] is None
@@ -199,7 +215,7 @@ def test_a_job_that_fails_at_once_says_one_sentence() -> None:
 
 def test_a_job_whose_result_cannot_be_drawn_does_not_end_the_session() -> None:
     work = Worker(extra=lambda i: "undrawable" if i == 2 else i)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     tab = work.step(6)
     assert len(tab.view.scolded()) == 1
     assert tab.picture.outcome.extra == 1
@@ -210,10 +226,10 @@ def test_a_job_whose_result_cannot_be_drawn_does_not_end_the_session() -> None:
 
 def test_what_a_job_found_is_there_again_after_undo_and_redo() -> None:
     work = Worker()
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     tab = work.step(6)
     tab.set(gain=3.0)
-    tab.do("undo")
+    tab.do(Undo())
     assert tab.picture.outcome.extra == 4
     assert work.started == 1
 
@@ -222,7 +238,7 @@ def test_a_lesson_may_carry_what_a_job_found_over_to_the_next_design() -> None:
     work = Worker()
     lessons = {"toy": replace(work.tab.lessons["toy"], carry=lambda before, after: replace(after, extra=before.extra))}
     work.tab = Tab(lessons)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     tab = work.step(6)
     tab.set(gain=3.0)
     assert tab["gain"] == 3.0 and tab.picture.outcome.extra == 4
@@ -231,18 +247,18 @@ def test_a_lesson_may_carry_what_a_job_found_over_to_the_next_design() -> None:
 
 def test_a_lesson_without_a_job_ignores_the_command() -> None:
     tab = Tab()
-    tab.do("run_job")
+    tab.do(RunJob())
     assert not tab.view.calls
 
 
 def test_a_cancel_that_comes_just_after_the_end_does_not_start_the_job_again() -> None:
     """A hand aims at the word "cancel" and the job ends before it presses."""
     work = Worker(steps=2)
-    work.tab.do("run_job")
+    work.tab.do(RunJob())
     tab = work.step(4)
     assert tab.view.of("progress")[-1] is None
-    tab.do("run_job")
+    tab.do(RunJob())
     assert work.started == 1
     tab.clock.advance(1.0)
-    tab.do("run_job")
+    tab.do(RunJob())
     assert work.started == 2

@@ -13,6 +13,7 @@ from fakes import BROKEN, Tab, job_of, toy
 
 from app.engine import Plant, lqr, observer_gain, place, to_json
 from app.lesson.lesson import Design, Outcome
+from app.tab.commands import RunJob, SetLanguage, UploadPlant
 from lessons import LESSONS
 
 ENGLISH = re.compile(r"[a-z]{3,} [a-z]{2,}")  # two English words in a row
@@ -54,7 +55,7 @@ def failing(what: object) -> Tab:
 ], ids=lambda v: v[:24])
 def test_a_file_that_is_no_plant(name: str, content: str, part: str) -> None:
     tab = Tab(language="zh")
-    tab.do("upload", (name, content.encode()))
+    tab.do(UploadPlant(name, content.encode()))
     assert told(tab).startswith("该文件无法使用：") and part in told(tab)
 
 
@@ -82,7 +83,7 @@ def test_a_job_that_fails() -> None:
         yield 0.5, outcome
         place([[0]], [[0]], [-1])
     tab = Tab({"toy": toy(job=job_of(run))}, language="zh")
-    tab.do("run_job")
+    tab.do(RunJob())
     for _ in range(3):
         tab.session.step(0.0)
     assert told(tab) == "位于 0 的模态不能控：任何 K 都移不动它，请在所求极点中保留 0。"
@@ -91,7 +92,7 @@ def test_a_job_that_fails() -> None:
 def test_a_sampled_plant_that_no_continuous_one_stands_behind() -> None:
     delay = Plant([[0.0, 1.0], [0.0, 0.5]], [[0.0], [1.0]], [[1.0, 0.0]], dt=0.1)
     tab = Tab({"separation": LESSONS["separation"]}, language="zh")
-    tab.do("upload", ("mine.json", to_json(delay).encode()))
+    tab.do(UploadPlant("mine.json", to_json(delay).encode()))
     assert "（这个采样对象在零处有极点（即纯延迟），连续对象不会有这样的极点）；请在“沙盒”课中使用它。" in told(tab)
 
 
@@ -107,7 +108,7 @@ def test_a_knob_that_refuses(values: dict) -> None:
 
 def test_the_english_page_goes_on_in_english() -> None:
     tab = failing(lambda: place([[0, 1], [0, 0]], [[1], [0]], [-1, -2]))
-    tab.do("language", "en")
+    tab.do(SetLanguage("en"))
     tab.set(gain=2.0)
     assert tab.view.scolded()[0]("en") == "The mode at 0 is uncontrollable: no K can move it, so keep 0 among the requested poles."
 
@@ -116,7 +117,7 @@ def test_the_sandbox_says_in_chinese_why_an_analysis_does_not_apply() -> None:
     """Its refusals stand in captions, not in notifications."""
     unstable = Plant([[1.0, 0.0], [0.0, 2.0]], [[1.0], [0.0]], [[1.0, 0.0]])  # a hidden mode that runs away
     tab = Tab({"sandbox": replace(LESSONS["sandbox"])}, language="zh")
-    tab.do("upload", ("mine.json", to_json(unstable).encode()))
+    tab.do(UploadPlant("mine.json", to_json(unstable).encode()))
     captions = [figure.caption("zh") for figure in tab.shown.figures]
     assert any(c.startswith("此处不适用：") for c in captions)
     assert not [c for c in captions if ENGLISH.search(c)]

@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from .edits import Mailbox
+from .mailbox import Mailbox
 
 log = logging.getLogger(__name__)
 

@@ -1,0 +1,206 @@
+"""What a person can ask of a tab: one frozen record a command, in four unions that their rooms match exhaustively.
+
+A field of type `object` holds what a browser sent and is judged where the command is obeyed; nothing is trusted here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from ..text.words import Text
+
+
+@dataclass(frozen=True)
+class SetKnobs:
+    """New values for knobs, as they came in. Edits of one `grip` belong to one drag, and to one step of undo."""
+
+    values: Mapping[str, object]
+    grip: int | None = None
+
+
+# --- the run -------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Play:
+    """Play or pause; at the end of the run, play it again."""
+
+
+@dataclass(frozen=True)
+class Rewind:
+    """Back to the start of the run."""
+
+
+@dataclass(frozen=True)
+class Seek:
+    """To a time of the run, in seconds."""
+
+    t: object
+
+
+@dataclass(frozen=True)
+class ChangeSpeed:
+    """So many steps faster, or slower where `steps` is negative."""
+
+    steps: int
+
+
+@dataclass(frozen=True)
+class Kick:
+    """Strike the plant now."""
+
+
+# --- the design ----------------------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Undo:
+    """The design before."""
+
+
+@dataclass(frozen=True)
+class Redo:
+    """The design that was undone."""
+
+
+@dataclass(frozen=True)
+class Reset:
+    """Every knob at its default."""
+
+
+@dataclass(frozen=True)
+class DrawByHand:
+    """A value of a knob that records a hand, from the present time of the run on."""
+
+    knob: str
+    value: object
+
+
+@dataclass(frozen=True)
+class PickPoint:
+    """A click on the lesson's map."""
+
+    x: object
+    y: object
+
+
+@dataclass(frozen=True)
+class UploadPlant:
+    """The plant in a file that the person chose."""
+
+    name: object
+    data: object
+
+
+@dataclass(frozen=True)
+class ChoosePlant:
+    """A plant to show: "" for the lesson's own, YOURS for the one that was brought, or an example's name."""
+
+    which: str
+
+
+@dataclass(frozen=True)
+class Refuse:
+    """Something that must not be taken came from the browser: say why, and change nothing."""
+
+    why: Text
+
+
+# --- studying ------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class Predict:
+    """The index of the predicted option, −1 to skip."""
+
+    index: object
+
+
+@dataclass(frozen=True)
+class Reveal:
+    """Show the answer to the prediction."""
+
+
+@dataclass(frozen=True)
+class CheckTask:
+    """Judge a task by the present design."""
+
+    task: str
+
+
+@dataclass(frozen=True)
+class CheckNextTask:
+    """Judge the first task that is not yet solved."""
+
+
+@dataclass(frozen=True)
+class ShowHint:
+    """One more hint for a task."""
+
+    task: str
+
+
+@dataclass(frozen=True)
+class ShowSolution:
+    """Set the knobs to a task's solution and say why it solves it."""
+
+    task: str
+
+
+@dataclass(frozen=True)
+class AnswerExam:
+    """An answer to the exam item."""
+
+    answer: object
+
+
+@dataclass(frozen=True)
+class RunJob:
+    """Start the lesson's long computation, or cancel it."""
+
+
+# --- the page ------------------------------------------------------------------------------------------------------
+@dataclass(frozen=True)
+class OpenLesson:
+    """Open a lesson by its id."""
+
+    lesson: object
+
+
+@dataclass(frozen=True)
+class TurnPage:
+    """So many lessons on, or back where `steps` is negative."""
+
+    steps: int
+
+
+@dataclass(frozen=True)
+class SetLanguage:
+    """Speak a language; the other one if it is not known."""
+
+    code: object = None
+
+
+@dataclass(frozen=True)
+class ToggleLecture:
+    """Large print on or off."""
+
+
+@dataclass(frozen=True)
+class ToggleLandscape:
+    """The surface over the s-plane on or off."""
+
+
+@dataclass(frozen=True)
+class LookFrom:
+    """Look from a named place."""
+
+    place: str
+
+
+@dataclass(frozen=True)
+class ToggleHelp:
+    """Open or close the list of keys."""
+
+
+Playing = Play | Rewind | Seek | ChangeSpeed | Kick
+Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
+Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
+Paging = OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp
+Command = Playing | Designing | Studying | Paging
+Edit = SetKnobs | Command

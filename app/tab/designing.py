@@ -1,0 +1,75 @@
+"""The design and its plant: undo, reset, drawing by hand, clicks on the map, plants of one's own."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import assert_never
+
+from ..lesson.knobs import KnobError, Track
+from ..plants.examples import example
+from ..plants.own import read
+from ..text.words import Text
+from .commands import ChoosePlant, Designing, DrawByHand, PickPoint, Redo, Refuse, Reset, SetKnobs, Undo, UploadPlant
+from .gate import number
+from .presenter import Presenter
+
+YOURS = "yours"
+NOTHING_TO_UNDO = Text("Nothing to undo.", "没有可以撤销的操作。")
+NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
+
+
+def obey(show: Presenter, command: Designing) -> None:
+    """Do what a command about the design asks. Raises KnobError, EngineError and what a lesson raises."""
+    match command:
+        case Undo():
+            if not show.walk(-1):
+                show.view.say(NOTHING_TO_UNDO, False)
+        case Redo():
+            if not show.walk(+1):
+                show.view.say(NOTHING_TO_REDO, False)
+        case Reset():
+            _start(show, show.lesson.plant)
+        case DrawByHand(knob, value):
+            _draw(show, knob, value)
+        case PickPoint(x, y):
+            _pick(show, number(x), number(y))
+        case UploadPlant(name, data):
+            _upload(show, str(name), data)
+        case ChoosePlant(which):
+            _start(show, "" if not which else show.state.plant if which == YOURS else example(which))
+        case Refuse(why):
+            raise KnobError(why)
+        case _:
+            assert_never(command)
+
+
+def _start(show: Presenter, plant: str) -> None:
+    """Open the lesson at its start with a plant, as one step of undo."""
+    show.adopt(show.lessons[show.lesson.id].fit(plant).start())
+    show.change(replace(show.state, playing=False, t=0.0))
+    show.view.pose(0.0)
+
+
+def _upload(show: Presenter, name: str, data: object) -> None:
+    if not isinstance(data, bytes):
+        raise KnobError(Text("What the browser sent is not a file; nothing was changed.", "浏览器发来的不是文件，未作任何更改。"))
+    plant = read(name, data)
+    _start(show, plant)
+    show.change(replace(show.state, plant=plant))
+
+
+def _draw(show: Presenter, name: str, value: object) -> None:
+    """Record a hand-drawn input from the present time on."""
+    knob = show.lesson.knob(name)
+    if not isinstance(knob, Track):
+        raise KnobError(Text(f"{name} is not drawn by hand.", f"{name} 不是手动输入。"))
+    show.set_knobs([SetKnobs({name: knob.record(show.design[name], show.state.t, number(value))})])
+
+
+def _pick(show: Presenter, x: float, y: float) -> None:
+    """The knobs that belong to a point of the map, and the run from its start."""
+    if show.lesson.pick is None:
+        return
+    show.set_knobs([SetKnobs(show.lesson.pick(show.picture.outcome, x, y))])
+    if show.state.predicted is not None:
+        show.change(replace(show.state, playing=True, t=0.0))

@@ -1,0 +1,22 @@
+"""What came from a browser is judged here before it is used."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from typing import SupportsFloat
+
+from ..lesson.knobs import KnobError
+from ..text.words import Text
+
+
+def number(value: object, finite: bool = True) -> float:
+    """A number out of what a browser sent, a finite one unless told otherwise. Raises KnobError."""
+    found: float | None = None
+    if isinstance(value, (str, SupportsFloat)):
+        with suppress(TypeError, ValueError, OverflowError):
+            found = float(value)
+    if found is None or (finite and not math.isfinite(found)):
+        shown = str(value)[:40]
+        raise KnobError(Text(f"{shown} is not a finite number; nothing was changed.", f"{shown} 不是有限的数，未作任何更改。"))
+    return found

@@ -1,0 +1,68 @@
+"""Where edits wait: the latest change of the same knobs replaces an older one, commands are never dropped."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+
+from .commands import Command, Edit, SetKnobs
+
+
+class Mailbox:
+    """Edits in order: the latest change of the same knobs replaces an older one, commands stay."""
+
+    def __init__(self) -> None:
+        self._edits: list[Edit] = []
+        self._ready = threading.Condition()
+        self.closed = False
+
+    def post(self, edit: Edit) -> None:
+        """Put an edit in; cheap enough for the event loop."""
+        with self._ready:
+            if isinstance(edit, SetKnobs):
+                self._drop_older(edit)
+            self._edits.append(edit)
+            self._ready.notify()
+
+    def _drop_older(self, edit: SetKnobs) -> None:
+        """Forget a waiting change of just the same knobs, if no command came after it."""
+        for i in range(len(self._edits) - 1, -1, -1):
+            waiting = self._edits[i]
+            if not isinstance(waiting, SetKnobs):
+                return
+            if waiting.values.keys() == edit.values.keys():
+                del self._edits[i]
+                return
+
+    def take(self, wait: float | None) -> list[Edit]:
+        """All edits; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""
+        with self._ready:
+            if not self._edits and not self.closed and (wait is None or wait > 0):
+                self._ready.wait(wait)
+            edits, self._edits = self._edits, []
+            return edits
+
+    def empty(self) -> bool:
+        """Whether nothing waits."""
+        return not self._edits
+
+    def close(self) -> None:
+        """Wake the worker up to end."""
+        with self._ready:
+            self.closed = True
+            self._ready.notify()
+
+
+def grouped(edits: list[Edit]) -> Iterator[list[SetKnobs] | Command]:
+    """Neighbouring knob changes together, commands one by one, all in order."""
+    waiting: list[SetKnobs] = []
+    for edit in edits:
+        if isinstance(edit, SetKnobs):
+            waiting.append(edit)
+            continue
+        if waiting:
+            yield waiting
+            waiting = []
+        yield edit
+    if waiting:
+        yield waiting

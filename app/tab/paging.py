@@ -1,0 +1,42 @@
+"""The page: which lesson, which language, how large the print, from where one looks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import assert_never
+
+from ..lesson.knobs import KnobError
+from ..text.words import LANGUAGES, Text
+from .commands import LookFrom, OpenLesson, Paging, SetLanguage, ToggleHelp, ToggleLandscape, ToggleLecture, TurnPage
+from .presenter import Presenter
+
+
+def obey(show: Presenter, command: Paging) -> None:
+    """Do what a command about the page asks. Raises KnobError and what a lesson raises."""
+    match command:
+        case OpenLesson(lesson):
+            if not isinstance(lesson, str) or lesson not in show.lessons:
+                raise KnobError(Text(f"There is no lesson {str(lesson)[:40]}.", f"没有课程 {str(lesson)[:40]}。"))
+            show.open_lesson(lesson)
+        case TurnPage(steps):
+            ids = list(show.lessons)
+            show.open_lesson(ids[(ids.index(show.lesson.id) + steps) % len(ids)])
+        case SetLanguage(code):
+            show.rebuild(replace(show.state, language=_language(code, show.state.language)))
+        case ToggleLecture():
+            show.rebuild(replace(show.state, lecture=not show.state.lecture))
+        case ToggleLandscape():
+            show.change(replace(show.state, landscape=not show.state.landscape))
+        case LookFrom(place):
+            show.view.camera(place)
+        case ToggleHelp():
+            show.view.open_help()
+        case _:
+            assert_never(command)
+
+
+def _language(asked: object, present: str) -> str:
+    """The language that was asked for, the one after the present one if the lab does not speak it."""
+    if isinstance(asked, str) and asked in LANGUAGES:
+        return asked
+    return LANGUAGES[(LANGUAGES.index(present) + 1) % len(LANGUAGES)]

@@ -1,0 +1,262 @@
+"""What a tab shows now: its lesson, its desks, its state and the last good picture. Knows only a View protocol.
+
+Bad input costs one sentence and nothing else: whatever fails on the way to a picture, the last good one stays.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
+
+from ..engine import EngineError
+from ..lesson.knobs import KnobError
+from ..lesson.lesson import Design, Lesson, Outcome
+from ..sentences import kind_of, told
+from ..text.words import Text
+from .commands import SetKnobs
+from .desk import Desk
+from .drafts import Drafts, Drawn, LongJob
+from .history import History
+from .picture import Picture, State, View
+from .state import read_tab, write_tab
+
+log = logging.getLogger(__name__)
+
+NOT_DONE = Text("That could not be done ({0}); everything stays as it was.", "操作未能完成（{0}），一切保持原样。")
+BROKEN = Text("The lesson could not compute this design ({0}); the last good picture stays. Undo or change a knob.",
+              "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
+
+
+class Presenter:
+    """The tab's picture and the ways it changes. Only the tab's worker calls it."""
+
+    def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, state: State,
+                 clock: Callable[[], float]) -> None:
+        self.lessons = dict(lessons)
+        self.view, self.clock = view, clock
+        self.lesson, self.state = self.lessons[lesson], state
+        self.job = LongJob(clock)
+        self.resting = True
+        self.last_edit = self.last_tick = clock()
+        self._desks: dict[str, Desk] = {}
+        self._drafts = Drafts()
+        self._shown: Picture | None = None
+
+    @property
+    def shown(self) -> Picture | None:
+        """The last good picture, None before the first."""
+        return self._shown
+
+    @property
+    def picture(self) -> Picture:
+        """The last good picture of a tab that is open."""
+        assert self._shown is not None, "the tab is not open yet"
+        return self._shown
+
+    @property
+    def design(self) -> Design:
+        """The present design, shown or about to be."""
+        return self._desk().history.design
+
+    # --- lessons ---------------------------------------------------------------------------------------------------
+    def open(self) -> None:
+        """Compute the lesson's present design and lay the screen out."""
+        self.job.drop()
+        try:
+            self.lesson = self._lesson_for(self.design)
+            drawn = self._draw(self.design)
+        except Exception:
+            log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self.lesson.id)
+            self.lesson = self.lessons[self.lesson.id]
+            self._desks[self.lesson.id] = Desk(History(self.lesson.start()))
+            drawn = self._draw(self.design)
+        self.state = self._desk().laid_out(self.state)
+        self.resting = True
+        self._shown = self._make(self.design, drawn)
+        self._lay_out(self._shown)
+
+    def open_lesson(self, lesson: str) -> None:
+        """Open another lesson; if it cannot be opened, the present one again."""
+        if self.job.running:
+            self.drop_job()
+        before, self.lesson = self.lesson, self.lessons[lesson]
+        try:
+            self.open()
+        except Exception:
+            self.lesson = before
+            self.open()
+            raise
+
+    def rebuild(self, state: State) -> None:
+        """Lay the screen out anew: the language or the size of the print has changed."""
+        self.state = state
+        self._shown = self._again()
+        self._lay_out(self._shown)
+
+    def _lay_out(self, picture: Picture) -> None:
+        self.view.build(picture)
+        self.view.show(picture)
+        self.view.pose(self.state.t)
+        self.remember()
+
+    def _desk(self) -> Desk:
+        if self.lesson.id not in self._desks:
+            self._desks[self.lesson.id] = Desk(History(self._first().start()))
+        return self._desks[self.lesson.id]
+
+    def _first(self) -> Lesson:
+        """The lesson as it opens first in this tab: the plant that was shown comes along where it fits."""
+        lesson = self.lessons[self.lesson.id]
+        plant = self.state.plant if self._shown is None else self._shown.design.plant
+        if not plant or lesson.adapt is None:
+            return lesson
+        try:
+            return lesson.fit(plant)
+        except (EngineError, KnobError) as problem:
+            self.view.say(told(problem), False)
+            return lesson
+
+    def _lesson_for(self, design: Design) -> Lesson:
+        """The lesson built for the plant that a design brings."""
+        if design.plant == self.lesson.plant:
+            return self.lesson
+        return self.lessons[design.lesson].fit(design.plant)
+
+    # --- designs ---------------------------------------------------------------------------------------------------
+    def set_knobs(self, edits: list[SetKnobs]) -> None:
+        """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it."""
+        design, keys, refused, grip = self.design, set[str](), None, None
+        for edit in edits:
+            try:
+                design = self.lesson.apply(design, edit.values)
+                keys |= edit.values.keys()
+                grip = edit.grip if edit.grip is not None else grip
+            except KnobError as problem:
+                refused = problem
+        if keys:
+            self.adopt(design, (frozenset(keys), grip), grip is not None)
+        if refused is not None:
+            raise refused
+
+    def adopt(self, design: Design, key: Hashable = None, held: bool = False) -> None:
+        """Make a design the present one; whatever fails on the way, the last good one stays."""
+        history = self._desk().history
+        if design == history.design and self._shown is not None and design == self._shown.design:
+            self.redraw()
+            return
+        before = history.save()
+        history.push(design, key, self.clock(), held)
+        self._draw_present(before)
+
+    def walk(self, step: int) -> bool:
+        """Undo or redo; False where there is nothing to."""
+        history = self._desk().history
+        before = history.save()
+        if not history.move(step):
+            return False
+        self._draw_present(before)
+        return True
+
+    def _draw_present(self, before: tuple[tuple[Design, ...], int]) -> None:
+        """Show the history's present design; if that fails, go back to where the history stood `before`."""
+        history, picture, resting, state, lesson = self._desk().history, self._shown, self.resting, self.state, self.lesson
+        try:
+            self.lesson = self._lesson_for(history.design)
+            drawn = self._draw(history.design)
+            horizon = float(drawn[0].stage.t[-1]) if drawn[0].stage is not None else 0.0
+            self.state = replace(self.state, t=min(self.state.t, horizon))
+            self.resting = False
+            self._shown = self._make(history.design, drawn)
+            if self.lesson is not lesson:  # other knobs, other figures
+                self.view.build(self._shown)
+            self.view.show(self._shown)
+            self.view.pose(self.state.t)
+        except Exception:
+            rebuilt = self._shown is not picture and self.lesson is not lesson
+            history.restore(before)
+            self._shown, self.resting, self.state, self.lesson = picture, resting, state, lesson
+            if rebuilt and picture is not None:
+                self.view.build(picture)
+            raise
+        if self.job.running:
+            self.drop_job()
+        self.last_edit = self.clock()
+
+    def _draw(self, design: Design) -> Drawn:
+        return self._drafts.draw(self.lesson, design, self._carried)
+
+    def _carried(self, outcome: Outcome) -> Outcome:
+        """The outcome with what the job found for the design on the screen, where the lesson says that it still holds."""
+        shown = self._shown
+        if self.lesson.carry is None or shown is None or shown.lesson is not self.lesson:
+            return outcome
+        return self.lesson.carry(shown.outcome, outcome)
+
+    # --- pictures --------------------------------------------------------------------------------------------------
+    def change(self, state: State) -> None:
+        """Show another state of the tab. A run that begins or jumps goes on from now, not from its last pose."""
+        before, self.state = self.state, state
+        if state.playing and (not before.playing or state.t != before.t):
+            self.last_tick = self.clock()
+        self._desk().keep(state)
+        self.redraw()
+        if state != replace(before, playing=state.playing, t=state.t):
+            self.remember()
+
+    def redraw(self) -> None:
+        """Show the last good picture with the present state."""
+        if self._shown is not None:
+            self._shown = self._again()
+            self.view.show(self._shown)
+
+    def rest(self) -> None:
+        """The knobs rest: the final picture, and what a reload should bring back."""
+        self.resting = True
+        self.redraw()
+        self.remember()
+
+    def refuse(self, problem: Exception, command: bool = False) -> None:
+        """Say in one sentence why something was not done, and show the last good picture again."""
+        if isinstance(problem, (EngineError, KnobError)):
+            text = told(problem)
+        else:
+            text = (NOT_DONE if command else BROKEN).format(kind_of(problem))
+        self.view.say(text, True)
+        self.resting = True
+        self.redraw()
+
+    def keep(self, outcome: Outcome) -> None:
+        """Show what the job has found for the present design, and remember it as its draft."""
+        drawn = (outcome, tuple(self.lesson.figures(outcome)))
+        picture = self._make(self.picture.design, drawn)
+        self.view.show(picture)
+        self._shown = picture
+        self._drafts.keep(picture.design, drawn)
+
+    def drop_job(self) -> None:
+        """End the long computation without a word; the last picture stays."""
+        self.job.drop()
+        self.view.progress(None, None)
+
+    def _again(self) -> Picture:
+        return self._make(self.picture.design, (self.picture.outcome, self.picture.figures))
+
+    def _make(self, design: Design, drawn: Drawn) -> Picture:
+        history = self._desk().history
+        self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
+        return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()))
+
+    # --- reloads ---------------------------------------------------------------------------------------------------
+    def restore(self, text: str | None) -> None:
+        """Go on where this tab was before a reload; what cannot be read is left at its start."""
+        tab = read_tab(text, self.lessons)
+        if tab is None:
+            return
+        self.lesson = self.lessons[tab.design.lesson]
+        self.state = replace(self.state, language=tab.language, lecture=tab.lecture, plant=tab.plant)
+        self._desks[self.lesson.id] = Desk(History(tab.design), tab.predicted, tab.revealed)
+
+    def remember(self) -> None:
+        """Keep in the browser's tab what a reload should bring back."""
+        self.view.remember(write_tab(self.lesson, self.design, self.state))

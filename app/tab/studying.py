@@ -1,0 +1,140 @@
+"""Predictions, tasks, the exam item, and the long computation that a person starts."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+from typing import assert_never
+
+from ..lesson.knobs import KnobError
+from ..lesson.lesson import Task, Verdict
+from ..text.words import Text
+from .commands import (
+    AnswerExam,
+    CheckNextTask,
+    CheckTask,
+    Predict,
+    Reveal,
+    RunJob,
+    ShowHint,
+    ShowSolution,
+    Studying,
+)
+from .gate import number
+from .picture import TaskState
+from .playing import locked
+from .presenter import Presenter
+
+log = logging.getLogger(__name__)
+
+JUST_ENDED = 0.7  # s after a long job in which its button means "cancel" to a hand that was about to press it
+CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
+
+
+def obey(show: Presenter, command: Studying) -> None:
+    """Do what a command of the left column asks. Raises KnobError and what a lesson raises."""
+    match command:
+        case Predict(index):
+            _predict(show, int(number(index)))
+        case Reveal():
+            if not locked(show):
+                show.change(replace(show.state, revealed=True))
+        case CheckTask(task):
+            _check(show, _find(show, task))
+        case CheckNextTask():
+            _check_next(show)
+        case ShowHint(task):
+            _hint(show, _find(show, task))
+        case ShowSolution(task):
+            _solve(show, _find(show, task))
+        case AnswerExam(answer):
+            _judge(show, number(answer, finite=False))
+        case RunJob():
+            _start_or_cancel(show)
+        case _:
+            assert_never(command)
+
+
+def _predict(show: Presenter, choice: int) -> None:
+    options = show.lesson.words[show.state.language].options
+    if not -1 <= choice < len(options):
+        raise KnobError(Text(f"There are {len(options)} predictions.", f"共有 {len(options)} 个预测选项。"))
+    runs = show.picture.horizon > 0
+    show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, playing=runs, t=0.0))
+
+
+# --- tasks ---------------------------------------------------------------------------------------------------------
+def _find(show: Presenter, task_id: object) -> Task:
+    for task in show.lesson.tasks:
+        if task.id == task_id:
+            return task
+    raise KnobError(Text(f"There is no task {str(task_id)[:40]}.", f"没有任务 {str(task_id)[:40]}。"))
+
+
+def _seen(show: Presenter, task: Task) -> TaskState:
+    return show.state.tasks.get(task.id, TaskState())
+
+
+def _see(show: Presenter, task: Task, seen: TaskState) -> None:
+    show.change(replace(show.state, tasks={**show.state.tasks, task.id: seen}))
+
+
+def _check(show: Presenter, task: Task) -> None:
+    verdict = task.check(show.picture.outcome)
+    _see(show, task, replace(_seen(show, task), verdict=verdict))
+    show.view.say(verdict.text, not verdict.solved)
+
+
+def _check_next(show: Presenter) -> None:
+    for task in show.lesson.tasks:
+        verdict = _seen(show, task).verdict
+        if verdict is None or not verdict.solved:
+            _check(show, task)
+            return
+
+
+def _hint(show: Presenter, task: Task) -> None:
+    seen = _seen(show, task)
+    _see(show, task, replace(seen, hints=seen.hints + 1))
+
+
+def _solve(show: Presenter, task: Task) -> None:
+    show.adopt(show.lesson.apply(show.design, task.solution))
+    _see(show, task, replace(_seen(show, task), solution=True))
+
+
+def _judge(show: Presenter, value: float) -> None:
+    item = show.lesson.exam(show.state.exam_seed)
+    right = abs(value - item.answer) <= item.tolerance  # false for NaN
+    text = (Text("Right.", "正确。") if right else
+            Text(f"{value:g} is not it; work it out again.", f"{value:g} 不对，请再推算一次。"))
+    show.change(replace(show.state, exam=Verdict(right, text)))
+
+
+# --- the long computation ------------------------------------------------------------------------------------------
+def _start_or_cancel(show: Presenter) -> None:
+    if show.lesson.job is None:
+        return
+    if show.job.running:
+        show.drop_job()
+        show.view.say(CANCELLED, False)
+    elif not show.job.ended_within(JUST_ENDED):
+        show.job.start(show.lesson.job.run(show.picture.outcome))
+        show.view.progress(0.0, show.lesson.job.label)
+
+
+def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
+    """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays."""
+    if not show.job.running or show.lesson.job is None:
+        return
+    try:
+        fraction, outcome = show.job.go_on(undisturbed)
+        if outcome is not None and outcome is not show.picture.outcome:
+            show.keep(outcome)
+    except Exception as problem:
+        log.exception("the job of lesson %s failed", show.lesson.id)
+        show.drop_job()
+        show.refuse(problem)
+        return
+    show.view.progress(fraction if show.job.running else None, show.lesson.job.label)
