@@ -44,6 +44,7 @@ class Parameters:
     m kg, J kg m²: deck with payload. kz, kx N/m and cz, cx N s/m: each vertical spring and the horizontal one.
     a, b, s m: half distances of the vertical springs, the vertical coils, the sensors. h m: how far the centre of
     mass lies above the deck plane. mu kg, kp N/m, cp N s/m: test mass, servo spring and damper of a sensor.
+    lower m: how far below the deck plane, where the horizontal spring pulls, the horizontal coil pushes.
     ground: share of the ground motion that the springs pass on (1 = all of it).
     """
 
@@ -60,6 +61,7 @@ class Parameters:
     mu: float = 0.050
     kp: float = 1800.0
     cp: float = 0.479852
+    lower: float = 0.0
     ground: float = 1.0
 
 
@@ -90,14 +92,14 @@ def mechanics(parameters: Parameters = Parameters()) -> Mechanics:
     """M, D, K (5×5), G (5×5), S (4×5) of the deck with its two test masses."""
     k = parameters
     left, right = np.array([0, 1, -k.a, 0, 0]), np.array([0, 1, k.a, 0, 0])
-    across = np.array([1, 0, k.h, 0, 0])
+    across, coil = np.array([1, 0, k.h, 0, 0]), np.array([1, 0, k.h + k.lower, 0, 0])
     servo_left, servo_right = np.array([0, 1, -k.s, -1, 0]), np.array([0, 1, k.s, 0, -1])
 
     def joined(vertical: float, horizontal: float, servo: float) -> np.ndarray:
         return (vertical * (np.outer(left, left) + np.outer(right, right)) + horizontal * np.outer(across, across)
                 + servo * (np.outer(servo_left, servo_left) + np.outer(servo_right, servo_right)))
 
-    G = np.column_stack([np.array([0, 1, -k.b, 0, 0]), np.array([0, 1, k.b, 0, 0]), across,
+    G = np.column_stack([np.array([0, 1, -k.b, 0, 0]), np.array([0, 1, k.b, 0, 0]), coil,
                          k.ground * k.kz * (left + right), k.ground * k.kx * across])
     S = np.array([[0, 1, -k.s, 0, 0], [1, 0, k.h, 0, 0], [0, 1, k.s, 0, 0], [-1, 0, -k.h, 0, 0]])
     return Mechanics(np.diag([k.m, k.m, k.J, k.mu, k.mu]), joined(k.cz, k.cx, k.cp), joined(k.kz, k.kx, k.kp), G, S)

@@ -49,6 +49,7 @@ CHOICES = MappingProxyType({
     "b": (0.20, "coils outside the springs; the list is blind to it"),
     "mu": (0.050, "a test mass of 50 g"),
     "kp": (1800.0, "a stiff servo: 30 Hz, above the report's band of 0.1–10 Hz"),
+    "lower": (0.0, "coil and spring in one line; the list hardly sees it, the rotation's spectrum does"),
     "ground": (1.0, "springs pass on all of the ground's motion"),
 })
 DIGITS = MappingProxyType({"cz": 3, "kx": 5, "cx": 5, "h": 5, "s": 5, "cp": 6})  # that `platform` keeps of each

@@ -105,12 +105,12 @@ def from_channels(vertical: Plant | None, rotation: Plant | None, horizontal: Pl
 
 
 def horizontal_by_poles(control: Sequence[complex] = BESIDE_THE_ZEROS[0], observer: Sequence[complex] = BESIDE_THE_ZEROS[1],
-                        mixing: object | None = None) -> Diophantine:
+                        mixing: object | None = None, parameters: platform.Parameters = NOMINAL) -> Diophantine:
     """A E + B F = Φ_c Φ_o for P_h on a rigid deck, eq. (30): four and four poles, a strictly proper controller of order 4.
 
     Raises PoleError or EngineError as `diophantine` does.
     """
-    B, A = rigid_polynomials(HORIZONTAL, mixing)
+    B, A = rigid_polynomials(HORIZONTAL, mixing, parameters)
     return diophantine(A, B, np.real(np.poly([*control, *observer])))
 
 

@@ -21,11 +21,11 @@ FREQUENCY = np.unique(np.concatenate([np.geomspace(0.01, 100, 800), np.linspace(
 DRIFT = 1e-7  # rad/s
 
 
-def peaks(controller: Plant) -> np.ndarray:
+def peaks(controller: Plant, plant: Plant = PLANT) -> np.ndarray:
     """How far each channel's highest peak over ground motion comes down, in dB."""
     tops = []
     for built in (None, controller):
-        loop = noisy_loop(COILS, built, G, 1e-12)
+        loop = noisy_loop(coils(plant), built, ground(plant), 1e-12)
         tops.append(loop.psd(FREQUENCY, loop.outputs(T_y[:3])).max(axis=0))
     return 10 * np.log10(tops[0] / tops[1])
 
@@ -96,6 +96,12 @@ def test_peaks_come_down_as_far_as_the_facts_say() -> None:
     assert peaks(siso.published()) == pytest.approx([93.5, 88.0, 105.0], abs=0.1)
 
 
+@pytest.mark.parametrize("millimetres", [2.0, 3.0, 4.5, -2.0, -4.5])
+def test_the_rotation_of_the_report_comes_out_with_the_coil_a_few_millimetres_off_the_spring(millimetres: float) -> None:
+    down = peaks(siso.published(), platform.plant(platform.Parameters(lower=1e-3 * millimetres)))
+    assert 20 < down[1] < 30 and down[[0, 2]] == pytest.approx([93.5, 105.0], abs=0.1)
+
+
 @pytest.mark.parametrize("channel", [VERTICAL, ROTATION, HORIZONTAL])
 def test_the_rigid_channels_are_near_the_true_ones(channel) -> None:
     B, A = siso.rigid_polynomials(channel)
@@ -127,6 +133,15 @@ def test_the_eight_poles_are_reached_on_the_rigid_deck() -> None:
         asked = np.array([*control, *observer])
         assert found.residual < 1e-12
         assert match_poles(asked, found.poles)[1] < 1e-4 * np.abs(asked).max()
+
+
+@pytest.mark.parametrize("lower", [-0.02, 0.005, 0.02])
+def test_a_coil_off_the_springs_line_is_in_the_rigid_polynomials_too(lower: float) -> None:
+    k = platform.Parameters(lower=lower)
+    B, A = siso.rigid_polynomials(HORIZONTAL, None, k)
+    P, s = siso.channel_plant(HORIZONTAL, k), 2j * np.pi * np.array([0.1, 0.8, 1.1, 1.3, 3.0])
+    H = frequency_response(P.A, P.B, P.C, P.D, s.imag)[:, 0, 0]
+    assert np.abs(np.polyval(B, s) / np.polyval(A, s) / H - 1).max() < 3e-4
 
 
 def test_closing_pitch_hurts_only_a_controller_that_drags_the_pitch_pole_from_its_zero() -> None:
