@@ -198,9 +198,16 @@ class ToggleHelp:
     """Open or close the list of keys."""
 
 
+@dataclass(frozen=True)
+class Answer:
+    """Say that all that was asked before this question has been done."""
+
+    question: object
+
+
 Playing = Play | Rewind | Seek | ChangeSpeed | Kick
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
 Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
-Paging = OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp
+Paging = OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp | Answer
 Command = Playing | Designing | Studying | Paging
 Edit = SetKnobs | Command

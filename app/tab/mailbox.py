@@ -9,33 +9,36 @@ from .commands import Command, Edit, SetKnobs
 
 
 class Mailbox:
-    """Edits in order: the latest change of the same knobs replaces an older one, commands stay."""
+    """Edits in order, numbered: the latest change of the same knobs replaces an older one, commands stay."""
 
     def __init__(self) -> None:
-        self._edits: list[Edit] = []
+        self._edits: list[tuple[int, Edit]] = []
+        self._count = 0
         self._ready = threading.Condition()
         self.closed = False
 
-    def post(self, edit: Edit) -> None:
-        """Put an edit in; cheap enough for the event loop."""
+    def post(self, edit: Edit) -> int:
+        """Put an edit in and give its number; cheap enough for the event loop."""
         with self._ready:
             if isinstance(edit, SetKnobs):
                 self._drop_older(edit)
-            self._edits.append(edit)
+            self._count += 1
+            self._edits.append((self._count, edit))
             self._ready.notify()
+            return self._count
 
     def _drop_older(self, edit: SetKnobs) -> None:
         """Forget a waiting change of just the same knobs, if no command came after it."""
         for i in range(len(self._edits) - 1, -1, -1):
-            waiting = self._edits[i]
+            waiting = self._edits[i][1]
             if not isinstance(waiting, SetKnobs):
                 return
             if waiting.values.keys() == edit.values.keys():
                 del self._edits[i]
                 return
 
-    def take(self, wait: float | None) -> list[Edit]:
-        """All edits; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""
+    def take(self, wait: float | None) -> list[tuple[int, Edit]]:
+        """All edits with their numbers; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""
         with self._ready:
             if not self._edits and not self.closed and (wait is None or wait > 0):
                 self._ready.wait(wait)
@@ -53,16 +56,18 @@ class Mailbox:
             self._ready.notify()
 
 
-def grouped(edits: list[Edit]) -> Iterator[list[SetKnobs] | Command]:
-    """Neighbouring knob changes together, commands one by one, all in order."""
+def grouped(edits: list[tuple[int, Edit]]) -> Iterator[tuple[int, list[SetKnobs] | Command]]:
+    """Neighbouring knob changes together, commands one by one, all in order; each with the number of its last edit."""
     waiting: list[SetKnobs] = []
-    for edit in edits:
+    last = 0
+    for number, edit in edits:
         if isinstance(edit, SetKnobs):
             waiting.append(edit)
+            last = number
             continue
         if waiting:
-            yield waiting
+            yield last, waiting
             waiting = []
-        yield edit
+        yield number, edit
     if waiting:
-        yield waiting
+        yield last, waiting

@@ -7,7 +7,18 @@ from typing import assert_never
 
 from ..lesson.knobs import KnobError
 from ..text.words import LANGUAGES, Text
-from .commands import LookFrom, OpenLesson, Paging, SetLanguage, ToggleHelp, ToggleLandscape, ToggleLecture, TurnPage
+from .commands import (
+    Answer,
+    LookFrom,
+    OpenLesson,
+    Paging,
+    SetLanguage,
+    ToggleHelp,
+    ToggleLandscape,
+    ToggleLecture,
+    TurnPage,
+)
+from .gate import number
 from .presenter import Presenter
 
 
@@ -31,6 +42,8 @@ def obey(show: Presenter, command: Paging) -> None:
             show.view.camera(place)
         case ToggleHelp():
             show.view.open_help()
+        case Answer(question):
+            show.view.answer(number(question))
         case _:
             assert_never(command)
 

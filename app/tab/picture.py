@@ -43,7 +43,7 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """All that a view shows: `resting` is False while a knob moves."""
+    """All that a view shows: `resting` is False while a knob moves, `answered` the number of the last edit that went in."""
 
     lesson: Lesson
     design: Design
@@ -52,6 +52,7 @@ class Picture:
     state: State
     resting: bool
     catalogue: tuple[Lesson, ...] = ()
+    answered: int = 0
 
     @property
     def horizon(self) -> float:
@@ -94,6 +95,9 @@ class View(Protocol):
 
     def open_help(self) -> None:
         """Show or close the list of keyboard commands."""
+
+    def answer(self, question: float) -> None:
+        """Say that all that was done before a question is shown."""
 
     def recall(self) -> str | None:
         """What `remember` kept in this tab before it was reloaded."""

@@ -38,6 +38,7 @@ class Presenter:
         self.lesson, self.state = self.lessons[lesson], state
         self.job = LongJob(clock)
         self.resting = True
+        self.answered = 0  # the number of the edit that is being worked on, or was last
         self.last_edit = self.last_tick = clock()
         self._desks: dict[str, Desk] = {}
         self._drafts = Drafts()
@@ -245,7 +246,7 @@ class Presenter:
     def _make(self, design: Design, drawn: Drawn) -> Picture:
         history = self._desk().history
         self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
-        return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()))
+        return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered)
 
     # --- reloads ---------------------------------------------------------------------------------------------------
     def restore(self, text: str | None) -> None:

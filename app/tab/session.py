@@ -42,9 +42,9 @@ class Session:
         self._show = Presenter(lessons, view, lesson, State(language=language, exam_seed=exam_seed, plant=plant), clock)
 
     # --- outside ---------------------------------------------------------------------------------------------------
-    def post(self, edit: Edit) -> None:
-        """Hand an edit over; returns at once."""
-        self._mailbox.post(edit)
+    def post(self, edit: Edit) -> int:
+        """Hand an edit over; returns at once, with the number that a picture's `answered` reaches when it is worked on."""
+        return self._mailbox.post(edit)
 
     def start(self) -> None:
         """Open the lesson and work on a thread until `close`."""
@@ -70,7 +70,8 @@ class Session:
 
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due."""
-        for edits in grouped(self._mailbox.take(wait)):
+        for number, edits in grouped(self._mailbox.take(wait)):
+            self._show.answered = number
             try:
                 if isinstance(edits, list):
                     self._show.set_knobs(edits)

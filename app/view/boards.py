@@ -35,7 +35,7 @@ class BoardView:
     """One board: drawn once, then only its poles move."""
 
     def __init__(self, client: viser.ClientHandle, board: Board, language: str, size: float,
-                 drag: Callable[[dict[str, Any], int], None]) -> None:
+                 drag: Callable[[dict[str, Any], int], object]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
         self._board, self._size, self._language = board, size, language
         self._root = f"/board/{board.id}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -11,32 +10,19 @@ import viser
 
 from ..engine.systems import move_pole
 from ..lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
+from ..tab.picture import Picture
 from . import phrases
+from .readback import ReadBack
 
-Post = Callable[[str, Any], None]  # knob name, value
+Post = Callable[[str, Any], int]  # knob name, value → number of the edit
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-HOLD = 0.3  # s after a person's own change during which the widget is left alone
 
 
 class Widget(Protocol):
     """A knob's widget."""
 
-    def show(self, value: Any, visible: bool, resting: bool) -> None:
-        """Show the accepted value."""
-
-
-class _Echo:
-    """Remembers what a person set last, so that an older accepted value does not fight with the hand."""
-
-    def __init__(self) -> None:
-        self._value: Any = None
-        self._time = -1e9
-
-    def heard(self, value: Any) -> None:
-        self._value, self._time = value, time.monotonic()
-
-    def may_write(self, resting: bool) -> bool:
-        return resting or time.monotonic() - self._time > HOLD
+    def show(self, value: Any, visible: bool, picture: Picture) -> None:
+        """Show the value that a picture accepts."""
 
 
 def label_of(knob: Knob, language: str) -> str:
@@ -68,19 +54,13 @@ class NumberWidget:
     """A slider with its number field; logarithmic knobs move in decades and show their value in the label."""
 
     def __init__(self, gui: viser.GuiApi, knob: Number, language: str, post: Post) -> None:
-        self._knob, self._language, self._echo = knob, language, _Echo()
+        self._knob, self._language = knob, language
         self._log = knob.scale == "log"
         low, high = self._to(knob.low), self._to(knob.high)
         step = 1.0 if knob.scale == "integer" else knob.step or 10 ** math.floor(math.log10((high - low) / 100))
         self._handle = gui.add_slider(self._label(knob.default), low, high, float(step), self._to(knob.default),
                                       hint=knob.hint(language) or None, marks=ends(knob))
-
-        @self._handle.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None:
-                value = self._from(event.target.value)
-                self._echo.heard(value)
-                post(knob.name, value)
+        self._back = ReadBack(self._handle, lambda value: post(knob.name, self._from(value)))
 
     def _to(self, value: float) -> float:
         return round(math.log10(value), 3) if self._log else float(value)
@@ -91,12 +71,10 @@ class NumberWidget:
     def _label(self, value: float) -> str:
         return slider_label(self._knob, value, self._language)
 
-    def show(self, value: Any, visible: bool, resting: bool) -> None:
+    def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
-        shown = self._to(value)
-        if self._handle.value != shown and self._echo.may_write(resting):
-            self._handle.value = shown
+        self._back.show(self._to(value), picture)
         words = self._label(value)
         if self._log and self._handle.label != words:
             self._handle.label = words
@@ -110,17 +88,12 @@ class ChoiceWidget:
         keys = {label: name for name, label in self._names.items()}
         self._handle = gui.add_dropdown(label_of(knob, language), tuple(self._names.values()),
                                         initial_value=self._names[knob.default], hint=knob.hint(language) or None)
+        self._back = ReadBack(self._handle, lambda value: post(knob.name, keys.get(value, value)))
 
-        @self._handle.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None:
-                post(knob.name, keys.get(event.target.value, event.target.value))
-
-    def show(self, value: Any, visible: bool, resting: bool) -> None:
+    def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
-        if self._handle.value != self._names[value]:
-            self._handle.value = self._names[value]
+        self._back.show(self._names[value], picture)
 
 
 class SwitchWidget:
@@ -128,60 +101,51 @@ class SwitchWidget:
 
     def __init__(self, gui: viser.GuiApi, knob: Switch, language: str, post: Post) -> None:
         self._handle = gui.add_checkbox(label_of(knob, language), knob.default, hint=knob.hint(language) or None)
+        self._back = ReadBack(self._handle, lambda value: post(knob.name, bool(value)))
 
-        @self._handle.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None:
-                post(knob.name, bool(event.target.value))
-
-    def show(self, value: Any, visible: bool, resting: bool) -> None:
+    def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
-        if self._handle.value != value:
-            self._handle.value = value
+        self._back.show(value, picture)
 
 
 class PolesWidget:
     """A row (Re, Im) for every real pole and every conjugate pair; typing does what dragging does."""
 
     def __init__(self, gui: viser.GuiApi, knob: Poles, language: str, post: Post) -> None:
-        self._knob, self._poles, self._echo = knob, knob.default, _Echo()
-        self._rows: list[viser.GuiVector2Handle] = []
+        self._knob, self._poles, self._post = knob, knob.default, post
+        self._rows: list[tuple[viser.GuiVector2Handle, ReadBack]] = []
         decade = math.floor(math.log10(knob.re_high - knob.re_low))
         self._digits = max(4, 5 - decade)
         step = 0.1 if 0 <= decade <= 1 else 10.0 ** (decade - 2)
         for i in range(len(knob.default)):
             row = gui.add_vector2(f"{knob.symbol}{i + 1}", (0.0, 0.0), min=(knob.re_low, -knob.im_high),
                                   max=(knob.re_high, knob.im_high), step=step, hint=label_of(knob, language))
-            self._listen(row, i, post)
-            self._rows.append(row)
+            self._rows.append((row, ReadBack(row, lambda value, i=i: self._typed(i, complex(*value)))))
 
-    def _listen(self, row: viser.GuiVector2Handle, index: int, post: Post) -> None:
-        @row.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is None:
-                return
-            heads = [i for i, p in enumerate(self._poles) if p.imag >= 0]
-            if index >= len(heads):
-                return
-            self._echo.heard(event.target.value)
-            at, to = heads[index], complex(*event.target.value)
-            asked = (*self._poles[:at], to, *self._poles[at + 1:])  # what is not finite is refused by the knob
-            snap = 1e-6 * min(1.0, self._knob.im_high)
-            post(self._knob.name, move_pole(self._poles, at, to, snap) if _finite(to) else asked)
+    def _typed(self, index: int, to: complex) -> int:
+        """Move the pole of a row; the next row typed into builds on it, answered or not."""
+        heads = [i for i, p in enumerate(self._poles) if p.imag >= 0]
+        if index >= len(heads):  # a row that is not seen
+            return self._post(self._knob.name, self._poles)
+        at = heads[index]
+        asked = (*self._poles[:at], to, *self._poles[at + 1:])  # what is not finite is refused by the knob
+        snap = 1e-6 * min(1.0, self._knob.im_high)
+        if _finite(to):
+            asked = self._poles = move_pole(self._poles, at, to, snap)
+        return self._post(self._knob.name, asked)
 
-    def show(self, value: Any, visible: bool, resting: bool) -> None:
-        self._poles = value
+    def show(self, value: Any, visible: bool, picture: Picture) -> None:
         heads = [p for p in value if p.imag >= 0]
-        write = self._echo.may_write(resting)
-        for i, row in enumerate(self._rows):
+        write = all(back.may_write(picture) for _, back in self._rows)  # sorted anew, one row's change moves others
+        if write:
+            self._poles = value
+        for i, (row, back) in enumerate(self._rows):
             seen = visible and i < len(heads)
             if row.visible != seen:
                 row.visible = seen
             if seen and write:
-                shown = (round(heads[i].real, self._digits), round(heads[i].imag, self._digits))
-                if tuple(row.value) != shown:
-                    row.value = shown
+                back.show((round(heads[i].real, self._digits), round(heads[i].imag, self._digits)), picture)
 
 
 def _finite(value: complex) -> bool:
@@ -194,17 +158,13 @@ class TrackWidget:
     def __init__(self, gui: viser.GuiApi, knob: Track, language: str, record: Post) -> None:
         self._handle = gui.add_slider(label_of(knob, language), knob.low, knob.high, (knob.high - knob.low) / 200,
                                       0.0, hint=knob.hint(language) or None)
+        self._back = ReadBack(self._handle, lambda value: record(knob.name, value))
 
-        @self._handle.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None:
-                record(knob.name, event.target.value)
-
-    def show(self, value: Any, visible: bool, resting: bool) -> None:
+    def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
-        if not value and resting and self._handle.value != 0.0:
-            self._handle.value = 0.0
+        if not value and picture.resting:
+            self._back.show(0.0, picture)
 
 
 def make_widget(gui: viser.GuiApi, knob: Knob, language: str, post: Post, record: Post) -> Widget:

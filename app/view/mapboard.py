@@ -21,7 +21,7 @@ CENTRE = np.array([0.0, -2.75, 0.36])
 class MapBoard:
     """The map as a picture in the scene; a click gives the point of the map under it."""
 
-    def __init__(self, client: viser.ClientHandle, language: str, pick: Callable[[float, float], None]) -> None:
+    def __init__(self, client: viser.ClientHandle, language: str, pick: Callable[[float, float], object]) -> None:
         self._scene, self._language, self._pick = client.scene, language, pick
         self._figure: MapFigure | None = None
         self._image: viser.ImageHandle | None = None

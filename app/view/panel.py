@@ -29,8 +29,9 @@ from . import phrases
 from .knobs import Widget, make_widget
 from .plants import PlantRow
 from .prose import mathml, render, with_minus
+from .readback import ReadBack
 
-Post = Callable[[Edit], None]
+Post = Callable[[Edit], int]
 LETTERS = "ABCDEFGH"
 
 
@@ -70,11 +71,7 @@ class Panel:
         self._tongue = gui.add_button_group("", ("English", "中文", phrases.LECTURE(lang)))
         gui.add_html(f'<div class="ol-question">{self._words.question}</div>')
         gui.add_markdown(render(self._words.introduction))
-
-        @self._choice.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None:
-                self._post(OpenLesson(keys.get(event.target.value, "")))
+        self._catalogue = ReadBack(self._choice, lambda title: self._post(OpenLesson(keys.get(title, ""))))
 
         @self._tongue.on_click
         async def _(event: viser.GuiEvent) -> None:
@@ -185,9 +182,10 @@ class Panel:
     # --- showing ---------------------------------------------------------------------------------------------------
     def show(self, picture: Picture) -> None:
         """Everything in the column that may have changed."""
+        self._catalogue.show(self._words.title, picture)
         for name, (knob, widget) in self._widgets.items():
             seen = self._lesson.shown(knob, picture.design)
-            widget.show(picture.design[name], seen, picture.resting)
+            widget.show(picture.design[name], seen, picture)
             if name in self._folders and self._folders[name].visible != seen:
                 self._folders[name].visible = seen
         self._show_groups(picture)

@@ -15,6 +15,7 @@ from ..tab.designing import YOURS
 from ..tab.picture import Picture
 from ..text.words import Text
 from . import phrases
+from .readback import ReadBack
 
 MOST_BYTES = 1_000_000
 OWN, FIRST = "", next(iter(EXAMPLES))  # what a lesson shows by itself; one about any plant shows the first example
@@ -29,19 +30,14 @@ def named(plant: str) -> Text:
 class PlantRow:
     """A dropdown of plants and a button that takes a file."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], None]) -> None:
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], int]) -> None:
         self._language = picture.state.language
         self._words = self._choices(picture)
         now = self._words[self._present(picture)]
         self._choice = gui.add_dropdown(phrases.PLANT(self._language), tuple(self._words.values()), initial_value=now)
         self._upload = gui.add_upload_button(phrases.UPLOAD(self._language), hint=phrases.UPLOAD_HINT(self._language),
                                              color="gray", mime_type=".json,.mat")
-
-        @self._choice.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None:
-                keys = {words: key for key, words in self._words.items()}
-                post(ChoosePlant(keys.get(event.target.value, OWN)))
+        self._back = ReadBack(self._choice, lambda words: post(ChoosePlant(self._key(words))))
 
         @self._upload.on_upload
         async def _(event: viser.GuiEvent) -> None:
@@ -57,6 +53,9 @@ class PlantRow:
             found[YOURS] = phrases.YOURS.format(named(brought)(self._language))(self._language)
         return found
 
+    def _key(self, words: str) -> str:
+        return next((key for key, known in self._words.items() if known == words), OWN)
+
     def _present(self, picture: Picture) -> str:
         plant = picture.design.plant
         if not plant:
@@ -69,6 +68,4 @@ class PlantRow:
         if words != self._words:
             self._words = words
             self._choice.options = tuple(words.values())
-        now = words[self._present(picture)]
-        if self._choice.value != now:
-            self._choice.value = now
+        self._back.show(words[self._present(picture)], picture)

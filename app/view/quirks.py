@@ -165,7 +165,7 @@ def keep_own_doors(connection: infra.WebsockClientConnection) -> frozenset[str]:
     return frozenset(message.__name__ for message in closed)
 
 
-def accept_values_only(client: viser.ClientHandle, refused: Callable[[], None]) -> None:
+def accept_values_only(client: viser.ClientHandle, refused: Callable[[], object]) -> None:
     """Let a browser set the `value` of its widgets and nothing else.
 
     viser sets whatever attribute of a widget a message names, without a check; a value of the wrong kind raises
@@ -186,7 +186,7 @@ def accept_values_only(client: viser.ClientHandle, refused: Callable[[], None]) 
     connection.register_handler(_messages.GuiUpdateMessage, guarded)
 
 
-def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused: Callable[[], None]) -> None:
+def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused: Callable[[], object]) -> None:
     """Let a browser send files to upload buttons alone, one at a time, and none beyond `most_bytes`.
 
     viser gathers the parts of whatever is announced, to any widget, without a bound. Here a transfer that announces too
@@ -252,6 +252,20 @@ def one_meaning_per_key(client: viser.ClientHandle) -> None:
 def folders_by_key(client: viser.ClientHandle) -> None:
     """Let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone."""
     _run(client, FOLDERS_BY_KEY)
+
+
+def id_of(widget: Any) -> str:
+    """The name by which a browser's messages speak of a widget."""
+    return widget._impl.uuid
+
+
+def write(widget: Any, value: Any) -> None:
+    """Give a widget a value and send it, also where it has it here already: what its browser shows may be another.
+
+    Setting `.value` sends nothing then, and wakes the callbacks that a browser's own change wakes.
+    """
+    widget._impl.value = value = type(widget.value)(value)
+    widget._queue_update("value", value)
 
 
 def write_tab_storage(client: viser.ClientHandle, text: str) -> None:

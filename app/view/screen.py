@@ -19,12 +19,13 @@ from . import phrases, quirks
 from .boards import BoardView
 from .charts import Chart
 from .mapboard import MapBoard
+from .mark import Mark
 from .panel import Panel
 from .stage import PHONE, StageView, aspect_of
 from .style import sheet
 from .transport import Transport
 
-Post = Callable[[Edit], None]
+Post = Callable[[Edit], int]
 LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
 LECTURE = 1.28  # how much wider the panels are in lecture mode
@@ -40,13 +41,14 @@ class Screen:
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
-        self._post: Post = lambda edit: None
+        self._post: Post = lambda edit: 0
         self._stage = StageView(client)
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
         self._panel: Panel | None = None
         self._transport: Transport | None = None
+        self._mark: Mark | None = None
         self._style: viser.GuiHtmlHandle | None = None
         self._picture: Picture | None = None
         self._notes: list[Any] = []
@@ -71,6 +73,7 @@ class Screen:
             self._panel = Panel(gui, picture, self._post)
             self._right_panel(picture)
             self._transport = Transport(gui, picture, self._post)
+            self._mark = Mark(gui, self._post)
             gui.main_panel.dock_left()
             gui.main_panel.set_width(LEFT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
             self._commands(language)
@@ -118,6 +121,8 @@ class Screen:
             self._show_style(picture)
             for chart, figure in charts:
                 chart.show_words(figure)
+            if self._mark is not None:
+                self._mark.show(picture)
         self._client.flush()
 
     def pose(self, t: float) -> None:
@@ -132,8 +137,9 @@ class Screen:
 
     def progress(self, fraction: float | None, label: Text | None) -> None:
         """A long job's progress."""
-        if self._panel is not None:
+        if self._panel is not None and self._mark is not None:
             self._panel.progress(fraction)
+            self._mark.works(fraction is not None)
             self._client.flush()
 
     def say(self, text: Text, bad: bool) -> None:
@@ -145,6 +151,12 @@ class Screen:
         while len(self._notes) > 2:
             self._notes.pop(0).remove()
         self._client.flush()
+
+    def answer(self, question: float) -> None:
+        """Say on the page's mark that all that was done before a question is shown."""
+        if self._mark is not None:
+            self._mark.answer(question)
+            self._client.flush()
 
     def camera(self, preset: str) -> None:
         """Look from a named place."""

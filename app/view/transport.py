@@ -12,6 +12,7 @@ import viser
 from ..tab.commands import ChangeSpeed, Command, Edit, Kick, Play, Redo, Reset, Rewind, Seek, ToggleHelp, Undo
 from ..tab.picture import Picture
 from . import phrases
+from .readback import ReadBack
 from .style import clock
 
 WRITE_EVERY = 3  # poses between two updates of the time slider
@@ -27,10 +28,10 @@ def step_of(horizon: float) -> float:
 class Transport:
     """Play, kick, start, undo, redo, reset; the time slider and the speed."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], None]) -> None:
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], int]) -> None:
         lang = picture.state.language
         self._lang = lang
-        self._count, self._rate = 0, picture.rate
+        self._count, self._rate, self._picture = 0, picture.rate, picture
         self._caption = self._words(picture)
         self._horizon = picture.horizon or 0.01
         panel = gui.add_panel()
@@ -42,6 +43,7 @@ class Transport:
                 phrases.RESET(lang): Reset(), phrases.HELP(lang): ToggleHelp()}
             self._row = gui.add_button_group("", self._options(picture))
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
+            self._back = ReadBack(self._time, lambda t: post(Seek(t)))
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
         panel.float(x=12, y=-12, width=600)
         self._listen(commands, post)
@@ -58,19 +60,15 @@ class Transport:
         words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.HELP]
         return tuple(w(self._lang) for w in words)
 
-    def _listen(self, commands: dict[str, Command], post: Callable[[Edit], None]) -> None:
+    def _listen(self, commands: dict[str, Command], post: Callable[[Edit], int]) -> None:
         @self._row.on_click
         async def _(event: viser.GuiEvent) -> None:
             if event.target.value in commands:
                 post(commands[event.target.value])
 
-        @self._time.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            if event.client_id is not None:
-                post(Seek(event.target.value))
-
     def show(self, picture: Picture) -> None:
         """Play or pause on the first button, the speed, the length of the run, what is on the stage."""
+        self._picture = picture
         options = self._options(picture)
         if self._row.options != options:
             self._row.options = options
@@ -94,5 +92,4 @@ class Transport:
     def _write(self, t: float) -> None:
         step = self._time.step
         value = min(round(round(t / step) * step, 9), self._horizon)  # a field of six digits that change cannot be read
-        if abs(self._time.value - value) > 1e-9:
-            self._time.value = value
+        self._back.show(value, self._picture)

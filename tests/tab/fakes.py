@@ -97,6 +97,9 @@ class FakeView:
     def open_help(self) -> None:
         self.calls.append(("help", None))
 
+    def answer(self, question: float) -> None:
+        self.calls.append(("answer", question))
+
     def recall(self) -> str | None:
         return self.kept
 

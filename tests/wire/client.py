@@ -21,13 +21,28 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Origin, Subprotocol
 
-PATIENCE = 20.0  # s for something that must come
-LATER = 0.1  # s between two changes: no throttle of the page is in the way here, but one of the person is
+from app.view.server import LabServer
+
+PATIENCE = 60.0  # s for something that must come; a busy machine is slow, and a test that waits is not one that fails
+MARK = re.compile(r'<i class="ol-mark" hidden data-ask="([^"]+)" data-answer="([^"]+)" data-rests="([01])">')
 STORED = re.compile(r"^sessionStorage\.setItem\((.*)\)$", re.S)
 
 
+def eventually(condition: Callable[[], Any], what: str) -> None:
+    """Wait until something about the server holds."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, f"{what} never came"
+        time.sleep(0.01)
+
+
+def empty(server: LabServer) -> None:
+    """Wait until every tab has left."""
+    eventually(lambda: not server.sessions, "the end of every session")
+
+
 class WireTab:
-    """One connection. `widgets` and `nodes` are kept up to date by `until` and `listen`."""
+    """One connection. `widgets` and `nodes` are kept up to date by everything that waits."""
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
                  camera: bool = True, hosts: Sequence[str] = ()) -> None:
@@ -37,6 +52,7 @@ class WireTab:
         self.notes: list[str] = []  # bodies of notifications, in order
         self.messages: list[dict[str, Any]] = []  # everything received
         self.kept = kept  # what the page's sessionStorage holds
+        self._questions = 0
         place = urlsplit(url)
         name, *more = hosts or (place.netloc,)
         self._socket = connect(f"ws://{name}", origin=Origin(origin) if origin else None,
@@ -73,26 +89,25 @@ class WireTab:
 
     def update(self, label: str, **updates: Any) -> None:
         """Change a widget as its browser would, and see it changed at once."""
+        self.until(lambda: self.has(label), label)
         uuid = self.find(label)
         self.send("GuiUpdateMessage", uuid=uuid, updates=updates)
         if "value" in updates:
             self.widgets[uuid]["value"] = updates["value"]
-        time.sleep(LATER)
 
     def press(self, label: str) -> None:
-        """Press a word of a button group, or a button."""
+        """Press a word of a button group, or a button, once it is there."""
+        self.until(lambda: self.has(label) or any(label in (w["props"].get("options") or ()) for w in self.widgets.values()), label)
         for uuid, widget in self.widgets.items():
             if label in (widget["props"].get("options") or ()) and widget["type"] == "GuiButtonGroupMessage":
                 self.send("GuiUpdateMessage", uuid=uuid, updates={"value": label})
                 break
         else:
             self.send("GuiUpdateMessage", uuid=self.find(label), updates={"value": True})
-        time.sleep(LATER)
 
     def command(self, label: str) -> None:
         """Trigger a command of the palette."""
         self.send("CommandTriggerMessage", uuid=self.commands[label])
-        time.sleep(LATER)
 
     # --- receiving -------------------------------------------------------------------------------------------------
     def until(self, condition: Callable[[], Any], what: str = "it", patience: float = PATIENCE) -> None:
@@ -102,18 +117,46 @@ class WireTab:
             assert time.monotonic() < end, f"{what} never happened; last notes: {self.notes[-3:]}"
             self._receive(0.05)
 
-    def listen(self, seconds: float) -> int:
-        """Receive for a while; how many messages came."""
-        before, end = len(self.messages), time.monotonic() + seconds
+    def mark(self) -> tuple[str, float, bool] | None:
+        """Where to ask, the last question answered, whether the knobs rest; None while the page is being laid out."""
+        for widget in self.widgets.values():
+            if found := MARK.match(str(widget["props"].get("content"))):
+                return found[1], float(found[2]), found[3] == "1"
+        return None
+
+    def answered(self, rests: bool = False) -> None:
+        """Receive until all that was sent has been answered, and the knobs rest if that is asked."""
+        self._questions += 1
+        asked = None
+
+        def done() -> bool:
+            nonlocal asked
+            seen = self.mark()
+            if seen is None:
+                return False
+            place, answer, resting = seen
+            if place != asked:  # the page was laid out anew, and the question went with the old one
+                self.send("GuiUpdateMessage", uuid=place, updates={"value": self._questions})
+                asked = place
+            return answer >= self._questions and (resting or not rests)
+        self.until(done, "an answer to everything")
+
+    def settle(self) -> None:
+        """Receive until all is answered, the final picture stands and what follows it has been said too."""
+        self.answered(rests=True)
+        self.answered(rests=True)
+
+    def unasked(self) -> list[dict[str, Any]]:
+        """What comes although nothing was done: all that stands between the last message and the answer to a question."""
+        before = len(self.messages)
+        self.answered()
+        return [m for m in self.messages[before:] if not MARK.match(str(m.get("updates", {}).get("content")))]
+
+    def pass_time(self, seconds: float) -> None:
+        """Receive while a hand makes its next move; nothing is concluded from the silence."""
+        end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             self._receive(left)
-        return len(self.messages) - before
-
-    def settle(self, quiet: float = 0.8, patience: float = PATIENCE) -> None:
-        """Receive until nothing has come for a while."""
-        end = time.monotonic() + patience
-        while self.listen(quiet):
-            assert time.monotonic() < end, "the tab never falls silent"
 
     def closed(self, patience: float = PATIENCE) -> int | None:
         """Receive until the server has closed the connection; the code it gave."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from client import WireTab
+from client import WireTab, empty
 
 from app.tab.session import Session
 from app.view.server import LabServer
@@ -31,15 +30,12 @@ def enter(server: LabServer) -> Iterator[Callable[..., WireTab]]:
     def make(**options: Any) -> WireTab:
         tab = WireTab(server.url, **options)
         tabs.append(tab)
-        tab.until(lambda: tab.has(STIFFNESS) and "GuiUplotMessage" in tab.kinds(), "the first picture")
-        tab.settle(0.4)
+        tab.settle()
         return tab
     yield make
     for tab in tabs:
         tab.close()
-    end = time.monotonic() + 10
-    while server.sessions and time.monotonic() < end:
-        time.sleep(0.02)
+    empty(server)
 
 
 @pytest.fixture
@@ -47,5 +43,3 @@ def newest(server: LabServer) -> Callable[[], Session]:
     """The session of the tab that came last."""
     return lambda: server.sessions[max(server.sessions)]
 
-
-STIFFNESS = "stiffness believed wrong by [%]"

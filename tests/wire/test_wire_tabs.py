@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable
 from urllib.request import urlopen
 
 import pytest
-from client import WireTab
+from client import WireTab, empty, eventually
 
 from app.tab.session import Session
 from app.view.server import LabServer
@@ -69,12 +68,11 @@ def test_two_tabs_do_not_see_each_other(enter: Enter, server: LabServer) -> None
     a = enter()
     b = enter()
     first, second = (server.sessions[i] for i in sorted(server.sessions))
-    b.settle()
     a.update(STIFFNESS, value=10.0)
     a.press("中文")
     a.until(lambda: a.has("模型刚度误差 [%]"), "the Chinese page")
     assert first.picture.design["stiffness_error"] == 10.0  # type: ignore[union-attr]
-    assert b.listen(1.0) == 0
+    assert b.unasked() == []
     assert b.value(STIFFNESS) == 0.0
     assert second.picture.design == LESSONS["separation"].start()  # type: ignore[union-attr]
     assert second.picture.state.language == "en"  # type: ignore[union-attr]
@@ -85,13 +83,13 @@ def test_two_tabs_do_not_see_each_other(enter: Enter, server: LabServer) -> None
 
 def test_a_paused_tab_gets_no_messages_and_a_playing_one_does(enter: Enter) -> None:
     tab = enter()
-    tab.settle()
-    assert tab.listen(1.5) == 0
+    assert tab.unasked() == []
     tab.press("B")
-    assert tab.listen(1.0) > 10
+    before = len(tab.messages)
+    tab.until(lambda: len(tab.messages) > before + 30, "the run's poses")
     tab.press("‖ pause")
     tab.settle()
-    assert tab.listen(1.5) == 0
+    assert tab.unasked() == []
 
 
 def test_keys_do_what_buttons_do(enter: Enter, newest: Newest) -> None:
@@ -141,19 +139,19 @@ def test_the_clock_names_the_length_of_a_run_that_a_job_made_longer(enter: Enter
     tab = enter()
     lesson = LESSONS["nonlinear"]
     tab.update("lesson", value=lesson.words["en"].title)
-    tab.until(lambda: newest().picture.lesson is lesson, "the lesson")  # type: ignore[union-attr]
-    tab.until(lambda: tab.has("case"), "the knobs")
     tab.update("case", value="pole in the fog")
+    tab.settle()
 
     def length() -> float:
         shown = [str(w["props"].get("content")) for w in tab.widgets.values()]
         clocks = [words for words in shown if words.startswith("<style>:root{--ol-t")]
         return float(clocks[0].split("/ ")[1].split(" s")[0]) if clocks else 0.0
-    tab.until(lambda: length() == round(newest().picture.horizon, 5), "the draft's length")  # type: ignore[union-attr]
     draft = length()
+    assert draft == round(newest().picture.horizon, 5)  # type: ignore[union-attr]
     assert lesson.job is not None
     tab.press(lesson.job.label.en)
-    tab.until(lambda: length() > 1.5 * draft, "the length of the job's runs")
+    tab.settle()
+    assert length() > 1.5 * draft
 
 
 def test_the_title_of_a_chart_follows_what_it_shows(enter: Enter, newest: Newest) -> None:
@@ -187,16 +185,14 @@ def test_a_tab_that_leaves_takes_its_session_and_thread_with_it(enter: Enter, se
     tabs[0].press("B")  # one of them leaves in the middle of a run
     for tab in tabs:
         tab.close()
-    end = time.monotonic() + 60
-    while (server.sessions or workers() > before) and time.monotonic() < end:
-        time.sleep(0.02)
-    assert not server.sessions and workers() <= before  # a thread of an earlier test may end meanwhile
+    empty(server)
+    eventually(lambda: workers() <= before, "the end of the threads")  # one of an earlier test may end meanwhile
 
 
-def test_a_connection_that_never_looks_costs_no_session(server: LabServer) -> None:
-    with WireTab(server.url, camera=False) as tab:
-        tab.listen(0.5)
-        assert not server.sessions
+def test_a_connection_that_never_looks_costs_no_session(enter: Enter, server: LabServer) -> None:
+    with WireTab(server.url, camera=False):
+        enter()  # who came later has been served
+        assert len(server.sessions) == 1
 
 
 def test_a_full_server_says_so_and_goes_on_serving_those_inside() -> None:
@@ -207,9 +203,7 @@ def test_a_full_server_says_so_and_goes_on_serving_those_inside() -> None:
             with WireTab(server.url) as second:
                 second.until(lambda: any("full" in note for note in second.notes), "the sentence")
                 assert len(server.sessions) == 1 and not second.has(STIFFNESS)
-        end = time.monotonic() + 10
-        while server.sessions and time.monotonic() < end:
-            time.sleep(0.02)
+        empty(server)
         with WireTab(server.url) as third:
             third.until(lambda: third.has(STIFFNESS), "a place that has become free")
     finally:
