@@ -17,7 +17,7 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
-from app.cli import commands
+from app.cli import inputs
 from app.cli import serve as serving
 from app.cli.entry import main
 from app.cli.serve import ServeRequest
@@ -51,7 +51,7 @@ def refused(capsys, *words: str) -> str:
 
 
 def use(monkeypatch, lesson: Lesson) -> None:
-    monkeypatch.setattr(commands, "LESSONS", MappingProxyType({lesson.id: lesson}))
+    monkeypatch.setattr(inputs, "LESSONS", MappingProxyType({lesson.id: lesson}))
 
 
 def test_run_prints_the_contracts_record_at_the_lessons_start(capsys) -> None:
@@ -103,6 +103,19 @@ def test_figure_and_csv_are_written(suffix: str, capsys, tmp_path: Path) -> None
     assert names == {f.id for f in SEPARATION.figures(SEPARATION.compute(SEPARATION.start()))}
 
 
+def test_a_file_that_cannot_be_finished_leaves_the_one_before_it(capsys, tmp_path: Path, monkeypatch) -> None:
+    def breaks_off(figures: object, path: str) -> None:
+        Path(path).write_text("figure,kind")
+        raise OSError(28, "No space left on device")
+    table = tmp_path / "data.csv"
+    main(["run", "separation", "--csv", str(table)])
+    whole = table.read_bytes()
+    capsys.readouterr()
+    monkeypatch.setattr("app.export.data.save_csv", breaks_off)
+    assert "no space left" in refused(capsys, "run", "separation", "--csv", str(table))
+    assert table.read_bytes() == whole and list(tmp_path.iterdir()) == [table]
+
+
 def test_a_check_that_fails_is_status_1(capsys, monkeypatch) -> None:
     def with_check(holds: bool) -> Lesson:
         return replace(SEPARATION, compute=lambda d: replace(SEPARATION.compute(d), checks=(Check("c", same("c"), holds),)))
@@ -151,6 +164,9 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["run", "separation", "--state", "no-such-file.json"], "cannot be read"),
     (["run", "separation", "--state", "."], "cannot be read"),
     (["run", "separation", "--state", "a\0b"], "cannot be read"),
+    (["run", "separation", "--state", "/dev/zero"], "no plain file"),
+    (["run", "separation", "--plant", "/dev/zero"], "no plain file"),
+    (["run", "separation", "--plant", "a\0b.json"], "cannot be read"),
     (["run", "separation", "--figure", "no-such-folder/x.png"], "cannot be written"),
     (["run", "separation", "--figure", "x.gif"], ".png, .svg, .pdf"),
     (["run", "separation", "--csv", "no-such-folder/x.csv"], "cannot be written"),

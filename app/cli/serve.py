@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import argparse
 import signal
 import sys
 from dataclasses import dataclass
 
-from lessons import LESSONS, OPENING
+from .options import PLANT_HELP, CommandError, cause, host_name, whole
 
-from .commands import InputError, cause, find_lesson, fitted, plant_in
-
+HELP = "serve the lessons to browsers (default)"
+LANGUAGES = ("en", "zh")  # said here, so that a mistyped command is refused before anything heavy is imported
 SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
 OPEN_TO_ALL = """\
@@ -32,6 +33,27 @@ class ServeRequest:
     public: bool = False
 
 
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `serve`."""
+    port = whole(0, 65535, "is not a port; give a number from 1 to 65535, or 0 for a free one")
+    count = whole(1, 100_000, "is not a number of tabs; give one from 1 to 100000")
+    parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
+    parser.add_argument("--port", type=port, default=8080, help="port, or the next free one; 0 for any (default %(default)s)")
+    parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
+    parser.add_argument("--lang", choices=LANGUAGES, default="en", help="language that a page opens in")
+    parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
+    parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
+                        help="a name that people reach this server by, as that of a proxy; may be repeated")
+    parser.add_argument("--max-sessions", type=count, default=200, metavar="N", help="most tabs (default %(default)s)")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Serve until interrupted."""
+    return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
+                              options.plant, tuple(options.names), options.public))
+
+
 def serve(request: ServeRequest) -> int:
     """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
     before = [signal.signal(ending, signal.default_int_handler) for ending in ENDINGS]  # a shell may have them ignored
@@ -46,6 +68,10 @@ def serve(request: ServeRequest) -> int:
 
 
 def _serve(request: ServeRequest) -> None:
+    from lessons import LESSONS, OPENING
+
+    from .inputs import find_lesson, fitted, plant_in
+
     plant = "" if request.plant is None else plant_in(request.plant)
     opening = find_lesson(request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING))
     fitted(opening, plant)
@@ -55,12 +81,12 @@ def _serve(request: ServeRequest) -> None:
     try:
         public = is_public(request.host)
         if public and not request.public:
-            raise InputError(f"{request.host[:80]} can be reached by other machines, without a password; say --public as well "
+            raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say --public as well "
                              "if that is meant.")
         server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions, plant,
                            request.names)
     except OSError as problem:
-        raise InputError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); choose a "
+        raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); choose a "
                          "free port of an address of this machine.") from problem
     try:
         if public:

@@ -1,0 +1,49 @@
+"""What all commands share before anything heavy is imported: the error that ends them, the parser, kinds of options."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable
+from typing import NoReturn
+
+PLANT_HELP = "your own plant (.json or .mat), or the name of an example"
+
+
+class CommandError(Exception):
+    """A command line that makes no sense, or input that a command cannot work with; the message is one sentence."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one sentence, like all of ours."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raises CommandError."""
+        raise CommandError(f"{message[:1].upper()}{message[1:]}; see {self.prog} --help.")
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """The option of every command that prints results."""
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def whole(low: int, high: int, refusal: str) -> Callable[[str], int]:
+    """The reader of an option that is a whole number from low to high; `refusal` follows what was given instead."""
+    def read(words: str) -> int:
+        if not words.isascii() or not words.isdigit() or not low <= int(words[:9]) <= high:
+            raise argparse.ArgumentTypeError(f"{words[:40]} {refusal}")
+        return int(words)
+    return read
+
+
+def host_name(words: str) -> str:
+    """The reader of an option that is a name or an address of a machine."""
+    if not re.fullmatch(r"[A-Za-z0-9_.-]{1,253}|[0-9A-Fa-f:.]{2,45}", words):
+        raise argparse.ArgumentTypeError(f"{words[:40]} is not the name of a host; give it without http:// and without a port")
+    return words
+
+
+def cause(problem: Exception) -> str:
+    """What went wrong, to stand in the middle of a sentence."""
+    words = getattr(problem, "strerror", None) or str(problem) or type(problem).__name__
+    return words[:1].lower() + words[1:].rstrip(".")

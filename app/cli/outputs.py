@@ -1,0 +1,36 @@
+"""Files that commands write: whole, or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from ..lesson.figures import Figure
+from .options import CommandError, cause
+
+
+def write(name: str, save: Callable[[str], None]) -> None:
+    """Write a file beside its place and move it there when it is whole. Raises CommandError where that fails."""
+    try:
+        path = Path(name)
+        if path.exists() and not path.is_file():  # a device or a pipe has no place beside it
+            save(name)
+            return
+        with tempfile.TemporaryDirectory(prefix=".observer-lab-", dir=path.parent) as folder:
+            part = Path(folder) / path.name
+            save(str(part))
+            os.replace(part, path)
+    except (OSError, ValueError) as problem:
+        raise CommandError(f"{name[:80]} cannot be written ({cause(problem)}); choose another place.") from problem
+
+
+def save_page(figures: Sequence[Figure], path: str) -> None:
+    """All figures on one page: .png, .svg or .pdf. Raises CommandError at another suffix."""
+    from ..export.figure import ExportError, save_figures  # matplotlib is loaded only when a figure is drawn
+
+    try:
+        save_figures(figures, path)
+    except ExportError as problem:
+        raise CommandError(str(problem)) from problem

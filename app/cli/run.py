@@ -1,0 +1,46 @@
+"""`run`: a lesson without a browser."""
+
+from __future__ import annotations
+
+import argparse
+
+from .options import PLANT_HELP, CommandError, add_json
+
+HELP = "compute a lesson without a browser"
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `run`."""
+    parser.add_argument("lesson", metavar="LESSON")
+    parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
+                        help="set a knob; may be repeated, and comes after --state")
+    parser.add_argument("--state", metavar="FILE", help="start from a design that the app saved")
+    parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
+    parser.add_argument("--figure", metavar="FILE", help="draw all figures on one page: .png, .svg or .pdf")
+    parser.add_argument("--csv", metavar="FILE", help="write the data of all figures")
+    add_json(parser)
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
+    from ..engine import EngineError
+    from ..export.data import run_record, save_csv
+    from .inputs import design_of, find_lesson, fitted, outcome_of
+    from .outputs import save_page, write
+    from .printing import print_json, print_run
+
+    design = design_of(find_lesson(options.lesson), options.plant, options.state, options.changes)
+    lesson = fitted(find_lesson(options.lesson), design.plant)
+    try:
+        outcome = outcome_of(lesson, design, options.final)
+        figures = lesson.figures(outcome)
+    except EngineError as problem:
+        raise CommandError(f"This design cannot be computed: {problem}") from problem
+    if options.figure is not None:
+        write(options.figure, lambda path: save_page(figures, path))
+    if options.csv is not None:
+        write(options.csv, lambda path: save_csv(figures, path))
+    record = run_record(design, outcome)
+    print_json(record) if options.json else print_run(lesson, record)
+    return 0 if all(check.holds for check in outcome.checks) else 1
