@@ -160,13 +160,13 @@ BREACHES = (
     ("app.tab.session", "from lessons import LESSONS"),
     ("lessons.duality.lesson", "from ..separation.lesson import MODEL"),
     ("lessons.duality.lesson", "from app.tab.session import Session"),
-    ("lessons.toolkit", "from .separation import lesson"),
+    ("lessons.toolkit.gains", "from ..separation import lesson"),
     ("app.lesson.figures", "import importlib\nimportlib.import_module('app.tab.session')"),
 )
 GOOD = (
     ("app.engine.systems.plant", "from .errors import EngineError\nimport numpy as np"),
     ("app.plants.chip", "from ..engine import Plant\nfrom ..text.words import Text"),
-    ("lessons.duality.lesson", "from ..toolkit import gains\nfrom . import proofs\nfrom app.engine import place"),
+    ("lessons.duality.lesson", "from ..toolkit.gains import gains\nfrom . import proofs\nfrom app.engine import place"),
     ("app.view.server", "from ..tab.session import Session\nfrom . import quirks"),
     ("app.cli", "from lessons import LESSONS\nfrom app.view.server import LabServer"),
 )

@@ -71,7 +71,7 @@ def outcome_of(lesson: Lesson, design: Design, final: bool) -> Outcome:
     """What a design leads to; the lesson's long computation too if `final`. Raises what the lesson raises."""
     outcome = lesson.compute(design)
     if final and lesson.job is not None:
-        for _, better in lesson.job.run(outcome):
+        for _, better in lesson.job.outcomes(outcome):
             outcome = better
     return outcome
 

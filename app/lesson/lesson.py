@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 
@@ -16,6 +16,10 @@ from ..plants.own import own_model, plant_of, without_hold
 from ..text.words import NO_WORDS, Text
 from .figures import Figure
 from .knobs import Knob, KnobError
+
+S = TypeVar("S")  # a lesson's study: what it computes of its own
+R = TypeVar("R")  # what a lesson's job finds
+NO_STUDY: Any = None  # of a lesson that computes nothing of its own
 
 
 @dataclass(frozen=True)
@@ -115,8 +119,8 @@ class Formula:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
-    """What a design leads to. `live` says in one sentence what is seen now; `extra` is the lesson's own."""
+class Outcome(Generic[S]):
+    """What a design leads to. `live` says in one sentence what is seen now; `study` is the lesson's own record."""
 
     design: Design
     gains: Mapping[str, np.ndarray] = field(default_factory=dict)
@@ -128,7 +132,7 @@ class Outcome:
     stage: Stage | None = None
     formulas: tuple[Formula, ...] = ()
     live: Text = NO_WORDS
-    extra: Any = None
+    study: S = NO_STUDY
 
 
 @dataclass(frozen=True)
@@ -140,11 +144,11 @@ class Verdict:
 
 
 @dataclass(frozen=True)
-class Task:
+class Task(Generic[S]):
     """A task that the engine checks. It fails at the lesson's start and passes at its own `solution`."""
 
     id: str
-    check: Callable[[Outcome], Verdict]
+    check: Callable[[Outcome[S]], Verdict]
     solution: Mapping[str, Any]
 
 
@@ -157,50 +161,73 @@ class ExamItem:
     tolerance: float
 
 
+def _itself(given: Any) -> Any:
+    return given
+
+
+def _whole(outcome: Any, found: Any) -> Any:
+    return found
+
+
 @dataclass(frozen=True)
-class Job:
-    """A longer computation that a person starts: a generator of (fraction, outcome), the last outcome being whole."""
+class Job(Generic[S, R]):
+    """A longer computation that a person starts, and on what its result depends.
+
+    `run(outcome)` yields (fraction, result so far), None while there is none. `key(design)` is what of a design the result rests on:
+    the frame keeps results by key and shows one in every design of that key by `shown(outcome, result)`.
+    """
 
     label: Text
-    run: Callable[[Outcome], Iterator[tuple[float, Outcome]]]
+    run: Callable[[Outcome[S]], Iterator[tuple[float, R | None]]]
+    key: Callable[[Design], Hashable] = _itself
+    shown: Callable[[Outcome[S], R], Outcome[S]] = _whole
+
+    def outcomes(self, outcome: Outcome[S]) -> Iterator[tuple[float, Outcome[S]]]:
+        """Run it from an outcome to its end: (fraction, the outcome that shows what is found so far)."""
+        last = outcome
+        for fraction, found in self.run(outcome):
+            last = last if found is None else self.shown(outcome, found)
+            yield fraction, last
 
 
-@dataclass(frozen=True)
-class Lesson:
+@dataclass(frozen=True, eq=False)
+class Lesson(Generic[S]):
     """One lesson: data and pure functions; its words are in `en.md` and `zh.md` beside it.
 
     `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
-    on the lesson's map into changed knob values. `carry(before, after)` hands what the job found for one design over
-    to the next where it still holds, and returns `after` itself where it does not. `answer` is the index of the right
-    prediction.
+    on the lesson's map into changed knob values. `adapt(lesson, model)` makes the lesson for a person's own plant;
+    `origin` is the lesson that it was made from. `answer` is the index of the right prediction.
     """
 
     id: str
     number: int
     knobs: tuple[Knob, ...]
-    compute: Callable[[Design], Outcome]
-    figures: Callable[[Outcome], tuple[Figure, ...]]
+    compute: Callable[[Design], Outcome[S]]
+    figures: Callable[[Outcome[S]], tuple[Figure, ...]]
     answer: int
-    tasks: tuple[Task, ...]
+    tasks: tuple[Task[S], ...]
     exam: Callable[[int], ExamItem]
     source: str
     words: Mapping[str, Any]  # language → Prose
     kick: bool = True
-    job: Job | None = None
-    pick: Callable[[Outcome, float, float], Mapping[str, Any]] | None = None
+    job: Job[S, Any] | None = None
+    pick: Callable[[Outcome[S], float, float], Mapping[str, Any]] | None = None
     carry: Callable[[Outcome, Outcome], Outcome] | None = None
-    adapt: Callable[[Model], Lesson] | None = None
+    adapt: Callable[[Lesson, Model], Lesson] | None = None
     universal: bool = False
     plant: str = ""
+    origin: Lesson | None = None
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""
+        if self.origin is not None:
+            return self.origin.fit(plant)
         if not plant:
             return self
         if self.adapt is None:
             raise KnobError(Text(f"Lesson {self.id} is about its own plant; open the sandbox with yours.",
                                  f"课程 {self.id} 只针对自带的对象；请在“沙盒”课中使用你的对象。"))
-        return _fitted(self.adapt, self.universal, plant)
+        return _fitted(self, plant)
 
     def knob(self, name: str) -> Knob:
         """The knob of that name. Raises KnobError with the names that exist."""
@@ -231,16 +258,17 @@ class Lesson:
 
 
 @lru_cache(maxsize=32)
-def _fitted(adapt: Callable[[Model], Lesson], universal: bool, text: str) -> Lesson:
+def _fitted(origin: Lesson, text: str) -> Lesson:
     """The lesson built for a plant, with a line at its head that says whose plant is shown and whose the text means."""
-    plant = plant_of(text)
+    assert origin.adapt is not None
+    plant, universal = plant_of(text), origin.universal
     model = own_model(plant if universal else without_hold(plant))
-    lesson = adapt(model)
+    lesson = origin.adapt(origin, model)
     kept = {task.id for task in lesson.tasks}
     words = {language: replace(
         prose, introduction=f"{_whose(model, universal, bool(plant.dt))(language)}\n\n{prose.introduction}",
         tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
-    return replace(lesson, words=words, plant=text, adapt=adapt, universal=universal)
+    return replace(lesson, words=words, plant=text, origin=origin)
 
 
 def _whose(model: Model, universal: bool, sampled: bool) -> Text:

@@ -227,13 +227,13 @@ class Presenter:
         self.resting = True
         self.redraw()
 
-    def keep(self, outcome: Outcome) -> None:
-        """Show what the job has found for the present design, and remember it as its draft."""
-        drawn = (outcome, tuple(self.lesson.figures(outcome)))
-        picture = self._make(self.picture.design, drawn)
+    def keep(self, found: object) -> None:
+        """Show what the job has found, and remember it for all designs of its key once it can be shown."""
+        design = self.picture.design
+        picture = self._make(design, self._drafts.draw_found(self.lesson, design, found))
         self.view.show(picture)
         self._shown = picture
-        self._drafts.keep(picture.design, drawn)
+        self._drafts.keep_found(self.lesson, design, found)
 
     def drop_job(self) -> None:
         """End the long computation without a word; the last picture stays."""

@@ -129,9 +129,9 @@ def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
     if not show.job.running or show.lesson.job is None:
         return
     try:
-        fraction, outcome = show.job.go_on(undisturbed)
-        if outcome is not None and outcome is not show.picture.outcome:
-            show.keep(outcome)
+        fraction, found = show.job.go_on(undisturbed)
+        if found is not None:
+            show.keep(found)
     except Exception as problem:
         log.exception("the job of lesson %s failed", show.lesson.id)
         show.drop_job()

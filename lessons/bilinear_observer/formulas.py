@@ -7,7 +7,7 @@ import numpy as np
 from app.engine.observers import BilinearForm, BilinearObserver
 from app.lesson.lesson import Formula
 
-from ..toolkit import matrix, number
+from ..toolkit.latex import matrix, number
 from .page import base_of, pole_of
 
 BLOCK = r"\begin{bmatrix} FT_2 & AT_3 & FT_3 \end{bmatrix}"

@@ -16,7 +16,9 @@ from app.plants.body import Body
 from app.plants.model import Window
 from app.text.words import Text, same
 
-from ..toolkit import listed, run_knobs, settle_time
+from ..toolkit.boards import listed
+from ..toolkit.figures import settle_time
+from ..toolkit.knobs import run_knobs
 from .formulas import formulas_of
 from .page import OPTIONS, pole_of, words
 from .pictures import FORM_NAMES, all_figures

@@ -11,7 +11,7 @@ from app.lesson.figures import Curve, Dash, Figure, TableFigure, TimeFigure
 from app.lesson.lesson import Check, Outcome
 from app.text.words import Text, same
 
-from ..toolkit import TIME_TAB
+from ..toolkit.figures import TIME_TAB
 from .page import steps_figures, words
 from .problems import PROBLEMS
 from .runs import HORIZON, Watch, form_index
@@ -23,7 +23,7 @@ FORM_NAMES = (Text("without ẏ", "不用 ẏ"), Text("with the true ẏ", "用�
 
 def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
-    design, (observer, run) = outcome.design, outcome.extra
+    design, (observer, run) = outcome.design, outcome.study
     return (_functional(outcome, run), _error(outcome, run), _input(run),
             *steps_figures(design["problem"], observer, int(design["step"]), design["line"]),
             _lights(outcome.checks), _singular(observer), _problems(design["problem"]),

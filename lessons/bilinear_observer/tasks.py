@@ -65,7 +65,7 @@ def _lag(outcome: Outcome) -> Verdict:
 
 
 def _three(outcome: Outcome) -> Verdict:
-    observer, m = outcome.extra[0], outcome.metrics
+    observer, m = outcome.study[0], outcome.metrics
     if observer.plant.m > 3:
         return Verdict(False, Text("Four sensors are still in use; the task allows three.", "现在还用着四个传感器，本题只许用三个。"))
     if not observer.solved:

@@ -19,7 +19,8 @@ from app.plants.body import with_longer_arrows
 from app.plants.platform_channels import HORIZONTAL
 from app.text.words import Text
 
-from ..toolkit import number, run_knobs
+from ..toolkit.knobs import run_knobs
+from ..toolkit.latex import number
 from .loops import (
     A_EDGE,
     B_EDGE,

@@ -60,7 +60,7 @@ def _nano(density: np.ndarray) -> np.ndarray:
 
 
 def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigure:
-    s, gain = outcome.extra.spectra, outcome.metrics[name]
+    s, gain = outcome.study.spectra, outcome.metrics[name]
     noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
     caption = (Text("The loop is unstable: what is drawn is no spectrum.", "闭环不稳定：所画曲线不是真正的频谱。")
                if outcome.metrics["rightmost"] >= 0 else
@@ -77,7 +77,7 @@ def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigu
 # --- channels ----------------------------------------------------------------------------------------------------------
 def _dominance(outcome: Outcome) -> FrequencyFigure:
     """Row ratios of rotation and horizontal with the mixing of the design."""
-    mixed, plain = outcome.extra.mixed, channels()
+    mixed, plain = outcome.study.mixed, channels()
     G = plain.response @ mixed.S
     rows = np.abs(np.stack([G[:, 1, 2] / G[:, 1, 1], G[:, 2, 1] / G[:, 2, 2]], axis=1))
     width = np.gradient(np.log(CHANNELS))
@@ -93,7 +93,7 @@ def _dominance(outcome: Outcome) -> FrequencyFigure:
 
 
 def _map(outcome: Outcome) -> MapFigure:
-    mixed = outcome.extra.mixed
+    mixed = outcome.study.mixed
     ratio = 10 * np.log10(np.minimum(mixed.map, 1e30) / mixed.best.plain_J)
     values = np.select([ratio <= -10, ratio <= -3, ratio < 0], [0, 1, 2], 3)
     a, b = mixed.best.a, mixed.best.b
@@ -109,7 +109,7 @@ def _map(outcome: Outcome) -> MapFigure:
 
 
 def _mixing(outcome: Outcome) -> TableFigure:
-    mixed, best = outcome.extra.mixed, outcome.extra.mixed.best
+    mixed, best = outcome.study.mixed, outcome.study.mixed.best
 
     def row(name: Text, a: float, b: float, J: float) -> tuple[Text | str, ...]:
         return (name, _short(a), _short(b), f"{J / best.count:.3g}", _decibel(J / best.plain_J))
@@ -137,7 +137,7 @@ def _decibel(ratio: float) -> str:
 
 # --- controllers -------------------------------------------------------------------------------------------------------
 def _magnitudes(outcome: Outcome) -> FrequencyFigure:
-    built = outcome.extra.controllers
+    built = outcome.study.controllers
     curves = []
     for name, role, dash, plant in ((Text("vertical", "竖直"), "plant", "solid", built.vertical),
                                     (Text("horizontal", "水平"), "estimate", "dash", built.horizontal),
@@ -187,7 +187,7 @@ def _poles(outcome: Outcome) -> PlaneFigure:
 def _facts(outcome: Outcome) -> TableFigure:
     """What (26), (31) and (32) are, and what is in use."""
     cv, ch = polynomial_roots(siso.CV_DENOMINATOR), polynomial_roots(siso.CH_DENOMINATOR)
-    built, design = outcome.extra.controllers, outcome.design
+    built, design = outcome.study.controllers, outcome.design
     rows: list[tuple[Text | str, ...]] = [
         (Text("C_v printed: poles", "报告的 C_v：极点"), ", ".join(_root(p) for p in cv)),
         (Text("C_v printed: gain in band", "报告的 C_v：带内增益"), "−31 252 N s/m"),
@@ -216,7 +216,7 @@ def _root(p: complex) -> str:
 
 # --- time --------------------------------------------------------------------------------------------------------------
 def _velocity(outcome: Outcome, i: int, name: str, title: Text) -> TimeFigure:
-    run = outcome.extra.shaken
+    run = outcome.study.shaken
     row = 1e6 * (T_y[i] @ PLATFORM.C)
     now, bare = run.x @ row, run.bare @ row
     size, without = float(np.std(now)), float(np.std(bare))
@@ -227,7 +227,7 @@ def _velocity(outcome: Outcome, i: int, name: str, title: Text) -> TimeFigure:
 
 
 def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
-    s = outcome.extra.spectra
+    s = outcome.study.spectra
     size = np.clip(1e3 * np.sqrt(np.maximum(s.forces, 0.0)), 1e-8, 1e4)
     inside = (s.f >= 0.1) & (s.f <= 10)
     names = (Text("left vertical", "左竖直"), Text("right vertical", "右竖直"), Text("horizontal", "水平"))
@@ -241,7 +241,7 @@ def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
 
 
 def _forces(outcome: Outcome) -> TimeFigure:
-    run = outcome.extra.shaken
+    run = outcome.study.shaken
     u, largest = np.clip(1e3 * run.u, -1e7, 1e7), 1e3 * float(np.abs(run.u).max())
     names = (Text("left vertical", "左竖直"), Text("right vertical", "右竖直"), Text("horizontal", "水平"))
     curves = tuple(Curve(n, u[:, j], role, dash)  # type: ignore[arg-type]

@@ -16,7 +16,9 @@ from app.lesson.prose import read_prose
 from app.plants import Model, Window
 from app.text.words import Text, same
 
-from ..toolkit import BY_POLES, BY_WEIGHTS, WEIGHTS, gain_words, kicks, listed, run_knobs, stage
+from ..toolkit.boards import WEIGHTS, listed, stage
+from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, kicks, run_knobs
+from ..toolkit.latex import gain_words
 from .pictures import all_figures
 from .tasks import TASKS
 from .twins import MODEL, TINY, Setting, gains_of, gap, turned, twins_of
@@ -133,11 +135,11 @@ def exam(seed: int) -> ExamItem:
                     a * c - k - b * first, 1e-3)
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 BLOCK = Setting(MODEL, lambda design: turned(design["sensor"]), np.eye(2), np.eye(1), np.eye(2), np.eye(1), (0, 1), ("q [m]", "v [m/s]"),

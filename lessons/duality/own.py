@@ -14,15 +14,16 @@ from app.plants import Model, Window
 from app.plants.names import with_unit
 from app.text.words import Text
 
-from ..toolkit import BY_POLES, BY_WEIGHTS, run_knobs, sizes
-from .lesson import KNOBS, LESSON, compute
+from ..toolkit.gains import sizes
+from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
+from .lesson import KNOBS, compute
 from .pictures import all_figures
 from .twins import Setting
 
 BY_HAND = 6  # most states for which Ackermann's formula, the observer's own, is trusted
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant. Raises KnobError unless both sides can stabilise all of it."""
     plant = model.plant
     seen, reached = observability(plant), controllability(plant)
@@ -32,7 +33,7 @@ def adapted(model: Model) -> Lesson:
                              "本课两边都要移动全部极点，因此对象必须既能观又能控；“隐藏模态”一课接受任何对象。"))
     here = setting_of(model)
     hand = plant.p == 1 and plant.n <= BY_HAND and len(model.controller_poles) == plant.n
-    return replace(LESSON, knobs=own_knobs(model, here.window, hand), compute=partial(compute, here),
+    return replace(lesson, knobs=own_knobs(model, here.window, hand), compute=partial(compute, here),
                    figures=partial(all_figures, here), tasks=())
 
 

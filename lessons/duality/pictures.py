@@ -8,7 +8,8 @@ from app.lesson.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigu
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same, symbol
 
-from ..toolkit import error_figure, input_figure, pole_words, state_figures
+from ..toolkit.figures import error_figure, input_figure, state_figures
+from ..toolkit.latex import pole_words
 from .twins import Setting, Twins, weights_of
 
 TWINS_TAB, ELLIPSES_TAB = Text("Twins", "孪生"), Text("Ellipses", "椭圆")
@@ -18,7 +19,7 @@ CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 
 def all_figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     """The run; gains, Riccati solutions and the pairing beside their twins; both ellipses."""
-    run, twins = outcome.run, outcome.extra
+    run, twins = outcome.run, outcome.study
     assert run is not None
     return (*state_figures(here.model, run, 2), error_figure(run), input_figure(run, here.model), _gain_table(outcome, twins),
             _riccati_table(here, outcome, twins), _pairing(twins, outcome.metrics["pairing_gap"]),

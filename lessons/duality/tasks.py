@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.lesson.lesson import Outcome, Task, Verdict
 from app.text.words import Text
 
-from ..toolkit import BY_POLES, BY_WEIGHTS
+from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
 
 
 def _published(outcome: Outcome) -> Verdict:

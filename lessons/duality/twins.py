@@ -14,7 +14,7 @@ from app.lesson.lesson import Design
 from app.plants import MODELS, Model, Window
 from app.text.words import Text
 
-from ..toolkit import BY_POLES
+from ..toolkit.knobs import BY_POLES
 from .proofs import filter_riccati, observer_by_polynomial, output_energy
 
 MODEL = MODELS["spring-damper"]

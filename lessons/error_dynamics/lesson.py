@@ -20,18 +20,10 @@ from app.lesson.prose import read_prose
 from app.plants import MODELS, Model
 from app.text.words import Text, same
 
-from ..toolkit import (
-    TIME_TAB,
-    bolts,
-    gain_words,
-    kicks,
-    listed,
-    matrix,
-    run_knobs,
-    settle_time,
-    stage,
-    state_figures,
-)
+from ..toolkit.boards import bolts, listed, stage
+from ..toolkit.figures import TIME_TAB, settle_time, state_figures
+from ..toolkit.knobs import kicks, run_knobs
+from ..toolkit.latex import gain_words, matrix
 from .notes import FIRST, LINES, NONE, PLANT, PRINTED_GAIN, notes_figures, poles_of, printed_model
 from .tasks import PRINTED, QUIET, confused, double_pole, exam, first_slip, mixed_matrix
 
@@ -215,7 +207,7 @@ def _live(m: dict[str, float]) -> Text:
 
 def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     """Signals and force; the error with and without the force; the page of the notes."""
-    run, twin = outcome.run, outcome.extra
+    run, twin = outcome.run, outcome.study
     assert run is not None
     page = notes_figures(outcome.design["line"], outcome.gains["L"]) if here.notes else ()
     return (*state_figures(here.model, run, 2), _force(here, run), _size(outcome, run, twin.quiet),
@@ -297,11 +289,11 @@ def _left_alone(m: Mapping[str, float]) -> bool:
     return m["error_moved"] <= ROUNDING * max(1.0, m["largest"])
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson(

@@ -14,8 +14,9 @@ from app.plants import Model
 from app.plants.names import called
 from app.text.words import Text
 
-from ..toolkit import injection, run_knobs
-from .lesson import KNOBS, LESSON, POLES, Setting, compute, figures
+from ..toolkit.gains import injection
+from ..toolkit.knobs import run_knobs
+from .lesson import KNOBS, POLES, Setting, compute, figures
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
@@ -50,11 +51,11 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     )
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the notes stay with their own."""
     plant = model.plant
     parts = tuple((Text(f"e: {s.name.en}", f"e：{s.name.zh}"), s.unit) for s in model.watched[:2])
     here = Setting(
         model, model.horizon, model.dt, lambda design: plant, lambda design: injection(plant, design["observer_poles"], model),
         lambda design: tuple(design["guess"] * v for v in model.x0), parts, Text("the plant's own poles  eig(A)", "对象自身的极点  eig(A)"))
-    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())

@@ -19,7 +19,7 @@ def _gain_words(outcome: Outcome) -> str:
 
 def double_pole(outcome: Outcome) -> Verdict:
     """Both observer poles at −1: λ² + 2λ + 1, compared by coefficients, which are exact where a double pole is not."""
-    error = outcome.extra.error
+    error = outcome.study.error
     damping, square = -float(np.trace(error)), float(np.linalg.det(error))
     words = _gain_words(outcome)
     if outcome.design["method"] == PRINTED:

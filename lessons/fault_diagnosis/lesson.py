@@ -13,7 +13,9 @@ from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcom
 from app.lesson.prose import read_prose
 from app.text.words import Text
 
-from ..toolkit import listed, matrix, number, run_knobs
+from ..toolkit.boards import listed
+from ..toolkit.knobs import run_knobs
+from ..toolkit.latex import matrix, number
 from .bank import COUNT, DT, HORIZON, MODEL, PLACES, guard
 from .body import BODY
 from .diagnosis import ENERGY, MEAN
@@ -178,20 +180,20 @@ def _live(s: Study) -> Text:
 
 def _often(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: drawn runs, healthy ones for the false alarms and faulty ones for the verdicts."""
-    for fraction, better in try_often(outcome.extra, int(outcome.design["seed"])):
-        yield fraction, replace(outcome, extra=better, metrics=_metrics(better))
+    for fraction, better in try_often(outcome.study, int(outcome.design["seed"])):
+        yield fraction, replace(outcome, study=better, metrics=_metrics(better))
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """Counts go over where neither the fault nor the test has changed: acting on a verdict and a kick do not touch them."""
-    old, new = before.extra, after.extra
+    old, new = before.study, after.study
     alike = (old.test == new.test and healthy_case(old.case) == healthy_case(new.case)
              and replace(old.case, loop=BLIND, kick=-1.0) == replace(new.case, loop=BLIND, kick=-1.0)
              and before.design["seed"] == after.design["seed"])
     if old.trials is None or not alike or (new.trials is not None and new.trials.runs >= old.trials.runs):
         return after
     kept = replace(new, trials=old.trials)
-    return replace(after, extra=kept, metrics=_metrics(kept))
+    return replace(after, study=kept, metrics=_metrics(kept))
 
 
 LESSON = Lesson(

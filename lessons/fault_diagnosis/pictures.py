@@ -29,7 +29,7 @@ PLACE_NAMES = (*SENSOR_NAMES, *COIL_NAMES)
 
 def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
-    s: Study = outcome.extra
+    s: Study = outcome.study
     return (_residuals(s, "sensors", Text("leaving out one sensor", "各去掉一个传感器"), range(4)),
             _residuals(s, "coils", Text("ignoring one coil", "各忽略一个线圈"), range(4, 7)), _reading(s),
             isolation(s), _members(), _pitch(s), _across(s), _forces(s), _rates(s), _counts(s), _tones(s), _least(s))

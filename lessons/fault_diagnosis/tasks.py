@@ -22,7 +22,7 @@ def hourly(s: Study) -> float:
 
 
 def _rare(o: Outcome) -> Verdict:
-    s: Study = o.extra
+    s: Study = o.study
     if s.case.place != "VL" or s.case.kind != "bias" or s.case.size > 3:
         return Verdict(False, Text("Let VL have a bias of at most 3 mm/s.", "请令 VL 有不超过 3 mm/s 的恒定偏差。"))
     often, delay = hourly(s), s.forecast.delay
@@ -37,7 +37,7 @@ def _rare(o: Outcome) -> Verdict:
 
 
 def _weak(o: Outcome) -> Verdict:
-    s: Study = o.extra
+    s: Study = o.study
     if s.case.place != "u1" or s.case.size > HALF or s.case.force > MOST:
         return Verdict(False, Text(f"Let u1 lose at most {100 * HALF:.0f} % and keep the known force at or below {MOST:.0f} N.",
                                    f"请令 u1 失效不超过 {100 * HALF:.0f} %，且已知力不超过 {MOST:.0f} N。"))
@@ -51,7 +51,7 @@ def _weak(o: Outcome) -> Verdict:
 
 
 def _unseen(o: Outcome) -> Verdict:
-    s: Study = o.extra
+    s: Study = o.study
     if s.case.coil is None or s.case.size < 1:
         return Verdict(False, Text("Let a coil lose everything.", "请令某个线圈完全失效。"))
     moved = float(np.abs(s.record.asked - s.record.applied).max())
@@ -63,7 +63,7 @@ def _unseen(o: Outcome) -> Verdict:
 
 
 def _limp(o: Outcome) -> Verdict:
-    s: Study = o.extra
+    s: Study = o.study
     if s.case.place != "VR" or s.case.kind != "drift" or s.case.size < 4 or s.case.start * DT > 4.01 or s.case.loop == OPEN:
         return Verdict(False, Text("Let VR drift by at least 4 mm/s² from 4 s or before, the loop closed.",
                                    "请闭合回路，令 VR 在 4 s 或更早以不小于 4 mm/s² 漂移。"))

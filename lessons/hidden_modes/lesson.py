@@ -15,7 +15,9 @@ from app.lesson.prose import read_prose
 from app.plants import Model
 from app.text.words import Text
 
-from ..toolkit import kicks, matrix, number, pole_words, run_knobs, stage
+from ..toolkit.boards import stage
+from ..toolkit.knobs import kicks, run_knobs
+from ..toolkit.latex import matrix, number, pole_words
 from .cases import CASES, UNMOVED, UNSEEN, Case
 from .pictures import all_figures
 from .tasks import TASKS
@@ -154,11 +156,11 @@ def exam(seed: int) -> ExamItem:
     return ExamItem({"a": f"{a:g}", "b": f"{b:g}"}, a + b, 1e-6)
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson("hidden-modes", 6, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,

@@ -19,22 +19,13 @@ from app.plants import Model
 from app.plants.names import called
 from app.text.words import Text
 
-from ..toolkit import (
-    ERROR_TAB,
-    TIME_TAB,
-    feedback,
-    gain_words,
-    injection,
-    input_figure,
-    kicks,
-    pole_boards,
-    pole_knobs,
-    pole_words,
-    run_knobs,
-    stage,
-)
+from ..toolkit.boards import pole_boards, stage
+from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
+from ..toolkit.gains import feedback, injection
+from ..toolkit.knobs import kicks, pole_knobs, run_knobs
+from ..toolkit.latex import gain_words, pole_words
 from .cases import Case
-from .lesson import LESSON, checks_of
+from .lesson import checks_of
 from .pictures import EVERY_TAB, blocks_of, lights_of, margins_of
 
 DRAWS, FEW = 50, 14  # random gains on a map, for few states and for many
@@ -201,7 +192,7 @@ def _every(here: Setting, seed: int) -> tuple[PlaneFigure, PlaneFigure]:
     return found[0], found[1]
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant; the tasks choose among the lesson's five plants and stay with them."""
     here = setting_of(model)
-    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())

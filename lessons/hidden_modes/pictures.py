@@ -13,7 +13,8 @@ from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, 
 from app.lesson.lesson import Check, Outcome
 from app.text.words import Text, same, symbol
 
-from ..toolkit import ERROR_TAB, TIME_TAB, input_figure, pole_words
+from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
+from ..toolkit.latex import pole_words
 from .cases import CASES, COMMON, RELATIVE, Case
 
 MODES_TAB, EVERY_TAB = Text("Modes", "模态"), Text("Every gain", "任意增益")

@@ -13,7 +13,7 @@ def _number(value: float) -> str:
 
 
 def _slow_but_fine(outcome: Outcome) -> Verdict:
-    case, rate = outcome.extra, outcome.metrics["error_rate"]
+    case, rate = outcome.study, outcome.metrics["error_rate"]
     assert isinstance(case, Case)
     if case.seen.observable:
         return Verdict(False, Text("This sensor sees every mode; the task wants one that does not.",
@@ -30,7 +30,7 @@ def _twin(outcome: Outcome) -> Verdict:
     if error >= 0:
         return Verdict(False, Text(f"The estimate itself is lost: e grows like e^({_number(error)} t).",
                                    f"估计本身已经失效：e 按 e^({_number(error)} t) 增长。"))
-    case = outcome.extra
+    case = outcome.study
     if state < 0 or case.reached.stabilizable:
         return Verdict(False, Text(f"The estimate is right, but the plant can be held: its slowest pole is {_number(state)}.",
                                    f"估计没有问题，但对象也镇得住：最慢极点的实部为 {_number(state)}。"))
@@ -40,7 +40,7 @@ def _twin(outcome: Outcome) -> Verdict:
 
 
 def _silence(outcome: Outcome) -> Verdict:
-    case, left = outcome.extra, outcome.metrics["error_end"]
+    case, left = outcome.study, outcome.metrics["error_end"]
     if case.seen.detectable:
         return Verdict(False, Text("Here the unstable motion is not hidden from the sensor; choose the distance sensor "
                                    "and the magnets.", "这里不稳定的运动并未对传感器隐藏；请选间距传感器与磁铁。"))
@@ -52,7 +52,7 @@ def _silence(outcome: Outcome) -> Verdict:
 
 
 def _cure(outcome: Outcome) -> Verdict:
-    case, error, state = outcome.extra, outcome.metrics["error_rate"], outcome.metrics["state_rate"]
+    case, error, state = outcome.study, outcome.metrics["error_rate"], outcome.metrics["state_rate"]
     if not (case.seen.observable and case.reached.controllable):
         return Verdict(False, Text("A mode is still bolted: change where the sensor looks or where the force acts.",
                                    "仍有模态被螺栓固定：换一个测量位置或作用位置。"))

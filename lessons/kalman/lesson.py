@@ -18,7 +18,8 @@ from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as SCALE_OF_STAGE
 from app.text.words import Text
 
-from ..toolkit import matrix, number, run_knobs
+from ..toolkit.knobs import run_knobs
+from ..toolkit.latex import matrix, number
 from .filters import (
     CARRIED,
     COLOURED,
@@ -186,9 +187,9 @@ def _live(s: Study) -> Text:
 # --- many runs -------------------------------------------------------------------------------------------------------
 def try_often(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: the same filter on many drawn runs; NIS and NEES averaged at each sample."""
-    d, who = outcome.design, outcome.extra.watcher
+    d, who = outcome.design, outcome.study.watcher
     seeds = np.random.SeedSequence(int(d["seed"])).generate_state(RUNS)
-    squares = np.zeros((2, len(outcome.extra.nis)))
+    squares = np.zeros((2, len(outcome.study.nis)))
     for count, seed in enumerate(seeds, start=1):
         what = draw(int(seed), d["noise"] != WHITE, d["force"], d["kick"])
         track = watch(who, what)
@@ -202,22 +203,22 @@ def try_often(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
 def _with(outcome: Outcome, trials: Trials) -> Outcome:
     metrics = {**outcome.metrics, "trials": float(trials.count), "trials_nis": float(trials.nis[SKIP:].mean()),
                "trials_nees": float(trials.nees[SKIP:].mean())}
-    return replace(outcome, extra=replace(outcome.extra, trials=trials), metrics=metrics)
+    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The runs go over where only what is looked at has changed."""
-    old, new = before.extra.trials, after.extra.trials
+    old, new = before.study.trials, after.study.trials
     if old is None or not before.design.same_but_for(after.design, VIEWS) or (new is not None and new.count >= old.count):
         return after
     return _with(after, old)
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson(

@@ -17,8 +17,11 @@ from app.plants import Model, Signal
 from app.plants.names import called, with_unit
 from app.text.words import Text, same, symbol
 
-from ..toolkit import TIME_TAB, gain_words, noise_units, number, run_knobs
-from .lesson import LESSON, PREDICT, RUNS, UPDATE
+from ..toolkit.figures import TIME_TAB
+from ..toolkit.gains import noise_units
+from ..toolkit.knobs import run_knobs
+from ..toolkit.latex import gain_words, number
+from .lesson import PREDICT, RUNS, UPDATE
 from .pictures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
 
 SAMPLES, SKIP, LAST = 160, 40, 60
@@ -126,7 +129,7 @@ def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
 
 
 def _step(model: Model, outcome: Outcome) -> TableFigure:
-    study, k, plant = outcome.extra, int(outcome.design["k"]), model.plant
+    study, k, plant = outcome.study, int(outcome.design["k"]), model.plant
     track, updated = study.found.track, outcome.design["phase"] == UPDATE
     at = int(track.schedule.index[k])
     mean, P = (track.means[k], track.schedule.posterior[at]) if updated else (track.predicted[k], track.schedule.prior[at])
@@ -144,7 +147,7 @@ def _step(model: Model, outcome: Outcome) -> TableFigure:
 
 
 def _state(outcome: Outcome, name: str, signal: Signal) -> TimeFigure:
-    found, row = outcome.extra.found, np.array(signal.weights)
+    found, row = outcome.study.found, np.array(signal.weights)
     true, mean = signal.of(found.run.x), signal.of(found.track.means)
     spread = 2 * np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, found.track.covariances, row), 0.0))
     inside = 100 * float(np.mean(np.abs(true - mean)[SKIP:] <= spread[SKIP:] + 1e-300))
@@ -157,7 +160,7 @@ def _state(outcome: Outcome, name: str, signal: Signal) -> TimeFigure:
 
 
 def _gain(outcome: Outcome) -> TimeFigure:
-    found = outcome.extra.found
+    found = outcome.study.found
     M, goal, count = found.track.gains, found.steady.filter_gain, min(len(found.run.t), 80)
     largest = np.argsort(np.abs(goal).ravel())[::-1][:3]
     curves = []
@@ -171,7 +174,7 @@ def _gain(outcome: Outcome) -> TimeFigure:
 
 
 def _distance(outcome: Outcome) -> TimeFigure:
-    found = outcome.extra.found
+    found = outcome.study.found
     late = np.flatnonzero(found.distance > 0.01)
     after = f"{found.run.t[min(late[-1] + 1, len(found.run.t) - 1)]:.3g}" if len(late) else "0"
     return TimeFigure("distance", Text("distance to the Riccati gain", "与 Riccati 增益的距离"), found.run.t,
@@ -182,7 +185,7 @@ def _distance(outcome: Outcome) -> TimeFigure:
 
 
 def _innovation(model: Model, outcome: Outcome) -> TimeFigure:
-    found, name = outcome.extra.found, model.plant.output_names[0]
+    found, name = outcome.study.found, model.plant.output_names[0]
     nu, spread = found.track.innovations[:, 0], 2 * np.sqrt(found.track.S[:, 0, 0])
     inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
     return TimeFigure("innovation", Text("innovation of {}", "{} 的新息").format(called(model.plant, name)), found.run.t, (
@@ -192,7 +195,7 @@ def _innovation(model: Model, outcome: Outcome) -> TimeFigure:
 
 
 def _correlation(model: Model, outcome: Outcome) -> PlaneFigure:
-    w = outcome.extra.test.whiteness
+    w = outcome.study.test.whiteness
     lags = np.arange(1, len(w.correlation) + 1, dtype=float)
     roles, ends = ("estimate", "second", "disturbance", "plant"), np.array([lags[0], lags[-1]])
     curves = [Curve(called(model.plant, name), w.correlation[:, i], roles[i % 4], "solid", 1.8, lags)
@@ -205,7 +208,7 @@ def _correlation(model: Model, outcome: Outcome) -> PlaneFigure:
 
 
 def _squares(outcome: Outcome, name: str, title: Text, dof: int, which: int) -> TimeFigure:
-    study = outcome.extra
+    study = outcome.study
     trials = study.trials
     count, shown = (1, (study.nis, study.nees)[which]) if trials is None else (trials[2], trials[which])
     t, (low, high) = study.found.run.t[:len(shown)], chi2_band(dof, count)
@@ -223,7 +226,7 @@ def _squares(outcome: Outcome, name: str, title: Text, dof: int, which: int) -> 
 
 
 def _tests(outcome: Outcome) -> TableFigure:
-    study, held = outcome.extra, {c.id: c.holds for c in outcome.checks}
+    study, held = outcome.study, {c.id: c.holds for c in outcome.checks}
 
     def verdict(name: str) -> Text:
         return Text("passes", "通过") if held[name] else Text("flagged", "报警")
@@ -241,18 +244,18 @@ def _tests(outcome: Outcome) -> TableFigure:
 
 def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: the same filter on many records; NIS and NEES averaged at each sample."""
-    study, design = outcome.extra, outcome.design
+    study, design = outcome.study, outcome.design
     sums = np.zeros((2, len(study.nis)))
     for count, seed in enumerate(np.random.SeedSequence(int(design["seed"])).generate_state(RUNS), start=1):
         other = _judged(tried(model, design, int(seed)))
         shared = min(sums.shape[1], len(other.nis))
         sums = sums[:, :shared] + np.vstack([other.nis[:shared], other.nees[:shared]])
         if count % AT_ONCE == 0:
-            outcome = replace(outcome, extra=replace(study, trials=(sums[0] / count, sums[1] / count, count)))
+            outcome = replace(outcome, study=replace(study, trials=(sums[0] / count, sums[1] / count, count)))
             yield count / RUNS, outcome
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; report and converter stay with the deck."""
-    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
                    job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), partial(try_often, model)), carry=None)

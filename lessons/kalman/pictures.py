@@ -9,7 +9,7 @@ from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Poin
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
-from ..toolkit import TIME_TAB
+from ..toolkit.figures import TIME_TAB
 from .filters import CARRIED, DT, SKIP, STEPS
 from .report import report_figure
 
@@ -28,7 +28,7 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
 
 
 def _time(outcome: Outcome) -> np.ndarray:
-    return DT * np.arange(len(outcome.extra.nis))
+    return DT * np.arange(len(outcome.study.nis))
 
 
 # --- one step --------------------------------------------------------------------------------------------------------
@@ -41,7 +41,7 @@ def _ellipse(mean: np.ndarray, P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _ellipses(outcome: Outcome) -> PlaneFigure:
-    s, k = outcome.extra, int(outcome.design["k"])
+    s, k = outcome.study, int(outcome.design["k"])
     plan, updated = s.watcher.schedule, outcome.design["phase"] == "update"
     before, at = int(plan.index[k - 1]), int(plan.index[k])
     prior = plan.prior[at]
@@ -74,7 +74,7 @@ def _ellipses(outcome: Outcome) -> PlaneFigure:
 
 
 def _step(outcome: Outcome) -> TableFigure:
-    s, k = outcome.extra, int(outcome.design["k"])
+    s, k = outcome.study, int(outcome.design["k"])
     plan, updated = s.watcher.schedule, outcome.design["phase"] == "update"
     at = int(plan.index[k])
     mean, P = (s.track.means[k], plan.posterior[at]) if updated else (s.track.predicted[k], plan.prior[at])
@@ -87,7 +87,7 @@ def _step(outcome: Outcome) -> TableFigure:
 
 
 def _state(outcome: Outcome, name: str, title: Text, i: int, unit: str) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     spread, mean, e = 2e3 * np.sqrt(s.track.variances[:, i]), 1e3 * s.track.means[:, i], s.truth.x[:, i] - s.track.means[:, i]
     inside = 100 * float(np.mean(1e3 * np.abs(e[SKIP:]) <= spread[SKIP:]))
     return TimeFigure(name, title, _time(outcome),
@@ -108,7 +108,7 @@ def _pitch(outcome: Outcome) -> TimeFigure:
 
 # --- gain ------------------------------------------------------------------------------------------------------------
 def _gain(outcome: Outcome) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     M, goal = s.track.gains[:100], s.watcher.steady.filter_gain
     shown = ((4, 0, "vz ← VL", "estimate"), (1, 0, "z ← VL", "force"), (3, 1, "vx ← HL", "second"))
     curves = [curve for i, j, name, role in shown for curve in (
@@ -119,7 +119,7 @@ def _gain(outcome: Outcome) -> TimeFigure:
 
 
 def _distance(outcome: Outcome) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     goal = s.watcher.steady.filter_gain
     away = np.abs(s.track.gains - goal).max(axis=(1, 2)) / np.abs(goal).max()
     late = np.flatnonzero(away > 0.01)
@@ -132,7 +132,7 @@ def _distance(outcome: Outcome) -> TimeFigure:
 
 
 def _forms(outcome: Outcome) -> TimeFigure:
-    f, m = outcome.extra.forms, outcome.metrics
+    f, m = outcome.study.forms, outcome.metrics
     single = outcome.design["arithmetic"] == "single"
     lost = (Text("; neither is a covariance any more.", "；两者都已不再是协方差。") if m["joseph_least"] < 0 else
             Text("; the short form is no covariance any more.", "；简短形式已不再是协方差。") if m["short_least"] < 0 else
@@ -150,7 +150,7 @@ def _forms(outcome: Outcome) -> TimeFigure:
 
 # --- innovations -------------------------------------------------------------------------------------------------------
 def _innovation(outcome: Outcome) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     spread, nu = 2e3 * np.sqrt(s.track.S[:, 0, 0]), 1e3 * s.track.innovations[:, 0]
     inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
     return TimeFigure("innovation", Text("innovation of sensor VL", "传感器 VL 的新息"), _time(outcome),
@@ -161,7 +161,7 @@ def _innovation(outcome: Outcome) -> TimeFigure:
 
 
 def _correlation(outcome: Outcome) -> PlaneFigure:
-    w = outcome.extra.test.whiteness
+    w = outcome.study.test.whiteness
     lags = np.arange(1, len(w.correlation) + 1, dtype=float)
     dashes = (("VL", "estimate", "solid"), ("HL", "second", "solid"), ("VR", "disturbance", "dash"), ("HR", "plant", "dash"))
     curves = [Curve(same(name), w.correlation[:, i], role, dash, 1.8, lags)  # type: ignore[arg-type]
@@ -175,7 +175,7 @@ def _correlation(outcome: Outcome) -> PlaneFigure:
 
 
 def _squares(outcome: Outcome, name: str, title: Text, dof: int, values: np.ndarray, tried: np.ndarray | None) -> TimeFigure:
-    trials = outcome.extra.trials
+    trials = outcome.study.trials
     count = 1 if trials is None else trials.count
     low, high = chi2_band(dof, count)
     shown, n = values if tried is None else tried, len(values)
@@ -192,12 +192,12 @@ def _squares(outcome: Outcome, name: str, title: Text, dof: int, values: np.ndar
 
 
 def _nis(outcome: Outcome) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     return _squares(outcome, "nis", Text("NIS, four readings", "NIS（四个读数）"), 4, s.nis, None if s.trials is None else s.trials.nis)
 
 
 def _nees(outcome: Outcome) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     return _squares(outcome, "nees", Text("NEES, six states", "NEES（六个状态）"), 6, s.nees, None if s.trials is None else s.trials.nees)
 
 
@@ -222,7 +222,7 @@ def _tests(outcome: Outcome) -> TableFigure:
 
 # --- spectra -----------------------------------------------------------------------------------------------------------
 def _tracking(outcome: Outcome) -> FrequencyFigure:
-    s = outcome.extra
+    s = outcome.study
     clean = s.truth.clean[SKIP:, 0]
     guess = s.track.means[SKIP:, :6] @ s.watcher.filter.C[0, :6]
     both = psd(1e3 * np.column_stack([clean, clean - guess]), 1 / DT, len(clean))
@@ -237,7 +237,7 @@ def _tracking(outcome: Outcome) -> FrequencyFigure:
 
 
 def _colour(outcome: Outcome) -> FrequencyFigure:
-    s = outcome.extra
+    s = outcome.study
     seen = psd(1e3 * s.track.innovations[SKIP:, 0], 1 / DT, 64)
     f, promised = seen.frequency[1:], 2e6 * DT * float(s.track.S[-1, 0, 0])
     carried = outcome.design["noise"] == CARRIED

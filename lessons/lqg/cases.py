@@ -18,7 +18,7 @@ from app.plants.names import called
 from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_y
 from app.text.words import Text
 
-from ..toolkit import sizes
+from ..toolkit.gains import sizes
 
 REPORT, DOYLE = "platform", "doyle"
 MOST = 200  # frequencies of a figure

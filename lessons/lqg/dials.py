@@ -6,7 +6,7 @@ from app.lesson.knobs import Choice, Number
 from app.plants.names import called
 from app.text.words import Text, same
 
-from ..toolkit import run_knobs
+from ..toolkit.knobs import run_knobs
 from .cases import DOYLE, REPORT, Case
 from .loops import RECURSIVE, STEADY
 from .rules import NONE, RULES

@@ -16,7 +16,7 @@ from app.plants.doyle import gains as gains_of_paper
 from app.plants.model import Model, Window
 from app.text.words import Text
 
-from ..toolkit import number
+from ..toolkit.latex import number
 from .cases import DOYLE, Case, case_of, doyle_case, report_case
 from .dials import knobs_for
 from .loops import (
@@ -195,7 +195,7 @@ def _live(s: Study) -> Text:
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The runs go over where only what is looked at has changed."""
-    old, new = before.extra.trials, after.extra.trials
+    old, new = before.study.trials, after.study.trials
     if old is None or not before.design.same_but_for(after.design, VIEWS) or (new is not None and new.count >= old.count):
         return after
     return with_trials(after, old)
@@ -204,7 +204,7 @@ def carry(before: Outcome, after: Outcome) -> Outcome:
 def build(cases: tuple[Case, ...]) -> Lesson:
     """The lesson on these cases."""
     def run(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
-        return try_often(outcome.extra.case, outcome)
+        return try_often(outcome.study.case, outcome)
 
     return Lesson(
         "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, tasks=TASKS, exam=exam,
@@ -213,11 +213,16 @@ def build(cases: tuple[Case, ...]) -> Lesson:
         job=Job(Text(f"Run it {RECORDS} times on a computer", f"在计算机上运行 {RECORDS} 次"), run), carry=carry)
 
 
+def adapt(lesson: Lesson, model: Model) -> Lesson:
+    """The lesson on a person's own plant."""
+    return replace(on_model(model), words=lesson.words)
+
+
 def on_model(model: Model) -> Lesson:
     """The lesson on a model of its own; tasks about the two built-in cases are left out. Raises EngineError."""
     return replace(build((case_of(model),)), tasks=())
 
 
-LESSON = replace(build((report_case(), doyle_case())), adapt=on_model)
+LESSON = replace(build((report_case(), doyle_case())), adapt=adapt)
 
 __all__ = ["LESSON", "EngineError", "build", "on_model"]

@@ -10,7 +10,7 @@ from app.lesson.lesson import Outcome
 from app.plants.names import called
 from app.text.words import Text, same, squared
 
-from ..toolkit import TIME_TAB, axis_name, within
+from ..toolkit.figures import TIME_TAB, axis_name, within
 from .loops import Robustness
 from .rules import rules_figure
 
@@ -53,7 +53,7 @@ def _phase(m: ChannelMargins) -> Text | str:
 
 # --- spectra ---------------------------------------------------------------------------------------------------------
 def _spectra(outcome: Outcome) -> tuple[FrequencyFigure, ...]:
-    s = outcome.extra
+    s = outcome.study
     case, square = s.case, s.case.scale**2
     figures = []
     for i, name in enumerate(case.names):
@@ -82,7 +82,7 @@ def _deep(curves: list[Curve]) -> tuple[float, float] | None:
 
 
 def _spectrum_words(outcome: Outcome, i: int) -> Text:
-    s = outcome.extra
+    s = outcome.study
     if s.density is None:
         return Text("The loop is unstable: it has no stationary spectrum.", "回路不稳定，没有平稳频谱。")
     if s.trials is not None:
@@ -102,7 +102,7 @@ def _spectrum_words(outcome: Outcome, i: int) -> Text:
 
 # --- input and cost --------------------------------------------------------------------------------------------------
 def _input(outcome: Outcome) -> FrequencyFigure:
-    s = outcome.extra
+    s = outcome.study
     case, square = s.case, s.case.input_scale**2
     names = [called(case.plant, name) for name in case.plant.input_names]
     curves: list[Curve] = []
@@ -123,7 +123,7 @@ def _input(outcome: Outcome) -> FrequencyFigure:
 
 
 def _cost(outcome: Outcome) -> TableFigure:
-    c = outcome.extra.cost
+    c = outcome.study.cost
     unknown = c.total - c.known
     rows = (
         (Text("x known: tr(S G W Gᵀ)", "状态已知：tr(S G W Gᵀ)"), words(c.known)),
@@ -146,7 +146,7 @@ def _cost(outcome: Outcome) -> TableFigure:
 
 # --- robustness ------------------------------------------------------------------------------------------------------
 def _nyquist(outcome: Outcome) -> PlaneFigure:
-    s = outcome.extra
+    s = outcome.study
 
     def both(ell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         half = finite(np.real(ell), 1e6), finite(np.imag(ell), 1e6)
@@ -164,7 +164,7 @@ def _nyquist(outcome: Outcome) -> PlaneFigure:
 
 
 def _return(outcome: Outcome) -> FrequencyFigure:
-    s = outcome.extra
+    s = outcome.study
     f, least = s.case.wide, words(s.real.margins.nearest)
     curves = [Curve(same("LQR |1 + ℓ|"), np.clip(np.abs(1 + s.ideal.gain), 1e-6, 1e6), "plant", "dash"),
               Curve(same("LQG |1 + ℓ|"), np.clip(np.abs(1 + s.real.gain), 1e-6, 1e6), "estimate")]
@@ -181,7 +181,7 @@ def _return(outcome: Outcome) -> FrequencyFigure:
 
 
 def _margins(outcome: Outcome) -> TableFigure:
-    s = outcome.extra
+    s = outcome.study
 
     def column(r: Robustness) -> tuple[Text | str, ...]:
         m = r.margins
@@ -203,7 +203,7 @@ def _margins(outcome: Outcome) -> TableFigure:
 
 # --- recovery --------------------------------------------------------------------------------------------------------
 def _loop_gain(outcome: Outcome) -> FrequencyFigure:
-    s = outcome.extra
+    s = outcome.study
     curves = [Curve(same("LQR |ℓ|"), np.clip(np.abs(s.ideal.gain), 1e-12, 1e12), "plant", "dash"),
               Curve(Text("plain LQG |ℓ|", "普通 LQG |ℓ|"), np.clip(np.abs(s.plain.gain), 1e-12, 1e12), "muted", "dot", 1.6),
               Curve(Text("this LQG |ℓ|", "当前 LQG |ℓ|"), np.clip(np.abs(s.real.gain), 1e-12, 1e12), "estimate")]
@@ -215,7 +215,7 @@ def _loop_gain(outcome: Outcome) -> FrequencyFigure:
 
 
 def _price(outcome: Outcome) -> TableFigure:
-    s = outcome.extra
+    s = outcome.study
     unit = f" [{s.case.input_unit}]" if s.case.input_unit else ""
     noise = [s.case.input_scale * float(np.linalg.norm(c.sensors)) for c in (s.plain_cost, s.cost)]
     rows = (
@@ -237,7 +237,7 @@ def _price(outcome: Outcome) -> TableFigure:
 
 # --- one run ---------------------------------------------------------------------------------------------------------
 def _run(outcome: Outcome) -> tuple[TimeFigure, ...]:
-    s = outcome.extra
+    s = outcome.study
     run, model = s.trace, s.case.model
     figures = []
     for i, signal in enumerate(model.watched[:2]):

@@ -8,7 +8,7 @@ from app.lesson.figures import TableFigure
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
-from ..toolkit import tiny
+from ..toolkit.latex import tiny
 
 NONE, SPLIT, SENSOR, PROCESS, CAUTION, UNITS = "none", "split", "beta-r", "beta-q", "caution", "sigma"
 SLIPS = (SENSOR, UNITS)

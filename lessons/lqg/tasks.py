@@ -19,13 +19,13 @@ DECIBEL, SECONDS = 20.0, 0.1
 
 
 def _on(outcome: Outcome, case: str) -> bool:
-    return outcome.extra.case.id == case
+    return outcome.study.case.id == case
 
 
 def _vanish(outcome: Outcome) -> Verdict:
     if not _on(outcome, DOYLE):
         return Verdict(False, Text("Choose Doyle's plant first.", "请先选择 Doyle 的对象。"))
-    high = outcome.extra.real.margins.gain[1]
+    high = outcome.study.real.margins.gain[1]
     if outcome.design["recovery"] > 0:
         return Verdict(False, Text("Leave recovery at 0: plain LQG is asked for.", "请保持 ρ = 0：要求的是普通 LQG。"))
     if high > EDGE:
@@ -36,7 +36,7 @@ def _vanish(outcome: Outcome) -> Verdict:
 
 
 def _recover(outcome: Outcome) -> Verdict:
-    d, s = outcome.design, outcome.extra
+    d, s = outcome.design, outcome.study
     if not _on(outcome, DOYLE) or d["q"] < HEAVY or d["sigma"] < HEAVY:
         return Verdict(False, Text("Doyle's plant with q and σ of at least 1000, please.", "请使用 Doyle 的对象，且 q、σ 都不小于 1000。"))
     low, high = s.real.margins.gain
@@ -51,7 +51,7 @@ def _recover(outcome: Outcome) -> Verdict:
 
 
 def _twenty(outcome: Outcome) -> Verdict:
-    s = outcome.extra
+    s = outcome.study
     if not _on(outcome, REPORT) or s.suppression is None:
         return Verdict(False, Text("A stable loop on the platform is asked for.", "要求平台上的一个稳定回路。"))
     worst = float(np.min(s.suppression))

@@ -137,4 +137,4 @@ def with_trials(outcome: Outcome, trials: Trials) -> Outcome:
     metrics = {**outcome.metrics, "trials": float(trials.count),
                **{f"trial_ratio_{i}": float(r) for i, r in enumerate(trials.ratio)},
                **{f"trial_inside_{i}": float(r) for i, r in enumerate(trials.inside)}}
-    return replace(outcome, extra=replace(outcome.extra, trials=trials), metrics=metrics)
+    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)

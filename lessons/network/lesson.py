@@ -12,7 +12,8 @@ from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stag
 from app.lesson.prose import read_prose
 from app.text.words import Text
 
-from ..toolkit import matrix, number, run_knobs
+from ..toolkit.knobs import run_knobs
+from ..toolkit.latex import matrix, number
 from .cases import CART, CHIP, DECK, HORIZON, KINDS, SAMPLES, SCALAR, SLOWEST
 from .pictures import all_figures
 from .runs import AHEAD, APPLIED, ASKED, HOLD, ZERO, Story, loop_radius, tell

@@ -9,7 +9,7 @@ from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, 
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
-from ..toolkit import TIME_TAB
+from ..toolkit.figures import TIME_TAB
 from .cases import KINDS, SAMPLES
 from .runs import INPUT_LOSSES, LOSSES, MOST, ZERO, bounds_over_loss, growth_now, input_growth, key
 from .trials import OVER, RUNS
@@ -29,7 +29,7 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
 
 def times(outcome: Outcome) -> np.ndarray:
     """Two moments a sample: at it, and just before the next."""
-    h = outcome.extra.watched.sampled.plant.dt
+    h = outcome.study.watched.sampled.plant.dt
     return np.column_stack([np.arange(SAMPLES), np.arange(1, SAMPLES + 1) - JUST]).ravel() * h
 
 
@@ -45,7 +45,7 @@ def _lines(values: np.ndarray) -> np.ndarray:
 
 # --- time ------------------------------------------------------------------------------------------------------------
 def _state(outcome: Outcome) -> TimeFigure:
-    s, signal = outcome.extra, KINDS[outcome.design["case"]].watched
+    s, signal = outcome.study, KINDS[outcome.design["case"]].watched
     true, guess = signal.of(s.x), signal.of(s.xhat)
     low, high = float(min(true.min(), guess.min(), 0.0)), float(max(true.max(), guess.max(), 0.0))
     comb = _steps(np.where(s.heard, low, low - 0.12 * (high - low)))
@@ -68,7 +68,7 @@ def longest(heard: np.ndarray) -> int:
 
 
 def _input(outcome: Outcome) -> TimeFigure:
-    s, d, unit = outcome.extra, outcome.design, KINDS[outcome.design["case"]].input_unit
+    s, d, unit = outcome.study, outcome.design, KINDS[outcome.design["case"]].input_unit
     lost = int(np.sum(s.run.draw.acted < 0))
     how = Text("zero stands in for them", "以零代替") if d["lost"] == ZERO else Text("the last one is held", "保持上一个值")
     return TimeFigure("input", Text("input asked for and applied", "指令输入与实际输入"), times(outcome),
@@ -86,7 +86,7 @@ def _fate(lost: int, how: Text, late: int) -> Text:
 
 
 def _ages(outcome: Outcome) -> TimeFigure:
-    sensor, actuator = outcome.extra.ages
+    sensor, actuator = outcome.study.ages
     return TimeFigure("age", Text("age of the newest packet", "最新数据包的年龄"), times(outcome),
                       (Curve(Text("measurement", "测量"), _steps(sensor).astype(float), "estimate"),
                        Curve(Text("input", "输入"), _steps(actuator).astype(float), "force", "dash", 1.6)),
@@ -97,7 +97,7 @@ def _ages(outcome: Outcome) -> TimeFigure:
 
 # --- covariance --------------------------------------------------------------------------------------------------------
 def _teeth(outcome: Outcome) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     curves = [Curve(Text("this run", "本次运行"), s.teeth.ravel(), "plant")]
     if s.trials is not None and len(s.trials.mean):
         curves.append(Curve(Text(f"mean of {RUNS}", f"{RUNS} 次平均"), _bound(s.trials.mean), "estimate"))
@@ -134,7 +134,7 @@ def _log(values: np.ndarray) -> np.ndarray:
 
 
 def _means(outcome: Outcome) -> PlaneFigure:
-    s, d = outcome.extra, outcome.design
+    s, d = outcome.study, outcome.design
     edge = s.watched.sampled.edge
     lower, upper = bounds_over_loss(key(d))
     top = float(np.clip(np.ceil(np.log10(upper[-2])), 1.0, 6.0))
@@ -161,7 +161,7 @@ def _means(outcome: Outcome) -> PlaneFigure:
 
 
 def _limits(outcome: Outcome) -> TableFigure:
-    s, d, m = outcome.extra, outcome.design, outcome.metrics
+    s, d, m = outcome.study, outcome.design, outcome.metrics
     plant = s.watched.sampled
     edge, p = plant.edge, d["loss"]
     least = (f"{s.watched.ratio(mean_lower_limit(plant.plant.A, plant.Q, p)):.4g}" if p * plant.radius**2 < 1 else NEVER)
@@ -182,7 +182,7 @@ def _limits(outcome: Outcome) -> TableFigure:
 
 # --- separation --------------------------------------------------------------------------------------------------------
 def _error(outcome: Outcome) -> TimeFigure:
-    s, meter = outcome.extra, outcome.metrics["separation_meter"]
+    s, meter = outcome.study, outcome.metrics["separation_meter"]
     held = meter < 1e-6
     words = (Text("Separation meter: 0. The error is what noise and packets make of it, whatever the controller does.",
                   "分离度量：0。误差只取决于噪声与数据包，与控制器无关。") if held else
@@ -209,7 +209,7 @@ def _spectrum(outcome: Outcome) -> PlaneFigure:
 
 
 def _blocks(outcome: Outcome) -> MatrixFigure:
-    s, d = outcome.extra, outcome.design
+    s, d = outcome.study, outcome.design
     plant = s.watched.sampled.plant
     n, m, delay = plant.n, plant.m, int(d["delay"])
     names = (*(f"x{i + 1}" for i in range(n)), *(f"u{'' if m == 1 else j + 1}−{i + 1}" for i in range(delay) for j in range(m)),

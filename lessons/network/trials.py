@@ -82,12 +82,12 @@ def with_trials(outcome: Outcome, found: Trials) -> Outcome:
     more = {"trials_done": min(found.done, 1.0)}
     if len(found.mean):
         more["trials_mean"] = float(found.mean[-1])
-    return replace(outcome, extra=replace(outcome.extra, trials=found), metrics={**outcome.metrics, **more})
+    return replace(outcome, study=replace(outcome.study, trials=found), metrics={**outcome.metrics, **more})
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The averages go over where case, noise and seed are the same, that over time where the loss is too."""
-    old, new = before.extra.trials, after.extra.trials
+    old, new = before.study.trials, after.study.trials
     if old is None or old.of != depends(after.design) or (new is not None and new.done >= old.done):
         return after
     if old.loss != after.design["loss"]:

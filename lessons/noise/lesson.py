@@ -19,7 +19,9 @@ from app.plants import MODELS, Model
 from app.plants.spring_damper import STAGE
 from app.text.words import Text
 
-from ..toolkit import kicks, listed, matrix, number, run_knobs
+from ..toolkit.boards import listed
+from ..toolkit.knobs import kicks, run_knobs
+from ..toolkit.latex import matrix, number
 from .pictures import all_figures
 from .tasks import TASKS, exam
 from .variance import Ray, growing, ray_of
@@ -177,7 +179,7 @@ def _live(design: Design, m: dict[str, float]) -> Text:
 # --- Monte-Carlo -----------------------------------------------------------------------------------------------------
 def try_often(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: many runs of the design on fresh noise, each error taken about its noise-free course."""
-    scenario, study = scenario_of(outcome.design, outcome.gains["L"]), outcome.extra
+    scenario, study = scenario_of(outcome.design, outcome.gains["L"]), outcome.study
     seeds = np.random.SeedSequence(int(outcome.design["seed"])).generate_state(RUNS)
     total = np.zeros_like(study.quiet)
     for k, seed in enumerate(seeds, start=1):
@@ -188,25 +190,25 @@ def try_often(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
 
 
 def _with(outcome: Outcome, trials: Trials) -> Outcome:
-    tail = trials.square[-1] / np.diagonal(outcome.extra.grown[-1])
+    tail = trials.square[-1] / np.diagonal(outcome.study.grown[-1])
     metrics = {**outcome.metrics, "trials": float(trials.count), "trial_ratio_position": float(tail[0]),
                "trial_ratio_velocity": float(tail[1])}
-    return replace(outcome, extra=replace(outcome.extra, trials=trials), metrics=metrics)
+    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The runs go over where only the error that is looked at has changed."""
-    old, new = before.extra.trials, after.extra.trials
+    old, new = before.study.trials, after.study.trials
     if old is None or not before.design.same_but_for(after.design, ("watch",)) or (new is not None and new.count >= old.count):
         return after
     return _with(after, old)
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson(

@@ -18,8 +18,12 @@ from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcom
 from app.plants import Model, Signal
 from app.text.words import Text, squared
 
-from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, noise_units, run_knobs, stage
-from .lesson import LESSON, POLES, RUNS
+from ..toolkit.boards import bolts, listed, stage
+from ..toolkit.figures import TIME_TAB
+from ..toolkit.gains import injection, noise_units
+from ..toolkit.knobs import kicks, run_knobs
+from ..toolkit.latex import gain_words
+from .lesson import POLES, RUNS
 from .pictures import RUNS_TAB, SPEED_TAB, error_curves, variance_curves
 
 BELIEF = "belief"
@@ -196,7 +200,7 @@ def _now(outcome: Outcome) -> float | None:
 
 
 def _valley(outcome: Outcome, signal: Signal) -> PlaneFigure:
-    study, x, m = outcome.extra, np.log10(RUNGS), outcome.metrics
+    study, x, m = outcome.study, np.log10(RUNGS), outcome.metrics
     total, process, sensor = (np.log10([_rms(getattr(p, k), signal) for p in study.ladder.parts]) for k in ("total", "process", "sensor"))
     at = _now(outcome)
     here = (Point(2.2 if at is None else at, float(np.log10(max(m["rms"], 1e-150))), "estimate", "cross", Text("yours", "当前")),)
@@ -214,7 +218,7 @@ def _valley(outcome: Outcome, signal: Signal) -> PlaneFigure:
 
 
 def _peaks(outcome: Outcome) -> PlaneFigure:
-    y, at = np.log10(np.maximum(outcome.extra.peaks, 1e-150)), _now(outcome)
+    y, at = np.log10(np.maximum(outcome.study.peaks, 1e-150)), _now(outcome)
     points = () if at is None else (Point(at, float(np.interp(at, np.log10(RUNGS), y)), "estimate", "cross", Text("yours", "当前")),)
     return PlaneFigure("peaks", Text("peak of the error from x(0), without noise", "无噪声时误差的峰值（初始误差为 x(0)）"),
                        (Curve(Text("start as wrong as x(0)", "初始误差等于 x(0)"), y, "error", x=np.log10(RUNGS)),), points,
@@ -225,7 +229,7 @@ def _peaks(outcome: Outcome) -> PlaneFigure:
 
 
 def _shares(model: Model, outcome: Outcome) -> TableFigure:
-    study = outcome.extra
+    study = outcome.study
     rows = tuple((Text(f"{s.name.en} [{s.unit}]", f"{s.name.zh} [{s.unit}]"), *(
         f"{_rms(P, s):.3g}" for P in (study.parts.process, study.parts.sensor, study.parts.total, study.least.total)))
         for s in model.watched[:6])
@@ -254,7 +258,7 @@ def _hidden(signal: Signal, run: Run) -> TimeFigure:
 
 
 def _error(outcome: Outcome, signal: Signal, run: Run) -> TimeFigure:
-    study = outcome.extra
+    study = outcome.study
     count = len(study.grown)
     e, quiet, spread = signal.of(run.e)[:count], signal.of(study.quiet), 2 * np.sqrt(study.grown)
     inside = 100 * float(np.mean(np.abs(e - quiet) <= spread + 1e-300))
@@ -265,7 +269,7 @@ def _error(outcome: Outcome, signal: Signal, run: Run) -> TimeFigure:
 
 
 def _variance(outcome: Outcome, signal: Signal, run: Run) -> TimeFigure:
-    study = outcome.extra
+    study = outcome.study
     grown, count = study.grown, study.count or RUNS
     curves, inside = variance_curves(grown, study.square, count)
     if study.square is None:
@@ -279,7 +283,7 @@ def _variance(outcome: Outcome, signal: Signal, run: Run) -> TimeFigure:
 
 def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: many runs on fresh noise, each error taken about its noise-free course."""
-    scenario, study, row = (scenario_of(model, outcome.design, outcome.gains["L"]), outcome.extra,
+    scenario, study, row = (scenario_of(model, outcome.design, outcome.gains["L"]), outcome.study,
                             np.array(_watched(model, outcome.design).weights))
     total = np.zeros(len(study.grown))
     for k, seed in enumerate(np.random.SeedSequence(int(outcome.design["seed"])).generate_state(RUNS), start=1):
@@ -287,11 +291,11 @@ def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]
         shared = min(len(e), len(total))
         total[:shared] += ((e[:shared] - study.quiet[:shared]) @ row) ** 2
         if k % AT_ONCE == 0:
-            outcome = replace(outcome, extra=replace(study, square=total / k, count=k))
+            outcome = replace(outcome, study=replace(study, square=total / k, count=k))
             yield k / RUNS, outcome
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; the tasks stay with the block."""
-    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
                    job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), partial(try_often, model)), carry=None)

@@ -9,7 +9,7 @@ from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, T
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same, squared
 
-from ..toolkit import TIME_TAB
+from ..toolkit.figures import TIME_TAB
 
 SPEED_TAB, RUNS_TAB = Text("Speed", "速度"), Text("Many runs", "多次运行")
 NAMES = (Text("position", "位置"), Text("velocity", "速度"))
@@ -30,7 +30,7 @@ def _log(values: np.ndarray) -> np.ndarray:
 
 
 def _valley(outcome: Outcome, i: int) -> PlaneFigure:
-    study, m = outcome.extra, outcome.metrics
+    study, m = outcome.study, outcome.metrics
     ray, x = study.ray, _log(study.ray.speed)
     total = _log(ray.process[:, i] + ray.sensor[:, i]) / 2
     least = float(_log(np.sqrt(study.kalman.solution[i, i])))
@@ -52,7 +52,7 @@ def _valley(outcome: Outcome, i: int) -> PlaneFigure:
 
 
 def _valley_words(outcome: Outcome, i: int) -> Text:
-    study, m = outcome.extra, outcome.metrics
+    study, m = outcome.study, outcome.metrics
     now, least = (float(np.sqrt(P[i, i])) for P in (study.parts.total, study.kalman.solution))
     if now < 1.005 * least:
         return Text(f"σ = {now:.3g} {UNITS[i]}: this is the bottom.", f"σ = {now:.3g} {UNITS[i]}：正是谷底。")
@@ -70,7 +70,7 @@ def _valley_words(outcome: Outcome, i: int) -> Text:
 
 
 def _peaks(outcome: Outcome) -> PlaneFigure:
-    ray, m, d = outcome.extra.ray, outcome.metrics, outcome.design["error0"]
+    ray, m, d = outcome.study.ray, outcome.metrics, outcome.design["error0"]
     x, y = _log(ray.speed), _log(ray.peak)
     at = float(np.interp(_log(np.array(m["speed"])), x, y))
     return PlaneFigure(
@@ -83,7 +83,7 @@ def _peaks(outcome: Outcome) -> PlaneFigure:
 
 
 def _shares(outcome: Outcome) -> TableFigure:
-    study = outcome.extra
+    study = outcome.study
     rows = []
     for i, name in enumerate(NAMES):
         parts = (study.parts.process, study.parts.sensor, study.parts.total, study.kalman.solution)
@@ -143,7 +143,7 @@ def variance_curves(promised: np.ndarray, tried: np.ndarray | None, count: int) 
 
 
 def _error(outcome: Outcome, i: int) -> TimeFigure:
-    run, study = outcome.run, outcome.extra
+    run, study = outcome.run, outcome.study
     assert run is not None
     spread = 2 * np.sqrt(np.maximum(study.grown[:, i, i], 0.0))
     inside = 100 * float(np.mean(np.abs(run.e[:, i] - study.quiet[:, i]) <= spread + 1e-12))
@@ -155,7 +155,7 @@ def _error(outcome: Outcome, i: int) -> TimeFigure:
 
 
 def _variance(outcome: Outcome, i: int) -> TimeFigure:
-    run, study = outcome.run, outcome.extra
+    run, study = outcome.run, outcome.study
     assert run is not None
     promised = study.grown[:, i, i]
     tried, count = (None, PLANNED) if study.trials is None else (study.trials.square[:, i], study.trials.count)

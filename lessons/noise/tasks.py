@@ -25,7 +25,7 @@ def _by_hand(outcome: Outcome) -> Verdict:
 
 
 def _other_side(outcome: Outcome) -> Verdict:
-    ray, m = outcome.extra.ray, outcome.metrics
+    ray, m = outcome.study.ray, outcome.metrics
     if outcome.design["method"] != "speed" or outcome.design["watch"] != "velocity":
         return Verdict(False, Text("Use the Kalman pattern and judge by velocity.", "请使用卡尔曼的形状，并以速度误差评判。"))
     wanted = float(np.exp(np.interp(np.log(TWIN_SPEED * m["kalman_speed"]), np.log(ray.speed),

@@ -12,7 +12,8 @@ from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stag
 from app.lesson.prose import read_prose
 from app.text.words import Text, same
 
-from ..toolkit import number, run_knobs
+from ..toolkit.knobs import run_knobs
+from ..toolkit.latex import number
 from .cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF
 from .pictures import all_figures, verdict
 from .report import LINES, NONE
@@ -152,7 +153,7 @@ def _live(design: Design, s: Study) -> Text:
 # --- many runs -----------------------------------------------------------------------------------------------------------
 def try_often(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """The job: the whole record, many runs at once."""
-    design, count = outcome.design, outcome.extra.case.full
+    design, count = outcome.design, outcome.study.case.full
     for k, study in enumerate(studies(design, MANY, count, BLOCK), start=1):
         if study is None:
             yield min(k * BLOCK / count, 0.99), outcome
@@ -162,7 +163,7 @@ def try_often(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The many runs go over where only what is looked at has changed."""
-    old, new = before.extra, after.extra
+    old, new = before.study, after.study
     if old.runs <= new.runs:
         return after
     steered = old.case.id == PENDULUM or (old.case.id == PLATFORM and after.design["steer"])

@@ -12,7 +12,7 @@ from app.lesson.lesson import Outcome
 from app.plants import cart_pendulum, falling_body, platform
 from app.text.words import Text, same
 
-from ..toolkit import TIME_TAB
+from ..toolkit.figures import TIME_TAB
 from .cases import EKF, FALL, KF, LENGTH, PENDULUM, PLATFORM, UKF
 from .report import LINES, NONE, finding, linear_spreads
 from .runs import FILTERS
@@ -44,7 +44,7 @@ def band_of(dof: int, runs: int) -> tuple[float, float]:
 
 # --- one run ---------------------------------------------------------------------------------------------------------
 def _state(outcome: Outcome) -> TimeFigure:
-    s, who = outcome.extra, outcome.design["filter"]
+    s, who = outcome.study, outcome.design["filter"]
     signal, falls = s.case.watched[0], s.case.id == FALL
     true, mean, sigma = signal.of(s.x), signal.of(s.means[who]), 3 * s.sigmas[who][:, s.case.state] * signal.scale
     inside = 100 * float(np.mean(np.abs(true - mean) <= sigma))
@@ -62,7 +62,7 @@ def _state(outcome: Outcome) -> TimeFigure:
 
 
 def _errors(outcome: Outcome) -> TimeFigure:
-    s, who = outcome.extra, outcome.design["filter"]
+    s, who = outcome.study, outcome.design["filter"]
     signal = s.case.watched[1] if s.case.id == FALL else s.case.watched[0]
     at = 1 if s.case.id == FALL else 0
     state = int(np.argmax(np.abs(signal.weights)))
@@ -85,7 +85,7 @@ def shares(values: np.ndarray, band: tuple[float, float]) -> tuple[float, float]
 
 
 def _squares(outcome: Outcome, id: str, title: Text, dof: int, values: dict[str, np.ndarray]) -> TimeFigure:
-    s = outcome.extra
+    s = outcome.study
     band = band_of(dof, s.runs)
     curves = [Curve(name_of(n), np.clip(values[n], FLOOR, CEILING), role, dash) for n, role, dash in LOOKS]  # type: ignore[arg-type]
     curves += [Curve(Text("95 % band", "95 % 带"), np.full(len(s.t), band[1]), "muted", "dot", 1.4),
@@ -97,14 +97,14 @@ def _squares(outcome: Outcome, id: str, title: Text, dof: int, values: dict[str,
 
 
 def _nees(outcome: Outcome) -> TimeFigure:
-    n = outcome.extra.x.shape[1]
-    return _squares(outcome, "nees", Text(f"NEES, {n} states", f"NEES（{n} 个状态）"), n, outcome.extra.nees)
+    n = outcome.study.x.shape[1]
+    return _squares(outcome, "nees", Text(f"NEES, {n} states", f"NEES（{n} 个状态）"), n, outcome.study.nees)
 
 
 def _nis(outcome: Outcome) -> TimeFigure:
-    p = len(outcome.extra.case.R)
+    p = len(outcome.study.case.R)
     return _squares(outcome, "nis", Text(f"NIS, {p} readings" if p > 1 else "NIS, 1 reading", f"NIS（{p} 个读数）"), p,
-                    outcome.extra.nis)
+                    outcome.study.nis)
 
 
 def verdict(values: np.ndarray, dof: int, runs: int) -> Text:
@@ -123,7 +123,7 @@ def verdict(values: np.ndarray, dof: int, runs: int) -> Text:
 
 
 def _verdicts(outcome: Outcome) -> TableFigure:
-    s = outcome.extra
+    s = outcome.study
     n = s.x.shape[1]
     rows = tuple((name_of(f), _short(float(np.mean(s.nees[f]))), _short(float(np.max(s.nees[f]))), f"{100 * s.honest[f]:.0f} %",
                   verdict(s.nees[f], n, s.runs)) for f in FILTERS)
@@ -148,7 +148,7 @@ def _short(value: float) -> str:
 
 # --- laws ---------------------------------------------------------------------------------------------------------------
 def _law(outcome: Outcome) -> PlaneFigure:
-    s, d = outcome.extra, outcome.design
+    s, d = outcome.study, outcome.design
     if s.case.id == PLATFORM:
         k = platform.Parameters()
         e = np.linspace(-12, 12, 97)
@@ -195,7 +195,7 @@ def _plane(id: str, title: Text, x_label: str, y_label: str, x: np.ndarray, true
 
 
 def _second_law(outcome: Outcome) -> PlaneFigure:
-    s, d = outcome.extra, outcome.design
+    s, d = outcome.study, outcome.design
     if s.case.id == PLATFORM:
         x = np.linspace(-12, 12, 97)
         factor = np.exp(-d["weakening"] * 1e-3 * x / LENGTH)
@@ -219,7 +219,7 @@ def _second_law(outcome: Outcome) -> PlaneFigure:
 
 # --- the report ----------------------------------------------------------------------------------------------------------
 def _algorithm(outcome: Outcome) -> TimeFigure:
-    s, d = outcome.extra, outcome.design
+    s, d = outcome.study, outcome.design
     right, believed, real, _ = linear_spreads(s.case.id, d["wind"], d["sensor"])
     signal = s.case.watched[0]
     scale, t = signal.scale, s.case.step * np.arange(len(right))
@@ -239,7 +239,7 @@ def _algorithm(outcome: Outcome) -> TimeFigure:
 
 
 def _lines(outcome: Outcome) -> TableFigure:
-    chosen, s = outcome.design["line"], outcome.extra
+    chosen, s = outcome.design["line"], outcome.study
     gap = s.apart[UKF] if not outcome.design["redraw"] else linear_spreads(PLATFORM, 1.0, 1.0)[3]
     rows = tuple((label, finding(name, gap) if name == chosen else same("?")) for name, label in LINES if name != NONE)
     return TableFigure("lines", Text("lines of the report in doubt", "报告中可疑的几行"),

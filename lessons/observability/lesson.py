@@ -14,7 +14,7 @@ from app.lesson.prose import read_prose
 from app.plants import Model
 from app.text.words import Text
 
-from ..toolkit import matrix, number, pole_words
+from ..toolkit.latex import matrix, number, pole_words
 from .bodies import body_of
 from .cases import CASES, sensed
 from .criteria import CRITERIA, criteria
@@ -99,7 +99,7 @@ def compute(design: Design) -> Outcome:
     found = Found(case, s, built, belief, start, criteria(s, full), weakest, full, sweep(design))
     metrics = metrics_of(found)
     return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
-                   stage=_stage(design, found), formulas=formulas_of(found), live=live_of(found, metrics), extra=found)
+                   stage=_stage(design, found), formulas=formulas_of(found), live=live_of(found, metrics), study=found)
 
 
 def cloud_of(found: Found) -> np.ndarray:
@@ -205,11 +205,11 @@ def metrics_of(found: Found) -> dict[str, float]:
     }
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson("observability", 3, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam, kick=False,

@@ -13,12 +13,12 @@ from app.plants import Model
 from app.plants.names import called
 from app.text.words import Text
 
-from ..toolkit import sizes
+from ..toolkit.gains import sizes
 from .bodies import body_of
 from .cases import Case, sensed_by
 from .criteria import criteria
 from .knowledge import learn, rebuild
-from .lesson import KNOBS, LESSON, checks_of, cloud_of, formulas_of, live_of, metrics_of
+from .lesson import KNOBS, checks_of, cloud_of, formulas_of, live_of, metrics_of
 from .verdict import Found
 
 SWITCHES = 6  # outputs with a switch; what a plant has beyond these stays on
@@ -70,7 +70,7 @@ def compute(model: Model, case: Case, design: Design) -> Outcome:
                   full, None)
     metrics = metrics_of(found)
     return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
-                   stage=_stage(model, found), formulas=formulas_of(found), live=live_of(found, metrics), extra=found)
+                   stage=_stage(model, found), formulas=formulas_of(found), live=live_of(found, metrics), study=found)
 
 
 def _stage(model: Model, found: Found) -> Stage:
@@ -84,6 +84,6 @@ def _stage(model: Model, found: Found) -> Stage:
     return Stage(body_of("own", n), s.t, true, guess)
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant; the tasks turn sensors of the lesson's plants and stay with them."""
-    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, model, case_of(model)), tasks=())
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model, case_of(model)), tasks=())

@@ -9,7 +9,7 @@ from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, 
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
-from ..toolkit import pole_words
+from ..toolkit.latex import pole_words
 from .cases import label, shown, unit
 from .criteria import DET
 from .knowledge import REACH
@@ -26,7 +26,7 @@ YES, NO, MUTE = Text("yes", "是"), Text("no", "否"), Text("says nothing", "无
 
 def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
-    found, design = outcome.extra, outcome.design
+    found, design = outcome.study, outcome.design
     assert isinstance(found, Found)
     return (_matrix(found), _sizes(found, design["tolerance"]), _start(found),
             _ellipses(found), _halves(found), _energy(found),

@@ -14,8 +14,8 @@ PAPER = 1e-4  # distance below which full rank is only on paper
 
 
 def _found(outcome: Outcome) -> Found:
-    assert isinstance(outcome.extra, Found)
-    return outcome.extra
+    assert isinstance(outcome.study, Found)
+    return outcome.study
 
 
 def _one_sensor(outcome: Outcome) -> Verdict:

@@ -17,7 +17,8 @@ from app.plants import Model
 from app.plants.duan import push
 from app.text.words import Text, same
 
-from ..toolkit import listed, matrix, number, pole_words
+from ..toolkit.boards import listed
+from ..toolkit.latex import matrix, number, pole_words
 from .loops import (
     CASES,
     DT,
@@ -217,11 +218,11 @@ def exam(seed: int) -> ExamItem:
     return ExamItem({"s": str(s), "a": str(a), "b": str(b), "c": str(c)}, float(answer), 1e-6)
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson("robust-observer", 15, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,

@@ -12,8 +12,9 @@ from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcom
 from app.plants import Model
 from app.text.words import Text
 
-from ..toolkit import bolts, gain_words, number, pole_words
-from .lesson import LESSON, MET
+from ..toolkit.boards import bolts
+from ..toolkit.latex import gain_words, number, pole_words
+from .lesson import MET
 from .own_knobs import own_knobs
 from .own_loop import Run, errors, lengths, observer_of, run_of
 from .own_pictures import Story, all_figures
@@ -96,8 +97,8 @@ def _live(m: dict[str, float], poles: np.ndarray) -> Text:
     return Text(start.en + end.en, start.zh + end.zh)
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where an observer of a part of its state exists; the tasks stay with the paper."""
     here = fitted(model)
-    return replace(LESSON, knobs=own_knobs(here), compute=partial(compute, here), figures=all_figures, tasks=(),
+    return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=all_figures, tasks=(),
                    job=Job(Text("Run algorithm RLO", "运行算法 RLO"), partial(search, here)), carry=partial(carry, here))

@@ -14,7 +14,7 @@ from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design
 from app.text.words import Text
 
-from ..toolkit import feedback
+from ..toolkit.gains import feedback
 from .loops import NORMS
 from .own_plant import Here, coincide, met, row_of
 

@@ -13,7 +13,7 @@ from app.lesson.lesson import Design, Outcome
 from app.plants import Window
 from app.text.words import Text
 
-from ..toolkit import pole_words
+from ..toolkit.latex import pole_words
 from .own_loop import Run
 from .own_search import inside
 from .pictures import J_TAB, NONE, TIME_TAB
@@ -40,7 +40,7 @@ class Story:
 
 def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
     """Time, criterion, loop: at most three in a tab."""
-    story = outcome.extra
+    story = outcome.study
     return (_error(outcome, story), _signal(story), _compared(outcome, story), _attempts(story), _gain(story),
             _plane(outcome.design, story))
 

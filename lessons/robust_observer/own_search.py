@@ -36,7 +36,7 @@ def inside(poles: Poles, design: Design) -> bool:
 
 def search(here: Here, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     """Algorithm RLO for this plant; a better observer of the same order that is already chosen stays the result."""
-    design, chosen = outcome.design, outcome.extra.observer
+    design, chosen = outcome.design, outcome.study.observer
     units, row, result = here.scaled, wanted_of(here, design)[1], None
     region = Region(design["region_low"] / units.rate, design["region_high"] / units.rate, 0.0, design["region_tall"] / units.rate)
     try:
@@ -80,12 +80,12 @@ def with_search(here: Here, outcome: Outcome, result: RobustObserver, key: tuple
     run = run_of(here, outcome.design, result.observer, *errors(here, outcome.design))
     more = {"J_rlo": float(result.value), "order_rlo": float(result.observer.order),
             "late_error_rlo": run.late(run.e)}
-    return replace(outcome, extra=replace(outcome.extra, found=result, found_run=run, key=key), metrics={**outcome.metrics, **more})
+    return replace(outcome, study=replace(outcome.study, found=result, found_run=run, key=key), metrics={**outcome.metrics, **more})
 
 
 def carry(here: Here, before: Outcome, after: Outcome) -> Outcome:
     """What RLO found goes over to the next design as long as what it rests on is the same."""
-    old = before.extra
-    if old.found is None or after.extra.found is not None or old.key != depends(after.design):
+    old = before.study
+    if old.found is None or after.study.found is not None or old.key != depends(after.design):
         return after
     return with_search(here, after, old.found, old.key)

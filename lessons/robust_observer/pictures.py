@@ -61,7 +61,7 @@ def _edge(values: np.ndarray) -> np.ndarray:
 
 
 def _error(outcome: Outcome) -> TimeFigure:
-    story, late = outcome.extra, outcome.metrics["late_error"]
+    story, late = outcome.study, outcome.metrics["late_error"]
     t, window = story.true.t, (-5.0, 5.0)
     same_plant = np.array_equal(story.true.e_u, story.model.e_u)
     caption = (Text("Plant and model agree: e_u dies out like the observer's poles, whatever v does.",
@@ -77,7 +77,7 @@ def _error(outcome: Outcome) -> TimeFigure:
 
 
 def _input(outcome: Outcome) -> TimeFigure:
-    run = outcome.extra.true
+    run = outcome.study.true
     given = run.u[:, 0]
     peak = min(float(np.max(np.abs(given))), MOST)
     return TimeFigure("input", Text("input wanted and given", "期望输入与实际给出的输入"), run.t,
@@ -89,7 +89,7 @@ def _input(outcome: Outcome) -> TimeFigure:
 
 
 def _output(outcome: Outcome) -> TimeFigure:
-    story = outcome.extra
+    story = outcome.study
     gap = min(float(np.max(np.abs(story.true.y - story.model.y))), MOST)
     return TimeFigure("output", Text("measured output y", "测量输出 y"), story.true.t,
                       (Curve(Text("true plant", "真实对象"), _edge(story.true.y[:, 0]), "plant"),
@@ -105,7 +105,7 @@ def _poles(design: Design) -> tuple[complex, ...]:
 
 def _criterion(outcome: Outcome) -> PlaneFigure:
     design, J = outcome.design, outcome.metrics["J"]
-    poles, search = _poles(design), outcome.extra.search
+    poles, search = _poles(design), outcome.study.search
     if design["example"] == ONE:
         known, seen, output = criterion_1(AXIS, design)
         curves = [Curve(same("J"), known + seen + output, "plant", width=2.4, x=AXIS),
@@ -182,7 +182,7 @@ def _found(outcome: Outcome) -> TableFigure:
     """What algorithm RLO found in each norm, or that it has not run."""
     columns = (Text("norm", "范数"), Text("order", "阶数"), Text("poles", "极点"), Text("least J", "最小 J"),
                Text("orders tried", "试过的阶数"))
-    search: Search | None = outcome.extra.search
+    search: Search | None = outcome.study.search
     rows: list[tuple[Text | str, ...]] = []
     for name in NORMS:
         found = next((f for key, f in search.found if key == name), None) if search is not None else None
@@ -203,7 +203,7 @@ def _found(outcome: Outcome) -> TableFigure:
 
 # --- worst case ------------------------------------------------------------------------------------------------------
 def _frequency(outcome: Outcome) -> FrequencyFigure:
-    story, peak = outcome.extra, outcome.metrics["worst_gain"]
+    story, peak = outcome.study, outcome.metrics["worst_gain"]
     floor = 1e-6
     caption = (Text("At some sign pattern of the δ the loop is unstable.", "在某组 δ 符号下闭环不稳定。") if peak >= MOST else
                Text(f"Worst of the eight sign patterns: {peak:.3g} times v.", f"八种符号组合中最坏的：v 的 {peak:.3g} 倍。"))
@@ -215,7 +215,7 @@ def _frequency(outcome: Outcome) -> FrequencyFigure:
 
 def _sweep(outcome: Outcome) -> PlaneFigure:
     """The worst case along the axis, as far as the job has come; now is the dotted line."""
-    design, search, now = outcome.design, outcome.extra.search, outcome.metrics["worst_gain"]
+    design, search, now = outcome.design, outcome.study.search, outcome.metrics["worst_gain"]
     top = nice(1.6 * min(max(now, 1.0), 50.0))
     curves = [Curve(Text("now", "当前"), np.full(2, min(now, top)), "error", "dot", 1.6, np.array([-12.0, 0.0]))]
     points: tuple[Point, ...] = ()

@@ -76,13 +76,13 @@ def with_search(outcome: Outcome, result: Search) -> Outcome:
     more |= {f"s_rlo_{name}": float(np.max(found.observer.poles.real)) for name, found in result.found}
     if len(result.s):
         more |= {"least_worst": float(np.min(result.worst)), "s_least_worst": float(result.s[np.argmin(result.worst)])}
-    return replace(outcome, extra=replace(outcome.extra, search=result),
+    return replace(outcome, study=replace(outcome.study, search=result),
                    metrics={**outcome.metrics, **more, "search_done": result.done})
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The search goes over to the next design as long as what it rests on is the same, and if it knows more."""
-    old, new = before.extra.search, after.extra.search
+    old, new = before.study.search, after.study.search
     if old is None or old.key != depends(after.design) or (new is not None and new.done >= old.done):
         return after
     return with_search(after, old)

@@ -31,7 +31,7 @@ from app.plants import Model
 from app.sentences import told
 from app.text.words import Text
 
-from ..toolkit import noise_units
+from ..toolkit.gains import noise_units
 
 T = TypeVar("T")
 QUICK = 8  # states up to which margins are found while a knob moves, whatever the eigenvectors

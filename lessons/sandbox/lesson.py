@@ -23,7 +23,11 @@ from app.plants.examples import example
 from app.plants.own import own_model, plant_of
 from app.text.words import Text
 
-from ..toolkit import fair, gain_words, gains, kicks, method_knobs, pole_boards, pole_knobs, run_knobs, stage
+from ..toolkit.boards import pole_boards, stage
+from ..toolkit.gains import gains
+from ..toolkit.knobs import kicks, method_knobs, pole_knobs, run_knobs
+from ..toolkit.latex import gain_words
+from ..toolkit.tasks import fair
 from . import pictures
 from .analyses import (
     Margins,
@@ -141,7 +145,7 @@ def _live(rows: tuple[tuple[Text, bool | None, Text], ...]) -> Text:
 
 def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
     """Verdicts; structure; the run; loop; noise; robustness."""
-    study, run, design, plant = outcome.extra, outcome.run, outcome.design, model.plant
+    study, run, design, plant = outcome.study, outcome.run, outcome.design, model.plant
     assert run is not None
     limit = design["u_max"] if design["limited"] else None
     rows = verdicts(study.structure, study.loop, study.meter, limit is not None, study.noise, study.trial, study.margins)
@@ -178,30 +182,30 @@ def try_recovery(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcom
     G, W, V = noises(model, design["sensor"])
     size = np.sqrt(float(np.trace(G @ W @ G.T)) / max(float(np.trace(plant.B @ plant.B.T)), 1e-300))
     target = aim.input_disk.alpha
-    if isinstance(outcome.extra.margins, Refusal):
-        outcome = replace(outcome, extra=replace(outcome.extra, margins=attempt(lambda: margins(plant, K, outcome.gains["L"], True))))
+    if isinstance(outcome.study.margins, Refusal):
+        outcome = replace(outcome, study=replace(outcome.study, margins=attempt(lambda: margins(plant, K, outcome.gains["L"], True))))
     grid, steps = _frequencies(plant_rate=typical_rate(plant), dt=plant.dt), ()
     for k, q in enumerate(STEPS, start=1):
         found = recover(plant, K, W, V, float(q) * size, G)
         built = loop_margins(plant, found.compensator)
         steps = (*steps, (float(q), float(built.input_disk.alpha), float(target)))
-        outcome = replace(outcome, extra=replace(outcome.extra, steps=steps, recovered=pictures.largest(built.loop, grid)))
+        outcome = replace(outcome, study=replace(outcome.study, steps=steps, recovered=pictures.largest(built.loop, grid)))
         yield k / len(STEPS), outcome
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """What was recovered goes over while K and the noise stay."""
-    old, new = before.extra, after.extra
+    old, new = before.study, after.study
     alike = (np.array_equal(before.gains["K"], after.gains["K"]) and before.design["sensor"] == after.design["sensor"]
              and before.design.plant == after.design.plant)
     if not old.steps or not alike or len(new.steps) >= len(old.steps):
         return after
-    return replace(after, extra=replace(new, steps=old.steps, recovered=old.recovered))
+    return replace(after, study=replace(new, steps=old.steps, recovered=old.recovered))
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The sandbox for a person's plant, with the tasks that can be done on it."""
-    return fair(build(model))
+    return fair(replace(build(model), words=lesson.words))
 
 
 def build(model: Model) -> Lesson:

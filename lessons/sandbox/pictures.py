@@ -16,7 +16,8 @@ from app.plants import Model
 from app.plants.names import called
 from app.text.words import Text, same
 
-from ..toolkit import error_figure, input_figure, pole_words, state_figures, tiny
+from ..toolkit.figures import error_figure, input_figure, state_figures
+from ..toolkit.latex import pole_words, tiny
 from .analyses import Margins, Noise, Refusal, Structure, Trial
 
 VERDICT_TAB, STRUCTURE_TAB, LOOP_TAB = Text("Verdicts", "结论"), Text("Structure", "结构"), Text("Loop", "闭环")

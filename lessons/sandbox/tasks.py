@@ -29,7 +29,7 @@ def through_the_limit(outcome: Outcome) -> Verdict:
 
 def wrong_belief(outcome: Outcome) -> Verdict:
     """A filter that its own NIS convicts of overconfidence."""
-    trial = outcome.extra.trial
+    trial = outcome.study.trial
     if isinstance(trial, Refusal):
         return Verdict(False, trial.text)
     p = trial.test.dof
@@ -42,7 +42,7 @@ def wrong_belief(outcome: Outcome) -> Verdict:
 
 def below_the_tolerance(outcome: Outcome) -> Verdict:
     """A rank that drops although no mode is hidden."""
-    seen = outcome.extra.structure.seen
+    seen = outcome.study.structure.seen
     if isinstance(seen, Refusal):
         return Verdict(False, seen.text)
     n = len(seen.modes)

@@ -8,7 +8,7 @@ from app.engine.feedback import ClosedLoop
 from app.engine.structure import Mode
 from app.text.words import Text
 
-from ..toolkit import pole_words, tiny
+from ..toolkit.latex import pole_words, tiny
 from .analyses import Margins, Noise, Refusal, Structure, Trial
 
 Row = tuple[Text, bool | None, Text]

@@ -19,19 +19,11 @@ from app.lesson.prose import read_prose
 from app.plants import MODELS, Model
 from app.text.words import Text
 
-from ..toolkit import (
-    error_figure,
-    gains,
-    input_figure,
-    kicks,
-    matrix,
-    pole_boards,
-    pole_knobs,
-    run_knobs,
-    stage,
-    state_figures,
-    within,
-)
+from ..toolkit.boards import pole_boards, stage
+from ..toolkit.figures import error_figure, input_figure, state_figures, within
+from ..toolkit.gains import gains
+from ..toolkit.knobs import kicks, pole_knobs, run_knobs
+from ..toolkit.latex import matrix
 from .runs import comes_home, march, until, whole
 from .starts import (
     GRID,
@@ -161,7 +153,7 @@ def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -
 
 def figures(outcome: Outcome) -> tuple[Figure, ...]:
     """Angle and position, error and force, and the map of starts."""
-    story, design, metrics = outcome.extra, outcome.design, outcome.metrics
+    story, design, metrics = outcome.study, outcome.design, outcome.metrics
     angle, position = state_figures(MODEL, story.shown, 2)
     known = Curve(Text("had x been known", "若 x 已知"), MODEL.watched[0].of(story.known), "reference", "dot", 1.6)
     angle = replace(angle, curves=(*angle.curves, known), caption=_angle_words(outcome), window=(-20.0, 20.0))
@@ -178,7 +170,7 @@ def figures(outcome: Outcome) -> tuple[Figure, ...]:
 
 
 def _angle_words(outcome: Outcome) -> Text:
-    stopped, ideal = outcome.extra.stopped, bool(outcome.metrics["known_comes_home"])
+    stopped, ideal = outcome.study.stopped, bool(outcome.metrics["known_comes_home"])
     end = (Text(f"Fallen after {stopped:.2f} s; the run stops there and the curves are held.",
                 f"{stopped:.2f} s 后倒下；运行到此为止，曲线保持不变。") if stopped is not None else
            Text("Caught.", "已扶住。") if outcome.metrics["comes_home"] else Text("Not caught yet.", "尚未扶住。"))
@@ -207,8 +199,8 @@ def find_starts(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
         raise KnobError(Text("A pole is not in the left half plane, so no start comes home; drag it to the left first.",
                              "有极点不在左半平面，没有初态能恢复；请先把它拖到左边。"))
     scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    for fraction, starts in survey(scenario, depends(outcome.design), outcome.extra.starts):
-        if starts is not outcome.extra.starts and starts.done > 0:
+    for fraction, starts in survey(scenario, depends(outcome.design), outcome.study.starts):
+        if starts is not outcome.study.starts and starts.done > 0:
             outcome = _with(outcome, starts)
         yield fraction, outcome
 
@@ -218,13 +210,13 @@ def _slowest(outcome: Outcome, name: str) -> float:
 
 
 def _with(outcome: Outcome, starts: Starts) -> Outcome:
-    return replace(outcome, extra=replace(outcome.extra, starts=starts),
+    return replace(outcome, study=replace(outcome.study, starts=starts),
                    metrics={**outcome.metrics, "map_done": starts.done, "map_home": starts.home})
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The map goes over to the next design if only the start has changed, and if it knows more."""
-    old, new = before.extra.starts, after.extra.starts
+    old, new = before.study.starts, after.study.starts
     if old is None or old.key != depends(after.design) or (new is not None and new.done >= old.done):
         return after
     return _with(after, old)
@@ -289,11 +281,11 @@ def exam(seed: int) -> ExamItem:
 
 
 FAST = (-16 + 0j, -15 + 0j, -14 + 0j, -13 + 0j)
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson(

@@ -18,21 +18,12 @@ from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model
 from app.text.words import Text
 
-from ..toolkit import (
-    error_figure,
-    feedback,
-    gain_words,
-    injection,
-    input_figure,
-    kicks,
-    pole_boards,
-    pole_knobs,
-    run_knobs,
-    stage,
-    state_figures,
-    within,
-)
-from .lesson import APPLIED, COMMANDED, LESSON, amount
+from ..toolkit.boards import pole_boards, stage
+from ..toolkit.figures import error_figure, input_figure, state_figures, within
+from ..toolkit.gains import feedback, injection
+from ..toolkit.knobs import kicks, pole_knobs, run_knobs
+from ..toolkit.latex import gain_words
+from .lesson import APPLIED, COMMANDED, amount
 from .starts import CATEGORIES, SLICE, UNKNOWN
 
 GRID = np.linspace(-3.0, 3.0, 25)  # starts and errors, in units of the plant's own start
@@ -132,7 +123,7 @@ def _live(design: Design, m: Mapping[str, float]) -> Text:
 
 def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
     """Two signals, error and input, and the map of starts."""
-    run, story, limit = outcome.run, outcome.extra, outcome.design["u_max"]
+    run, story, limit = outcome.run, outcome.study, outcome.design["u_max"]
     assert run is not None
     first, *rest = state_figures(model, run, 2)
     count = min(len(run.t), len(story.known.t))
@@ -144,7 +135,7 @@ def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
 
 # --- the map -------------------------------------------------------------------------------------------------------------
 def _map(outcome: Outcome) -> MapFigure:
-    story, design = outcome.extra, outcome.design
+    story, design = outcome.study, outcome.design
     values = np.full((len(GRID), len(GRID)), UNKNOWN) if story.values is None else story.values
     done = float(np.mean(values != UNKNOWN))
     said = (Text("Not computed for this design yet: press the button under the knobs.",
@@ -189,16 +180,16 @@ def find_starts(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome
         values = values.copy()
         values[rows] = np.where(recovered.T, 0, 1)
         values[len(GRID) - 1 - rows] = values[rows][:, ::-1]
-        outcome = replace(outcome, extra=replace(outcome.extra, values=values))
+        outcome = replace(outcome, study=replace(outcome.study, values=values))
     yield 1.0, outcome
 
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """The map goes over where only the start has changed."""
-    old, new = before.extra, after.extra
+    old, new = before.study, after.study
     if old.values is None or old.key != new.key or new.values is not None or before.design.plant != after.design.plant:
         return after
-    return replace(after, extra=replace(new, values=old.values))
+    return replace(after, study=replace(new, values=old.values))
 
 
 def pick(outcome: Outcome, x: float, y: float) -> Mapping[str, Any]:
@@ -209,8 +200,8 @@ def pick(outcome: Outcome, x: float, y: float) -> Mapping[str, Any]:
     return {**cell, "kick": -1.0}
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks speak of the pole and stay with it."""
-    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
                    job=Job(Text("Map the starts that come home", "计算能恢复的初态地图"), partial(find_starts, model)),
                    carry=carry, pick=pick)

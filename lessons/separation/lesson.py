@@ -22,20 +22,11 @@ from app.plants import MODELS, Model, platform
 from app.plants.names import called
 from app.text.words import Text
 
-from ..toolkit import (
-    error_figure,
-    gain_words,
-    gains,
-    input_figure,
-    kicks,
-    method_knobs,
-    pole_boards,
-    pole_knobs,
-    run_knobs,
-    stage,
-    state_figures,
-    tiny,
-)
+from ..toolkit.boards import pole_boards, stage
+from ..toolkit.figures import error_figure, input_figure, state_figures
+from ..toolkit.gains import gains
+from ..toolkit.knobs import kicks, method_knobs, pole_knobs, run_knobs
+from ..toolkit.latex import gain_words, tiny
 
 MODEL = MODELS["deck"]
 SPECTRUM_TAB = Text("Poles", "极点")
@@ -153,7 +144,7 @@ def _live(loop: ClosedLoop, meter: float) -> Text:
 
 def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
     """Signals, error and input over time; the spectrum and the block-triangular matrix."""
-    run, loop, model = outcome.run, outcome.extra, here.model
+    run, loop, model = outcome.run, outcome.study, here.model
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
     return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit),
@@ -164,7 +155,7 @@ def _isolation(here: Setting, outcome: Outcome) -> FrequencyFigure:
     """From a disturbance to an output: untouched, steered by the state, steered by the estimate."""
     truth = here.truth(outcome.design)
     A, B, C = truth.A, truth.B, here.heard
-    K, n, loop = outcome.gains["K"], truth.n, outcome.extra
+    K, n, loop = outcome.gains["K"], truth.n, outcome.study
     zg, w = here.ground, 2 * np.pi * here.frequencies
 
     def gain(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -262,11 +253,11 @@ def _pairs(*upper: complex) -> tuple[complex, ...]:
 FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
 EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
          "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson(

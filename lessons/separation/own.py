@@ -14,8 +14,10 @@ from app.plants import Model
 from app.plants.names import called
 from app.text.words import Text
 
-from ..toolkit import fair, method_knobs, pole_knobs, run_knobs, sizes, sped
-from .lesson import LESSON, Setting, compute, fast_observer, figures
+from ..toolkit.gains import sizes, sped
+from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
+from ..toolkit.tasks import fair
+from .lesson import Setting, compute, fast_observer, figures
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
@@ -56,11 +58,11 @@ def own_setting(model: Model) -> Setting:
         np.geomspace(rate / 100, rate * 100, 300))
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is."""
     here = own_setting(model)
     slow = max((p.real for p in model.controller_poles), default=-1.0)
     near = max((p.real for p in model.observer_poles), default=-1.0)
     quicker = tuple(complex(p.real + min(0.0, 3.2 * slow - near), p.imag) for p in model.observer_poles)
-    return fair(replace(LESSON, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
+    return fair(replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
                         tasks=(Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": quicker}),)))

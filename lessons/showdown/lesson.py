@@ -15,7 +15,8 @@ from app.plants import platform
 from app.plants.body import with_longer_arrows
 from app.text.words import Text
 
-from ..toolkit import number, run_knobs
+from ..toolkit.knobs import run_knobs
+from ..toolkit.latex import number
 from .pictures import SHORT, all_figures
 from .players import DT, LQE, NAMES, OPEN, ORDER, OWN, PUBLISHED, RECURSIVE, Player, players
 from .tasks import TASKS, exam

@@ -37,7 +37,7 @@ def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
 
 def _curves(outcome: Outcome, column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:
     """A density of every player; an unstable one lies below the axis."""
-    m = outcome.extra
+    m = outcome.study
     return [Curve(NAMES[i], np.maximum(scale * m.spectra[i].density[:, column], FLOOR), role, dash, _width(outcome, i))
             for i, (role, dash) in enumerate(LOOKS) if not (skip_open and i == 0)]
 
@@ -48,7 +48,7 @@ def _width(outcome: Outcome, i: int) -> float:
 
 def _measured(outcome: Outcome, column: int, scale: float = 1.0) -> list[Curve]:
     """The Monte-Carlo of the controller on the stage with its band of two standard errors, on the figure's frequencies."""
-    m, i = outcome.extra, ORDER.index(outcome.design["play"])
+    m, i = outcome.study, ORDER.index(outcome.design["play"])
     if m.trials is None or m.trials.noise[i] is None:
         return []
     tried = m.trials.noise[i]
@@ -81,7 +81,7 @@ def _each(m: Any, values: list[str]) -> tuple[str, str]:
 
 
 def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
-    m = outcome.extra
+    m = outcome.study
     key, name, _ = CHANNELS[j]
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
     said, sagt = _each(m, [f"{db:.1f}" for db in m.band_db[:, j]])
@@ -91,7 +91,7 @@ def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
 
 
 def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
-    m = outcome.extra
+    m = outcome.study
     column, key, name = ((2, "left_h", Text("left horizontal, HL", "左水平 HL")), (3, "left_v", Text("left vertical, VL", "左竖直 VL")),
                          (4, "right_v", Text("right vertical, VR", "右竖直 VR")))[j]
     curves = [*_curves(outcome, column), _noise(m, 1.0)]
@@ -110,7 +110,7 @@ def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
 
 
 def _input(outcome: Outcome, j: int) -> FrequencyFigure:
-    m = outcome.extra
+    m = outcome.study
     name = (Text("left vertical coil u1", "左竖直线圈 u1"), same(""), Text("horizontal coil u3", "水平线圈 u3"))[j]
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
     said, sagt = _each(m, [f"{1e3 * v:.3g}" for v in m.forces[:, j]])
@@ -120,7 +120,7 @@ def _input(outcome: Outcome, j: int) -> FrequencyFigure:
 
 def _gain(outcome: Outcome) -> TimeFigure:
     t, away = gain_gap(outcome.design["v"])
-    m = outcome.extra
+    m = outcome.study
     apart = outcome.metrics.get("filters_apart_db")
     en = f"It has {100 * away[-1]:.2g} % to go after 20 s."
     zh = f"20 s 后还差 {100 * away[-1]:.2g} %。"
@@ -138,7 +138,7 @@ def _gain(outcome: Outcome) -> TimeFigure:
 
 
 def _test(outcome: Outcome, j: int) -> TimeFigure:
-    m = outcome.extra
+    m = outcome.study
     key, name, unit = CHANNELS[j]
     t = m.responses[0].t
     seen = t <= 6.0
@@ -166,11 +166,11 @@ RUNAWAY = Text("This loop is unstable: its run is held where it leaves every bou
 
 
 def _held(outcome: Outcome) -> bool:
-    return outcome.extra.spectra[ORDER.index(outcome.design["play"])].stable
+    return outcome.study.spectra[ORDER.index(outcome.design["play"])].stable
 
 
 def _stage_velocity(outcome: Outcome) -> TimeFigure:
-    m = outcome.extra
+    m = outcome.study
     t, x, _ = m.run
     v, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.ghost))
     late = t > 1.0
@@ -185,7 +185,7 @@ def _stage_velocity(outcome: Outcome) -> TimeFigure:
 
 
 def _stage_force(outcome: Outcome) -> TimeFigure:
-    t, _, u = outcome.extra.run
+    t, _, u = outcome.study.run
     peak = 1e3 * float(np.abs(u).max())
     return TimeFigure("stage_force", Text("coil commands of this run", "这次运行的线圈指令"), t,
                       (Curve(Text("left vertical u1", "左竖直 u1"), 1e3 * u[:, 0], "force", "solid", 1.6),
@@ -203,7 +203,7 @@ def _cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
 
 
 def _suppression(outcome: Outcome) -> TableFigure:
-    m = outcome.extra
+    m = outcome.study
     rows = tuple((NAMES[i], *(Text("unstable", "不稳定") if not m.spectra[i].stable else
                               f"{m.peak_db[i, j]:.1f} / {m.band_db[i, j]:.1f}".replace("-", "−") for j in range(3))) for i in range(1, 5))
     best = [1 + int(np.flatnonzero(m.band_db[1:, j] >= m.band_db[1:, j].max() - 0.05)[0]) for j in range(3)]
@@ -216,7 +216,7 @@ def _suppression(outcome: Outcome) -> TableFigure:
 
 
 def _sizes(outcome: Outcome) -> TableFigure:
-    m = outcome.extra
+    m = outcome.study
     rows = tuple((NAMES[i], *(Text("unstable", "不稳定") if not m.spectra[i].stable else f"{m.rms[i, j]:.3g}" for j in range(3)),
                   "–" if not m.spectra[i].stable else f"{1e3 * m.forces[i].max():.3g}") for i in range(5))
     return TableFigure("sizes", Text("RMS velocity in µm/s from 0.1 Hz up, RMS command in mN",
@@ -227,7 +227,7 @@ def _sizes(outcome: Outcome) -> TableFigure:
 
 
 def _times(outcome: Outcome) -> TableFigure:
-    m = outcome.extra
+    m = outcome.study
     rows = []
     for i in range(5):
         measured = m.measures[i]
@@ -248,7 +248,7 @@ NOT_YET = Text("Not computed yet: press the button under the knobs.", "尚未计
 
 
 def _trials(outcome: Outcome) -> TableFigure:
-    m = outcome.extra
+    m = outcome.study
     rows = []
     for i in range(5):
         tried = None if m.trials is None else m.trials.noise[i]
@@ -268,7 +268,7 @@ def _trials(outcome: Outcome) -> TableFigure:
 
 
 def _decks(outcome: Outcome) -> TableFigure:
-    m = outcome.extra
+    m = outcome.study
     decks = None if m.trials is None else m.trials.decks
     rows = []
     for i in range(1, 5):
@@ -301,7 +301,7 @@ SWITCHES = (
 
 
 def _costs(outcome: Outcome) -> TableFigure:
-    shown, trials = (1, ORDER.index(LQE), ORDER.index(DECOUPLED)), outcome.extra.trials
+    shown, trials = (1, ORDER.index(LQE), ORDER.index(DECOUPLED)), outcome.study.trials
     if trials is None or trials.costs is None:
         rows: tuple[tuple[Text | str, ...], ...] = tuple((name, "–", "–", "–") for name, _ in SWITCHES)
         said = NOT_YET

@@ -45,14 +45,14 @@ def try_out(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     done, known = 0.0, None
     for fraction, trials in _all(outcome):
         if trials is not known:
-            outcome, known = replace(outcome, extra=replace(outcome.extra, trials=trials)), trials
+            outcome, known = replace(outcome, study=replace(outcome.study, trials=trials)), trials
         done = max(done, fraction)
         yield done, outcome
 
 
 def _all(outcome: Outcome) -> Iterator[tuple[float, Trials]]:
     found = Trials((None,) * 5)
-    match, design = outcome.extra, outcome.design
+    match, design = outcome.study, outcome.design
     world, seed = match.world, int(design["seed"])
     for i, player in enumerate(match.five):
         loop = loop_of(world, player)
@@ -166,8 +166,8 @@ def _costs(five: tuple[Player, ...], sizes: tuple[float, ...], world: World, fou
 
 def carry(before: Outcome, after: Outcome) -> Outcome:
     """What was measured goes over where only the stage or the test has changed."""
-    old, new = before.extra.trials, after.extra.trials
+    old, new = before.study.trials, after.study.trials
     alike = before.design.same_but_for(after.design, ("play", "test", "kick"))
     if old is None or not alike or (new is not None and new.costs is not None) or (old.costs is None and new is not None):
         return after
-    return replace(after, extra=replace(after.extra, trials=old))
+    return replace(after, study=replace(after.study, trials=old))

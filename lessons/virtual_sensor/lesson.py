@@ -17,7 +17,10 @@ from app.lesson.prose import read_prose
 from app.plants import MODELS, Model, chip
 from app.text.words import Text
 
-from ..toolkit import TIME_TAB, kicks, listed, matrix, number, run_knobs, stage
+from ..toolkit.boards import listed, stage
+from ..toolkit.figures import TIME_TAB
+from ..toolkit.knobs import kicks, run_knobs
+from ..toolkit.latex import matrix, number
 from .tasks import HORIZON, RUNAWAY, TAME, exam, feel_the_core, lucky_copy, tame_the_runaway, wrong_fan
 
 WINDOW = MODELS[TAME].observer_window
@@ -202,7 +205,7 @@ def _at_most(value: float) -> Text:
 
 def figures(outcome: Outcome) -> tuple[Figure, ...]:
     """Core, case and power over time; the errors and what the observer hears; the poles as trust grows."""
-    run, seen = outcome.run, outcome.extra
+    run, seen = outcome.run, outcome.study
     assert run is not None
     return (_core(outcome, run, seen.copy), _case(outcome, run, seen.copy), _power(run), _errors(outcome, run, seen.copy),
             _innovation(outcome, run), _locus(outcome, seen))
@@ -276,11 +279,11 @@ def _locus(outcome: Outcome, seen: Seen) -> PlaneFigure:
                            f"圆圈：θ = 0，即开环副本。叉号：现在的 θ = {outcome.design['trust']:g}。{need.zh}"))
 
 
-def adapt(model: Model) -> Lesson:
+def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    from .own import adapted  # which builds on this module
+    from .own import adapted
 
-    return adapted(model)
+    return adapted(lesson, model)
 
 
 LESSON = Lesson(

@@ -17,8 +17,12 @@ from app.plants import Model, Signal
 from app.plants.names import called
 from app.text.words import Text
 
-from ..toolkit import TIME_TAB, bolts, gain_words, injection, kicks, listed, number, run_knobs, sizes, sped, stage
-from .lesson import COPY, ERROR_TAB, LESSON, MOST_TRUST, OBSERVER, TRUE, TRUST_TAB, checks_of
+from ..toolkit.boards import bolts, listed, stage
+from ..toolkit.figures import TIME_TAB
+from ..toolkit.gains import injection, sizes, sped
+from ..toolkit.knobs import kicks, run_knobs
+from ..toolkit.latex import gain_words, number
+from .lesson import COPY, ERROR_TAB, MOST_TRUST, OBSERVER, TRUE, TRUST_TAB, checks_of
 
 KNOWN = 0.05  # of the first error: below this a signal counts as known
 FEW, MANY = 13, 41  # points of the locus, for many states and for few
@@ -129,7 +133,7 @@ def _live(m: dict[str, float]) -> Text:
 
 def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
     """A signal that nothing measures, an output, the input; the errors and what the observer hears; poles over trust."""
-    run, seen = outcome.run, outcome.extra
+    run, seen = outcome.run, outcome.study
     assert run is not None
     return (_signal("core", seen.secret, run, seen.copy), _signal("case", model.watched[0], run, seen.copy) if
             seen.secret is not model.watched[0] else _energy(run, seen.copy), _input(model, run), _errors(outcome, run),
@@ -164,7 +168,7 @@ def _input(model: Model, run: Run) -> TimeFigure:
 
 
 def _errors(outcome: Outcome, run: Run) -> TimeFigure:
-    copy = outcome.extra.copy
+    copy = outcome.study.copy
     last = min(len(run.t), len(copy.t))
     ours, theirs = (np.linalg.norm(r.e[:last], axis=1) for r in (run, copy))
     below = np.flatnonzero(ours > KNOWN * max(float(ours[0]), 1e-300))
@@ -188,11 +192,11 @@ def _heard(model: Model, run: Run) -> TimeFigure:
 
 def _plane(model: Model, outcome: Outcome) -> PlaneFigure:
     window = model.observer_window
-    points = [Point(float(p.real), float(p.imag), "muted", "dot") for row in outcome.extra.poles[1:] for p in row
+    points = [Point(float(p.real), float(p.imag), "muted", "dot") for row in outcome.study.poles[1:] for p in row
               if abs(p) < 3 * max(-window.re_low, window.im_high)]
     points += [Point(float(p.real), float(p.imag), "second", "circle") for p in outcome.poles["copy"]]
     points += [Point(float(p.real), float(p.imag), "estimate") for p in outcome.poles["observer"]]
-    stable = np.all(outcome.extra.poles.real < 0, axis=1)
+    stable = np.all(outcome.study.poles.real < 0, axis=1)
     trusts = np.linspace(0.0, MOST_TRUST, len(stable))
     shaky = np.flatnonzero(~stable)
     need = (Text("Every trust up to 2 is forgiven here.", "这里从 0 到 2 的每个 θ 都行。") if not len(shaky) else
@@ -206,6 +210,6 @@ def _plane(model: Model, outcome: Outcome) -> PlaneFigure:
                                     f"圆圈：θ = 0，即开环副本。叉号：现在的 θ = {outcome.design['trust']:g}。{need.zh}"))
 
 
-def adapted(model: Model) -> Lesson:
+def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks are about the chip and stay with it."""
-    return replace(LESSON, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=())
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=())

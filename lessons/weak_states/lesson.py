@@ -11,7 +11,7 @@ from app.lesson.prose import read_prose
 from app.plants.platform import Parameters
 from app.text.words import Text
 
-from ..toolkit import number
+from ..toolkit.latex import number
 from .body import NOMINAL, share, slower, swing
 from .pictures import all_figures, sigmas
 from .rank import MEASURES, RELATIVE, Ranks, ranks
@@ -77,7 +77,7 @@ def compute(design: Design) -> Outcome:
     metrics = _metrics(design, study, motion)
     return Outcome(design, {"K": study.compared.small.design.K, "L": study.compared.small.design.L},
                    {"plant": s.plant.poles, "model": study.cut.model.poles}, metrics, _checks(study, metrics),
-                   stage=swing(s, motion, order), formulas=_formulas(study), live=_live(study, motion, metrics), extra=study)
+                   stage=swing(s, motion, order), formulas=_formulas(study), live=_live(study, motion, metrics), study=study)
 
 
 def _metrics(design: Design, study: Study, motion: Motion) -> dict[str, float]:

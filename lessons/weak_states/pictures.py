@@ -42,7 +42,7 @@ def show(value: float, digits: int = 3) -> str:
 
 # --- rank --------------------------------------------------------------------------------------------------------------
 def _sizes(outcome: Outcome) -> PlaneFigure:
-    r, d = outcome.extra.ranks, outcome.design
+    r, d = outcome.study.ranks, outcome.design
     against = d["measure"] == RELATIVE
     reached, seen = (np.log10(np.maximum(v / v[0] if against else v, 1e-40)) for v in (r.reached, r.seen))
     index, level = np.arange(1.0, STATES + 1), np.log10(d["tolerance"])
@@ -63,7 +63,7 @@ def _sizes(outcome: Outcome) -> PlaneFigure:
 
 
 def _ranks(outcome: Outcome) -> PlaneFigure:
-    r, d = outcome.extra.ranks, outcome.design
+    r, d = outcome.study.ranks, outcome.design
     steps = np.array([r.at(10.0**level, d["measure"]) for level in TOLERANCES], dtype=float)
     first, last = np.log10(REPORT)
     now = r.at(d["tolerance"], d["measure"])
@@ -89,7 +89,7 @@ def _bars(positions: np.ndarray, levels: np.ndarray, floor: float, half: float) 
 
 
 def _staircase(outcome: Outcome) -> PlaneFigure:
-    s, order = outcome.extra.system, int(outcome.design["order"])
+    s, order = outcome.study.system, int(outcome.design["order"])
     values, floor = np.log10(np.maximum(s.hankel, 1e-12)), -10.0
     index = np.arange(1.0, STATES + 1)
     curves = []
@@ -110,7 +110,7 @@ def _staircase(outcome: Outcome) -> PlaneFigure:
 
 
 def _error(outcome: Outcome) -> FrequencyFigure:
-    c, s = outcome.extra.cut, outcome.extra.system
+    c, s = outcome.study.cut, outcome.study.system
     bound = max(c.bound, LEAST)
     said = (Text("Nothing is cut: no error.", "没有截去任何状态：误差为零。") if c.order == STATES else
             Text(f"Largest error {show(c.peak, 4)} at {show(c.where, 3)} Hz; the bound 2Σσ promises {show(c.bound, 4)}.",
@@ -126,7 +126,7 @@ def _error(outcome: Outcome) -> FrequencyFigure:
 
 
 def _forms(outcome: Outcome) -> TableFigure:
-    s = outcome.extra.system
+    s = outcome.study.system
     rows = tuple((f"σ{k + 1}".translate(SUBSCRIPTS), words, show(s.hankel[k], 4), show(value, 4))
                  for (k, value), words in zip(closed_forms(s.parameters), (
                      "kz/(√2 cz)", "2√2 kz μ²/(m² cp)", "√2 kx h μ² s² √(s²+h²)/(J² cp)"), strict=True))
@@ -138,7 +138,7 @@ def _forms(outcome: Outcome) -> TableFigure:
 
 # --- motions -----------------------------------------------------------------------------------------------------------
 def _motions(outcome: Outcome) -> TableFigure:
-    s, order, pair = outcome.extra.system, int(outcome.design["order"]), int(outcome.design["pair"]) - 1
+    s, order, pair = outcome.study.system, int(outcome.design["order"]), int(outcome.design["pair"]) - 1
     rows = []
     for k, motion in enumerate(s.motions):
         held = share(s, motion, order)
@@ -155,7 +155,7 @@ def _motions(outcome: Outcome) -> TableFigure:
 
 
 def _shapes(outcome: Outcome) -> MatrixFigure:
-    s = outcome.extra.system
+    s = outcome.study.system
     shapes = np.stack([np.abs(relative(s.parameters, m.shape)) for m in s.motions], axis=1)
     shapes[2] *= s.parameters.s
     shapes = shapes / shapes.max(axis=0)
@@ -169,8 +169,8 @@ def _shapes(outcome: Outcome) -> MatrixFigure:
 
 # --- LQG ---------------------------------------------------------------------------------------------------------------
 def _spectrum(outcome: Outcome) -> FrequencyFigure:
-    c, f = outcome.extra.compared, outcome.extra.system.frequencies
-    order = outcome.extra.cut.order
+    c, f = outcome.study.compared, outcome.study.system.frequencies
+    order = outcome.study.cut.order
     curves = [Curve(Text("without control", "无控制"), 1e12 * c.free[:, 0], "muted", width=1.4)]
     if c.full.densities is not None:
         curves.append(Curve(Text("LQG on 10 states", "基于 10 个状态的 LQG"), 1e12 * c.full.densities[:, 0], "plant"))
@@ -187,7 +187,7 @@ def _spectrum(outcome: Outcome) -> FrequencyFigure:
 
 
 def _gains(outcome: Outcome) -> PlaneFigure:
-    c, order = outcome.extra.compared, outcome.extra.cut.order
+    c, order = outcome.study.compared, outcome.study.cut.order
     index = np.arange(1.0, PAIRS + 1)
     curves, lowest = [], -10.0
     bars = ((c.full.K, Text("K on 10 states", "10 个状态的 K"), "plant", -0.3),
@@ -209,7 +209,7 @@ def _gains(outcome: Outcome) -> PlaneFigure:
 
 
 def _costs(outcome: Outcome) -> TableFigure:
-    c, order = outcome.extra.compared, outcome.extra.cut.order
+    c, order = outcome.study.compared, outcome.study.cut.order
 
     def cell(value: float | None, digits: int = 5) -> str:
         return "—" if value is None else show(value, digits)

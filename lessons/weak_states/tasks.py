@@ -18,7 +18,7 @@ WEAKEST = 10 * 8.852673e-05  # ten times the σ9 of the start
 
 
 def _face(outcome: Outcome) -> Verdict:
-    s, order, pair = outcome.extra.system, outcome.extra.cut.order, int(outcome.design["pair"]) - 1
+    s, order, pair = outcome.study.system, outcome.study.cut.order, int(outcome.design["pair"]) - 1
     motion = s.motions[pair]
     held = [share(s, m, order) > 0.5 for m in s.motions]
     if motion.kind != AGAINST:
@@ -32,7 +32,7 @@ def _face(outcome: Outcome) -> Verdict:
 
 
 def _wider(outcome: Outcome) -> Verdict:
-    s, c, compared = outcome.extra.system, outcome.extra.cut, outcome.extra.compared
+    s, c, compared = outcome.study.system, outcome.study.cut, outcome.study.compared
     if c.peak > SMALL:
         return Verdict(False, Text(f"{c.order} states err by {show(c.peak)}; at most {SMALL} is allowed.",
                                    f"{c.order} 个状态的误差为 {show(c.peak)}，不得超过 {SMALL}。"))
@@ -48,7 +48,7 @@ def _wider(outcome: Outcome) -> Verdict:
 
 
 def _clock(outcome: Outcome) -> Verdict:
-    d, r = outcome.design, outcome.extra.ranks
+    d, r = outcome.design, outcome.study.ranks
     now = r.at(d["tolerance"], d["measure"])
     said = Text(f"ranks {now[0]} and {now[1]} with time in units of {show(r.clock)} s",
                 f"以 {show(r.clock)} s 为时间单位，秩为 {now[0]} 与 {now[1]}")
@@ -62,7 +62,7 @@ def _clock(outcome: Outcome) -> Verdict:
 
 
 def _geometry(outcome: Outcome) -> Verdict:
-    s = outcome.extra.system
+    s = outcome.study.system
     weakest = s.hankel[-2]
     if s.parameters.mu > NOMINAL.mu * (1 + 1e-9):
         return Verdict(False, Text("Leave the test masses at 50 g or less.", "请保持测试质量不超过 50 g。"))

@@ -19,7 +19,7 @@ def test_a_job_rises_to_its_end_and_leaves_its_start_alone(lesson: Lesson) -> No
     outcome, figures = shown(lesson.start())
     before = contents(figures)
     fractions, last = [], outcome
-    for fraction, better in lesson.job.run(outcome):
+    for fraction, better in lesson.job.outcomes(outcome):
         fractions.append(fraction)
         last = better
         assert len(fractions) < 100_000
@@ -38,7 +38,7 @@ def test_a_job_can_be_dropped_midway(lesson: Lesson) -> None:
     outcome, figures = shown(lesson.start())
     before = contents(figures)
     for steps in (0, 1, 3):
-        job: Any = lesson.job.run(outcome)
+        job: Any = lesson.job.outcomes(outcome)
         for _ in range(steps):
             _, partial = next(job)
             check_figures(tuple(lesson.figures(partial)))

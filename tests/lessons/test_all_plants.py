@@ -188,7 +188,7 @@ def test_jobs_of_adapted_lessons_rise_to_their_end_or_can_be_dropped(lesson: Les
     outcome = own.compute(own.start())
     before, fractions, last = contents(tuple(own.figures(outcome))), [], outcome
     try:
-        for fraction, last in own.job.run(outcome):
+        for fraction, last in own.job.outcomes(outcome):
             fractions.append(fraction)
             if len(fractions) % 7 == 1:
                 check_figures(tuple(own.figures(last)))

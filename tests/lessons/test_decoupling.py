@@ -49,7 +49,7 @@ def test_a_pure_gain_does_what_cv_does(gain: float) -> None:
 
 def test_the_printed_cv_and_the_gain_have_the_same_spectrum() -> None:
     """Between 0.1 and 10 Hz the two vertical spectra agree to a tenth of a percent."""
-    one, two = (outcome(**c).extra.spectra for c in ({}, {"vertical": "shaped", "gain_v": 31251.8, "roll_off": 2000.0}))
+    one, two = (outcome(**c).study.spectra for c in ({}, {"vertical": "shaped", "gain_v": 31251.8, "roll_off": 2000.0}))
     inside = (one.f > 0.1) & (one.f < 10)
     ratio = one.closed[inside, 0] / np.interp(one.f[inside], two.f, two.closed[:, 0])
     assert np.abs(ratio - 1).max() < 2e-3
@@ -90,7 +90,7 @@ def test_the_claim_about_pitch_holds_for_careless_poles_alone() -> None:
 
 def test_the_careless_controller_is_unstable_by_itself_and_the_careful_one_is_not() -> None:
     def worst(found: Outcome) -> float:
-        return float(np.max(np.real(found.extra.controllers.horizontal.poles)))
+        return float(np.max(np.real(found.study.controllers.horizontal.poles)))
     assert worst(outcome(**POLES)) == pytest.approx(1.53e4, rel=0.01)
     last = LESSON.tasks[-1].solution
     assert worst(outcome(**last)) < 0
@@ -134,7 +134,7 @@ def test_the_bare_run_is_that_of_the_engine() -> None:
 
 def test_a_kick_is_a_jump_of_the_velocities() -> None:
     found = outcome(horizontal="gain", vertical="shaped")
-    built = found.extra.controllers.whole
+    built = found.study.controllers.whole
     loop = close(built)
     still = np.zeros((501, 2))
     z = run(loop.A, loop.B[:, :2], still, 4.0)
@@ -157,7 +157,7 @@ def test_the_ground_has_its_density() -> None:
 def test_the_closed_spectrum_is_the_loops_own_response() -> None:
     """By the feedback formula at single frequencies: z = (I − G K)⁻¹ G_d d."""
     found = outcome(**POLES, pitch=True, bandwidth=0.2)
-    s, K, plant = found.extra.spectra, found.extra.controllers.whole, platform.plant()
+    s, K, plant = found.study.spectra, found.study.controllers.whole, platform.plant()
     for k in np.linspace(5, len(s.f) - 5, 6).astype(int):
         w = [2 * np.pi * s.f[k]]
         G = frequency_response(plant.A, plant.B, plant.C, plant.D, w)[0]
@@ -182,7 +182,7 @@ def test_no_line_is_drawn_for_a_loop_that_is_open() -> None:
 def test_the_largest_force_is_that_of_the_run_and_not_that_of_the_axis() -> None:
     found = outcome(horizontal="poles")
     said = next(f.caption.en for f in LESSON.figures(found) if f.id == "forces")
-    largest = 1e3 * float(np.abs(found.extra.shaken.u).max())
+    largest = 1e3 * float(np.abs(found.study.shaken.u).max())
     assert float(said.split(": ")[1].split(" mN")[0]) == pytest.approx(largest, rel=0.01) and largest > 1e5
 
 

@@ -24,15 +24,15 @@ POLE_SETS = [(-1, -1), (-5, 1.5), (-0.8 - 0.8j, -0.8 + 0.8j), (-5 - 3j, -5 + 3j)
 @pytest.mark.parametrize("sensor", [0.0, 37.0, 90.0])
 def test_observer_gain_is_the_transposed_feedback_of_the_transposed_plant(sensor, poles):
     o = outcome(sensor=sensor, poles=poles)
-    np.testing.assert_allclose(o.gains["K_dual"].T, o.extra.L, rtol=1e-11, atol=1e-13)
-    np.testing.assert_allclose(o.gains["L"], o.extra.L, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.gains["K_dual"].T, o.study.L, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.gains["L"], o.study.L, rtol=1e-11, atol=1e-13)
     p = turned(sensor)
-    np.testing.assert_allclose(np.poly(p.A - o.extra.L @ p.C), np.real(np.poly(poles)), atol=1e-10)
+    np.testing.assert_allclose(np.poly(p.A - o.study.L @ p.C), np.real(np.poly(poles)), atol=1e-10)
 
 
 def test_published_gain_of_the_spring_damper_without_the_slip():
     o = outcome(poles=(-1, -1))
-    np.testing.assert_allclose(o.extra.L, [[1.5], [-0.75]], atol=1e-12)
+    np.testing.assert_allclose(o.study.L, [[1.5], [-0.75]], atol=1e-12)
     np.testing.assert_allclose(o.gains["K_dual"], [[1.5, -0.75]], atol=1e-12)
 
 
@@ -40,10 +40,10 @@ def test_published_gain_of_the_spring_damper_without_the_slip():
 @pytest.mark.parametrize("w, v", [(1.0, 1.0), (1e3, 1e-3), (1e-3, 1e3)])
 def test_riccati_solutions_are_equal_under_the_swap(sensor, w, v):
     o = outcome(method="weights", mirror=False, sensor=sensor, w=w, v=v)
-    np.testing.assert_allclose(o.extra.S_dual, o.extra.P, rtol=1e-8, atol=1e-10 * np.abs(o.extra.P).max())
+    np.testing.assert_allclose(o.study.S_dual, o.study.P, rtol=1e-8, atol=1e-10 * np.abs(o.study.P).max())
     p = turned(sensor)
     peer = solve_continuous_are(p.A.T, p.C.T, w * np.eye(2), [[v]])
-    np.testing.assert_allclose(o.extra.P, peer, rtol=1e-7, atol=1e-9 * np.abs(peer).max())
+    np.testing.assert_allclose(o.study.P, peer, rtol=1e-7, atol=1e-9 * np.abs(peer).max())
     np.testing.assert_allclose(o.gains["L"], peer @ p.C.T / v, rtol=1e-7, atol=1e-9 * np.abs(peer).max() / v)
 
 
@@ -60,8 +60,8 @@ def test_filter_solution_is_what_the_covariance_settles_at():
 @pytest.mark.parametrize("window", [0.5, 4.0, 12.0])
 def test_energy_heard_is_the_gramian_reached_by_the_twin(window):
     o = outcome(sensor=30.0, window=window)
-    np.testing.assert_allclose(o.extra.seen, o.extra.seen_twin, rtol=1e-11, atol=1e-13)
-    np.testing.assert_allclose(o.extra.reach, o.extra.reach_twin, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.study.seen, o.study.seen_twin, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.study.reach, o.study.reach_twin, rtol=1e-11, atol=1e-13)
 
 
 def test_output_energy_of_a_scalar_decay():
@@ -72,9 +72,9 @@ def test_output_energy_of_a_scalar_decay():
 def test_pairing_of_observer_and_dual_loop_is_constant():
     for poles in POLE_SETS:
         o = outcome(poles=poles, sensor=15.0)
-        assert abs(o.extra.pairing[0]) > 0
+        assert abs(o.study.pairing[0]) > 0
         assert o.metrics["pairing_gap"] < 1e-10
-        assert o.extra.pairing[0] == pytest.approx(float(o.extra.z[0] @ o.extra.e[0]), rel=1e-12)
+        assert o.study.pairing[0] == pytest.approx(float(o.study.z[0] @ o.study.e[0]), rel=1e-12)
 
 
 def test_a_wrong_gain_is_found_out():

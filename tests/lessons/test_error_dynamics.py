@@ -76,7 +76,7 @@ def test_random_forces_repeat_with_their_seed_and_only_then():
 def test_both_poles_at_minus_one_need_the_gain_three_halves_and_minus_three_quarters():
     o = outcome(observer_poles=(-1.0, -1.0))
     assert o.gains["L"][:, 0] == pytest.approx([1.5, -0.75], abs=1e-12)
-    assert np.allclose(o.extra.error, [[-1.5, 1.0], [-0.25, -0.5]], rtol=0, atol=1e-12)
+    assert np.allclose(o.study.error, [[-1.5, 1.0], [-0.25, -0.5]], rtol=0, atol=1e-12)
     assert np.max(np.abs(o.poles["observer"] + 1.0)) < 1e-7
 
 

@@ -21,8 +21,8 @@ def outcome(**values):
 
 
 def worked_through(**values):
-    *_, (_, done) = LESSON.job.run(outcome(**values))
-    return done.extra.trials
+    *_, (_, done) = LESSON.job.outcomes(outcome(**values))
+    return done.study.trials
 
 
 # --- isolation ---------------------------------------------------------------------------------------------------------
@@ -65,7 +65,7 @@ def test_the_model_tells_apart_what_the_sum_cannot(liar, honest):
     assert np.allclose(total, 3e-3, atol=1e-12)
     strength = np.abs(lie.residuals - sane.residuals).max(axis=(0, 2))
     assert strength[PLACES.index(liar)] < 1e-9 < 1 < strength[PLACES.index(honest)]
-    assert outcome(place=liar).extra.right
+    assert outcome(place=liar).study.right
 
 
 def test_a_lie_of_VL_looks_almost_like_coil_1():
@@ -151,7 +151,7 @@ def test_the_promised_delay_holds_for_nine_runs_in_ten():
     """Six members at 99 % each: at least 94 % of the runs have all six alarms at the promised time."""
     for place in ("HL", "u3"):
         o = outcome(place=place, loop=OPEN)
-        s = o.extra
+        s = o.study
         at = s.case.start + s.forecast.delay
         alarms = np.array([s.test.values(simulate(s.case, drawn(seed)).residuals)[at] > s.test.threshold for seed in range(200)])
         seen = guard().bank.signature[:, s.column]
@@ -227,20 +227,20 @@ def test_a_drift_that_nobody_notices_tilts_the_deck_and_acting_levels_it():
     blind, energy, mean = (outcome(place="VR", kind=DRIFT, **v) for v in ({}, {"loop": SWITCH}, {"loop": SWITCH, "statistic": MEAN}))
     assert [round(1e3 * o.metrics["pitch"], 1) for o in (blind, energy, mean)] == [13.2, 1.9, 1.1]
     assert energy.metrics["expected_delay"] == pytest.approx(2.5) and mean.metrics["expected_delay"] == pytest.approx(1.82)
-    s = blind.extra.record
+    s = blind.study.record
     assert abs(s.xhat[-100:, 2].mean()) > 3 * abs(s.x[-100:, 2].mean())  # and the estimate wanders off farther
 
 
 @pytest.mark.parametrize("loop", [OPEN, BLIND, SWITCH])
 def test_a_kick_accuses_nobody(loop):
     for seed in range(20):
-        s = outcome(place=NONE, kick=3.0 + 0.3 * seed, seed=seed, loop=loop).extra
+        s = outcome(place=NONE, kick=3.0 + 0.3 * seed, seed=seed, loop=loop).study
         assert s.verdict.who is None and s.verdict.first is not None
 
 
 @pytest.mark.parametrize("seed", SEEDS)
 def test_healthy_runs_accuse_nobody(seed):
-    assert outcome(place=NONE, seed=seed).extra.verdict.who is None
+    assert outcome(place=NONE, seed=seed).study.verdict.who is None
 
 
 # --- tasks, exam, job --------------------------------------------------------------------------------------------------
@@ -259,16 +259,16 @@ def test_the_exam_answer_is_where_the_pencil_loses_rank(seed):
 
 
 def test_counts_carry_over_to_another_reaction_only():
-    *_, (_, done) = LESSON.job.run(outcome())
-    assert LESSON.carry(done, outcome(loop=SWITCH)).extra.trials is done.extra.trials
-    assert LESSON.carry(done, outcome(kick=2.0)).extra.trials is done.extra.trials
+    *_, (_, done) = LESSON.job.outcomes(outcome())
+    assert LESSON.carry(done, outcome(loop=SWITCH)).study.trials is done.study.trials
+    assert LESSON.carry(done, outcome(kick=2.0)).study.trials is done.study.trials
     for other in ({"window": 26}, {"bias": 4.0}, {"loop": OPEN}, {"stiffer": 5.0}, {"seed": 2}):
-        assert LESSON.carry(done, outcome(**other)).extra.trials is None
+        assert LESSON.carry(done, outcome(**other)).study.trials is None
 
 
 def test_the_stage_marks_the_liar_and_flags_the_accused():
     o = outcome()
-    body, at = o.stage.body, o.extra.verdict.decided
+    body, at = o.stage.body, o.study.verdict.decided
     before, between, after = (body.pose(o.stage.x[k].tolist(), body.gain) for k in (0, at - 1, at))
     assert before["gauge left"].colour != between["gauge left"].colour == after["gauge left"].colour
     assert between["flag"].position[2] < -5 < 0 < after["flag"].position[2]

@@ -27,8 +27,8 @@ def flags(o) -> set[str]:
 def tried():
     """The button pressed for three filters: NIS and NEES of many runs."""
     def press(**changes):
-        *_, (fraction, done) = LESSON.job.run(outcome(**changes))
-        assert fraction == 1.0 and done.extra.trials.count == RUNS
+        *_, (fraction, done) = LESSON.job.outcomes(outcome(**changes))
+        assert fraction == 1.0 and done.study.trials.count == RUNS
         return done.metrics
     return {"tuned": press(q=1.0, r=1.0), "decoy": press(), "carried": press(noise="carried", q=1.0, r=1.0)}
 
@@ -94,7 +94,7 @@ def test_how_often_the_right_filter_is_flagged_is_what_the_levels_say():
     """240 seeds: innovation tests at 5 %, NEES at 5 %, together one record of ten. Bounds at 1e-3 of those rates."""
     runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(240)]
     by_innovations = sum(bool(o.metrics["failures"]) for o in runs)
-    by_nees = sum(o.extra.settled.verdict != "consistent" for o in runs)
+    by_nees = sum(o.study.settled.verdict != "consistent" for o in runs)
     low, high = binom.ppf([5e-4, 1 - 5e-4], len(runs), 0.05)
     assert low <= by_innovations <= high and low <= by_nees <= high
     low, high = binom.ppf([5e-4, 1 - 5e-4], len(runs), 0.0975)
@@ -104,9 +104,9 @@ def test_how_often_the_right_filter_is_flagged_is_what_the_levels_say():
 def test_251_errors_count_as_thirty():
     """Var of the mean of NEES over 240 records is 2n/N′; 251 independent ones would have an eighth of it."""
     runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(240)]
-    count = runs[0].extra.watcher.independent
-    assert count == pytest.approx(30.5, abs=0.1) and len(runs[0].extra.settled.values) == 251
-    assert np.var([o.extra.settled.mean for o in runs]) == pytest.approx(12 / count, rel=0.35)  # 3.5 of its σ
+    count = runs[0].study.watcher.independent
+    assert count == pytest.approx(30.5, abs=0.1) and len(runs[0].study.settled.values) == 251
+    assert np.var([o.study.settled.mean for o in runs]) == pytest.approx(12 / count, rel=0.35)  # 3.5 of its σ
 
 
 @pytest.mark.parametrize("noise, q, r", [("white", 1.0, 1.0), ("white", 0.05, 1.55), ("white", 20.0, 0.47), ("white", 0.3, 1.0),
@@ -121,7 +121,7 @@ def test_expected_statistics_are_the_averages_of_records(noise, q, r):
     near([o.metrics["nis_mean"] for o in runs], e.nis)
     near([o.metrics["nees_mean"] for o in runs], e.nees)
     near([o.metrics["seen_over_R"] for o in runs], e.over_R)
-    near([o.extra.test.whiteness.correlation[0, 0] + 1 for o in runs], e.memory + 1)
+    near([o.study.test.whiteness.correlation[0, 0] + 1 for o in runs], e.memory + 1)
     assert np.mean(["white" in flags(o) for o in runs]) == pytest.approx(e.flagged, abs=0.2)
 
 
@@ -150,13 +150,13 @@ def test_a_converter_taken_for_white_is_flagged_nearly_always():
 def test_whiteness_sees_a_wrong_ratio_and_nis_a_wrong_scale():
     """The gain depends on Q/R alone, and so do the innovations: a common factor changes S only."""
     good, scaled = outcome(q=1.0, r=1.0), outcome(q=3.0, r=3.0, p0=3.0)
-    assert np.allclose(scaled.extra.track.innovations, good.extra.track.innovations, atol=1e-9 * SIGMA)
+    assert np.allclose(scaled.study.track.innovations, good.study.track.innovations, atol=1e-9 * SIGMA)
     assert scaled.metrics["nis_mean"] == pytest.approx(good.metrics["nis_mean"] / 3, rel=1e-6)
     assert {c.id for c in scaled.checks if not c.holds} == {"nis", "nees"}
 
 
 def test_too_little_q_leaves_memory_and_too_much_the_opposite():
-    first = {q: outcome(q=q, r=1.0).extra.test.whiteness.correlation[0].mean() for q in (0.01, 1.0, 100.0)}
+    first = {q: outcome(q=q, r=1.0).study.test.whiteness.correlation[0].mean() for q in (0.01, 1.0, 100.0)}
     assert first[0.01] > 0.2 and abs(first[1.0]) < 0.1 and first[100.0] < -0.2
 
 
@@ -174,7 +174,7 @@ def test_numbers_of_the_text():
         assert (e.nis, e.nees) == pytest.approx((4, 6), abs=1e-9) and e.flagged == pytest.approx(1 / 60, rel=1e-3)
     decoy = expected("white", 20.0, 0.47)
     assert decoy.nis == pytest.approx(4.08, abs=0.006) and decoy.flagged > 0.9
-    assert outcome(noise="carried", q=1.0, r=1.0).extra.watcher.filter.n == 6 + 16
+    assert outcome(noise="carried", q=1.0, r=1.0).study.watcher.filter.n == 6 + 16
 
 
 # --- two updates -----------------------------------------------------------------------------------------------------
@@ -236,9 +236,9 @@ def test_the_converters_noise_has_the_variance_that_its_density_promises():
 
 
 def test_runs_carry_over_to_another_sample_only():
-    *_, (_, done) = LESSON.job.run(outcome(q=1.0, r=1.0))
-    assert LESSON.carry(done, outcome(q=1.0, r=1.0, k=5)).extra.trials is done.extra.trials
-    assert LESSON.carry(done, outcome(q=1.1, r=1.0)).extra.trials is None
+    *_, (_, done) = LESSON.job.outcomes(outcome(q=1.0, r=1.0))
+    assert LESSON.carry(done, outcome(q=1.0, r=1.0, k=5)).study.trials is done.study.trials
+    assert LESSON.carry(done, outcome(q=1.1, r=1.0)).study.trials is None
 
 
 @pytest.mark.parametrize("seed", range(1, 5))

@@ -15,7 +15,7 @@ from lessons.lqg.cases import case_of
 from lessons.lqg.lesson import LESSON, on_model
 from lessons.lqg.loops import setting_of, trace
 from lessons.lqg.trials import bench_of
-from lessons.toolkit import within
+from lessons.toolkit.figures import within
 
 
 def at(**values: object) -> Outcome:
@@ -40,7 +40,7 @@ def test_doyles_gains_and_the_edge_of_stability_are_his_closed_forms(q: float, s
 
 def test_the_margins_vanish_as_the_knobs_grow_and_recovery_brings_them_back() -> None:
     sizes = (1.0, 10.0, 100.0, 1000.0, 1e4)
-    high = [at(case="doyle", q=s, sigma=s).extra.real.margins.gain[1] for s in sizes]
+    high = [at(case="doyle", q=s, sigma=s).study.real.margins.gain[1] for s in sizes]
     assert all(a > b for a, b in pairwise(high)) and high[-1] < 1.0001
     near = [at(case="doyle", q=1000.0, sigma=1000.0, recovery=r).metrics["nearest"] for r in (0.0, 2.0, 4.0, 6.0, 8.0, 10.0)]
     assert all(a < b for a, b in pairwise(near)) and near[0] < 1e-3 and near[-1] > 0.95
@@ -48,7 +48,7 @@ def test_the_margins_vanish_as_the_knobs_grow_and_recovery_brings_them_back() ->
 
 def test_lqr_keeps_its_margins_on_both_plants() -> None:
     for values in ({"case": "doyle", "q": 1000.0}, {"case": "doyle"}, {}, {"alpha_q": 1e-2}):
-        m = at(**values).extra.ideal.margins
+        m = at(**values).study.ideal.margins
         assert m.nearest > 1 - 1e-6 and m.gain[0] <= 0.5 and m.gain[1] == np.inf and np.degrees(m.phase) >= 60
 
 
@@ -63,7 +63,7 @@ def test_the_lessons_recovery_is_the_engines() -> None:
 def test_a_gain_beyond_the_edge_departs_and_one_within_returns() -> None:
     for m, home in ((1.03, True), (1.05, False)):
         outcome = at(case="doyle", gain=m)  # q = σ = 5: the edge is 1.04
-        assert (outcome.extra.density is not None) is home
+        assert (outcome.study.density is not None) is home
         assert bool(outcome.poles["loop"].real.max() < 0) is home
 
 
@@ -75,14 +75,14 @@ TABLE = {1e-18: (110, 96, 113), 1e-12: (61, 61, 57), 1e-10: (41, 26, 37), 1e-9: 
 @pytest.mark.parametrize("V", TABLE)
 def test_the_lessons_suppression_is_that_of_the_table(V: float) -> None:
     outcome = at(beta_r=V / 1e-18)
-    assert outcome.extra.suppression == pytest.approx(np.array(TABLE[V]), abs=0.8)
+    assert outcome.study.suppression == pytest.approx(np.array(TABLE[V]), abs=0.8)
 
 
 def test_the_numbers_in_the_text() -> None:
     start, literal = at(), at(beta_r=1.0)
-    assert start.extra.suppression == pytest.approx(np.array([31.2, 11.0, 27.2]), abs=0.1)
-    assert start.extra.low[1] == pytest.approx(-31.1, abs=0.3)  # pitch is amplified at 0.1 Hz
-    assert start.extra.low[[0, 2]] == pytest.approx(np.zeros(2), abs=0.1)
+    assert start.study.suppression == pytest.approx(np.array([31.2, 11.0, 27.2]), abs=0.1)
+    assert start.study.low[1] == pytest.approx(-31.1, abs=0.3)  # pitch is amplified at 0.1 Hz
+    assert start.study.low[[0, 2]] == pytest.approx(np.zeros(2), abs=0.1)
     assert start.metrics["J_known"] == pytest.approx(0.0114, abs=5e-5)
     assert start.metrics["J"] == pytest.approx(904, abs=1) and literal.metrics["J"] == pytest.approx(0.0690, abs=1e-4)
     assert literal.metrics["J"] == pytest.approx(literal.metrics["J_least"], rel=1e-6)
@@ -91,7 +91,7 @@ def test_the_numbers_in_the_text() -> None:
     assert start.metrics["all_inputs_nearest"] == pytest.approx(0.34, abs=0.005)
     assert all(at(cut=c).metrics["nearest"] > 0.99 for c in "123")
     twenty = at(beta_r=1e8, cut="3")
-    assert twenty.extra.suppression == pytest.approx(np.array([41.2, 25.5, 37.1]), abs=0.1)
+    assert twenty.study.suppression == pytest.approx(np.array([41.2, 25.5, 37.1]), abs=0.1)
     assert twenty.metrics["delay"] == pytest.approx(0.163, abs=0.002)
 
 
@@ -111,19 +111,19 @@ def test_the_other_rules_hold() -> None:
 
 def test_recovery_makes_the_filter_watch_the_pitch_that_the_ground_hardly_moves() -> None:
     before, after = at(), at(recovery=1.0)
-    assert before.extra.suppression[1] == pytest.approx(11.0, abs=0.1) and after.extra.suppression[1] == pytest.approx(21.2, abs=0.1)
+    assert before.study.suppression[1] == pytest.approx(11.0, abs=0.1) and after.study.suppression[1] == pytest.approx(21.2, abs=0.1)
     assert before.metrics["all_inputs_nearest"] == pytest.approx(0.34, abs=0.01)
     assert after.metrics["all_inputs_nearest"] == pytest.approx(0.98, abs=0.01)
 
 
 def test_the_multivariable_numbers_are_the_engines() -> None:
     o = at()
-    p = o.extra.case.plant
+    p = o.study.case.plant
     both = loop_margins(p, compensator(p, o.gains["K"], o.gains["L"])).all_inputs
-    assert o.extra.real.nearest == pytest.approx(1 / both.sensitivity_peak, rel=2e-3)
-    assert o.extra.real.alpha == pytest.approx(both.unstructured.alpha, rel=2e-3)
+    assert o.study.real.nearest == pytest.approx(1 / both.sensitivity_peak, rel=2e-3)
+    assert o.study.real.alpha == pytest.approx(both.unstructured.alpha, rel=2e-3)
     ideal = state_feedback_margins(p, o.gains["K"]).all_inputs
-    assert o.extra.ideal.nearest == pytest.approx(1 / ideal.sensitivity_peak, rel=1e-6)
+    assert o.study.ideal.nearest == pytest.approx(1 / ideal.sensitivity_peak, rel=1e-6)
 
 
 def test_the_believed_noise_being_true_no_other_filter_is_cheaper() -> None:
@@ -136,8 +136,8 @@ def test_the_believed_noise_being_true_no_other_filter_is_cheaper() -> None:
 def test_the_recursive_filter_finds_the_state_long_before_the_steady_one() -> None:
     """In the run, whose first error the recursive filter's P(0) knows."""
     steady, recursive = at(), at(filter="recursive")
-    size = [o.extra.trace.error(o.extra.case) for o in (steady, recursive)]
-    t = steady.extra.trace.t
+    size = [o.study.trace.error(o.study.case) for o in (steady, recursive)]
+    t = steady.study.trace.t
     assert size[1][t > 0.1].max() < 0.01 * size[1][0]
     assert size[0][-1] == pytest.approx(0.23 * size[0][0], rel=0.05)
 
@@ -146,20 +146,20 @@ def test_the_recursive_filter_finds_the_state_long_before_the_steady_one() -> No
                                     {"beta_r": 1e8, "sensor": 1e9, "seed": 5}])
 def test_the_runs_lie_on_the_prediction(values: dict) -> None:
     start = at(**values)
-    *_, (share, last) = LESSON.job.run(start)  # type: ignore[union-attr]
+    *_, (share, last) = LESSON.job.outcomes(start)  # type: ignore[union-attr]
     assert share == 1.0
-    trials = last.extra.trials
+    trials = last.study.trials
     assert trials.ratio == pytest.approx(np.ones(3), abs=0.08)
     assert (trials.inside > 0.85).all()  # 95 % are expected; neighbouring points are not independent
     known = LESSON.carry(last, at(**{**values, "rule": "split"}))  # type: ignore[misc]
-    assert known.extra.trials is trials
-    assert LESSON.carry(last, at(**{**values, "recovery": 1.0})).extra.trials is None  # type: ignore[misc]
+    assert known.study.trials is trials
+    assert LESSON.carry(last, at(**{**values, "recovery": 1.0})).study.trials is None  # type: ignore[misc]
 
 
 def test_a_computer_at_200_hz_keeps_little_of_the_literal_design() -> None:
     for beta, kept in ((1e9, (31.1, 11.0, 27.1)), (1.0, (67.3, 81.5, 70.2))):
         o = at(beta_r=beta)
-        case, f = o.extra.case, o.extra.case.frequency
+        case, f = o.study.case, o.study.case.frequency
         band = (f > 0.5) & (f < 3)
         computed = bench_of(case, setting_of(case, o.design)).loop.psd(f)
         assert 10 * np.log10(case.open_psd[band].max(axis=0) / computed[band].max(axis=0)) == pytest.approx(np.array(kept), abs=0.3)
@@ -193,7 +193,7 @@ def test_a_kick_is_felt_by_both_filters() -> None:
 
 def test_the_price_of_recovery_is_as_the_solution_says() -> None:
     o = at(case="doyle", q=1000.0, sigma=1000.0, recovery=6.0)
-    m, s = o.extra.real.margins, o.extra
+    m, s = o.study.real.margins, o.study
     assert m.gain == pytest.approx((0.0719, 5.385), rel=1e-3) and np.degrees(m.phase) == pytest.approx(75.3, abs=0.1)
     assert np.linalg.norm(s.cost.sensors) / np.linalg.norm(s.plain_cost.sensors) == pytest.approx(273, abs=1)
     assert s.cost.total > s.plain_cost.total

@@ -27,7 +27,7 @@ def outcome(**values: Any) -> Outcome:
 
 def finished(start: Outcome) -> Outcome:
     assert LESSON.job is not None
-    return [start, *(better for _, better in LESSON.job.run(start))][-1]
+    return [start, *(better for _, better in LESSON.job.outcomes(start))][-1]
 
 
 # --- how many may be lost ----------------------------------------------------------------------------------------------
@@ -41,7 +41,7 @@ def test_scalar_the_critical_loss_is_one_over_a_squared(a: float) -> None:
 
 
 def test_the_lower_bound_diverges_above_the_edge_and_the_upper_one_settles_below() -> None:
-    below, above = outcome(loss=0.6).extra, outcome(loss=0.8).extra
+    below, above = outcome(loss=0.6).study, outcome(loss=0.8).study
     assert below.upper[-1] == pytest.approx(below.upper[-10], rel=1e-2) and below.upper[-1] < 20
     assert above.lower[-1] / above.lower[-2] == pytest.approx(0.8 * 1.44, rel=1e-3)
 
@@ -65,7 +65,7 @@ def test_faster_sampling_lets_more_packets_be_lost() -> None:
 
 
 def test_the_variance_climbs_where_a_packet_is_lost_and_falls_where_one_comes() -> None:
-    s = outcome(loss=0.5).extra
+    s = outcome(loss=0.5).study
     before = np.concatenate([[1.0], s.teeth[:-1, 1]])
     assert np.all(s.teeth[s.heard, 0] < before[s.heard])
     assert s.teeth[~s.heard, 0] == pytest.approx(before[~s.heard], rel=1e-12)
@@ -74,9 +74,9 @@ def test_the_variance_climbs_where_a_packet_is_lost_and_falls_where_one_comes() 
 
 def test_many_runs_lie_between_the_bounds_below_the_edge_and_their_median_stays_small_above() -> None:
     o = finished(outcome(loss=0.3))
-    t, (lower, upper) = o.extra.trials, bounds_over_loss(key(o.design))
+    t, (lower, upper) = o.study.trials, bounds_over_loss(key(o.design))
     assert len(t.mean) == SAMPLES + 1 and len(t.means) == len(OVER)
-    assert o.extra.lower[-1] < t.mean[20:].mean() < 1.02 * o.extra.upper[-1]
+    assert o.study.lower[-1] < t.mean[20:].mean() < 1.02 * o.study.upper[-1]
     for p, mean in zip(OVER[OVER < 0.5], t.means, strict=False):
         assert np.interp(p, LOSSES, lower) < mean < 1.1 * np.interp(p, LOSSES, upper)
     at = int(np.argmin(np.abs(OVER - 0.8)))
@@ -88,18 +88,18 @@ def test_averages_go_over_only_where_they_still_hold() -> None:
     assert LESSON.carry is not None
     o = finished(outcome())
     told = LESSON.carry(o, outcome(told="asked", delay=1))
-    assert told.extra.trials is o.extra.trials
+    assert told.study.trials is o.study.trials
     loss = LESSON.carry(o, outcome(loss=0.5))
-    assert loss.extra.trials.means == o.extra.trials.means and not len(loss.extra.trials.mean)
+    assert loss.study.trials.means == o.study.trials.means and not len(loss.study.trials.mean)
     for other in (dict(noise=2.0), dict(a=1.3), dict(case=CHIP), dict(seed=2)):
-        assert LESSON.carry(o, outcome(**other)).extra.trials is None
+        assert LESSON.carry(o, outcome(**other)).study.trials is None
 
 
 # --- late, and taken for fresh -------------------------------------------------------------------------------------------
 def test_late_measurements_put_in_their_place_keep_the_wall_and_the_edge() -> None:
     o = outcome(jitter=4)
     assert o.metrics["separation_meter"] < 1e-12 and o.metrics["critical"] == outcome().metrics["critical"]
-    assert o.extra.teeth[:, 1].mean() > 2 * outcome().extra.teeth[:, 1].mean()
+    assert o.study.teeth[:, 1].mean() > 2 * outcome().study.teeth[:, 1].mean()
     for seed in SEEDS:
         assert outcome(jitter=4, order="arrival", seed=seed).metrics["separation_meter"] > 0.1
 
@@ -166,7 +166,7 @@ def test_the_stage_lights_a_lamp_where_a_packet_has_come() -> None:
     o = outcome(loss=0.5)
     assert o.stage is not None
     at = [int(np.searchsorted(o.stage.t, k * 0.1 - 1e-9)) for k in range(SAMPLES)]
-    assert np.array_equal(o.stage.x[at, 1] > 0.5, o.extra.heard)
-    assert o.stage.x[at, 0] == pytest.approx(o.extra.x[:, 0])
+    assert np.array_equal(o.stage.x[at, 1] > 0.5, o.study.heard)
+    assert o.stage.x[at, 0] == pytest.approx(o.study.x[:, 0])
     lit, dark = (KINDS[SCALAR].body.pose([0.0, heard, 1.0], 1.0)["sensor lamp"] for heard in (1.0, 0.0))
     assert lit.colour != dark.colour and lit.scale != dark.scale

@@ -33,12 +33,12 @@ def test_the_minimum_over_gains_is_the_kalman_gain_whatever_is_judged(weights):
                      options={"xatol": 1e-9, "fatol": 1e-14, "maxiter": 2000})
     o = outcome()
     assert np.allclose(found.x, o.gains["L_kalman"][:, 0], rtol=2e-3)
-    assert found.fun == pytest.approx(float(np.dot(weights, np.diag(o.extra.kalman.solution))), rel=1e-8)
+    assert found.fun == pytest.approx(float(np.dot(weights, np.diag(o.study.kalman.solution))), rel=1e-8)
 
 
 def test_the_valley_touches_the_floor_at_kalmans_speed_only():
-    ray = outcome(speed=1.0).extra.ray
-    floor = np.diag(outcome().extra.kalman.solution)
+    ray = outcome(speed=1.0).study.ray
+    floor = np.diag(outcome().study.kalman.solution)
     ratio = (ray.process + ray.sensor) / floor
     assert (ratio >= 1 - 1e-12).all()
     for i in range(2):
@@ -100,22 +100,22 @@ def test_slow_and_fast_twins_have_opposite_causes():
 @pytest.mark.parametrize("speed, seed", [(1.0, 1), (5.0, 2), (0.3, 3)])
 def test_lyapunov_is_the_variance_of_many_runs(speed, seed):
     """At single instants the mean square over independent runs is exactly χ²: 99.99 % bands, no tuning."""
-    *_, (fraction, done) = LESSON.job.run(outcome(speed=speed, seed=seed))
-    trials, promised = done.extra.trials, np.diagonal(done.extra.grown, axis1=1, axis2=2)
+    *_, (fraction, done) = LESSON.job.outcomes(outcome(speed=speed, seed=seed))
+    trials, promised = done.study.trials, np.diagonal(done.study.grown, axis1=1, axis2=2)
     assert fraction == 1.0 and trials.count == RUNS
     low, high = chi2.ppf([5e-5, 1 - 5e-5], RUNS) / RUNS
     for k in (20, 100, 250, -1):
         assert (low < trials.square[k] / promised[k]).all() and (trials.square[k] / promised[k] < high).all()
-    settled = np.diag(done.extra.parts.total)
+    settled = np.diag(done.study.parts.total)
     if speed >= 1:
         assert np.allclose(promised[-1], settled, rtol=0.03)  # holding v over a step costs little here
     assert promised[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_runs_carry_over_to_another_view_of_the_same_design_only():
-    *_, (_, done) = LESSON.job.run(outcome())
-    assert LESSON.carry(done, outcome(watch="position")).extra.trials is done.extra.trials
-    assert LESSON.carry(done, outcome(w=0.05)).extra.trials is None
+    *_, (_, done) = LESSON.job.outcomes(outcome())
+    assert LESSON.carry(done, outcome(watch="position")).study.trials is done.study.trials
+    assert LESSON.carry(done, outcome(w=0.05)).study.trials is None
 
 
 @pytest.mark.parametrize("seed", range(1, 6))

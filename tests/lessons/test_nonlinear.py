@@ -118,13 +118,13 @@ def test_tasks_hold_for_any_seed(task):
 def test_the_job_keeps_what_only_the_view_changes():
     first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL}))
     assert LESSON.job is not None and LESSON.carry is not None
-    *_, (_, last) = LESSON.job.run(first)
-    assert last.extra.runs == MANY
+    *_, (_, last) = LESSON.job.outcomes(first)
+    assert last.study.runs == MANY
     for values, kept in (({"line": "S"}, True), ({"filter": UKF}, True), ({"size": 0.7}, False), ({"seed": 3}, False)):
         after = LESSON.compute(LESSON.apply(first.design, values))
-        assert (LESSON.carry(last, after).extra.runs == MANY) == kept, values
+        assert (LESSON.carry(last, after).study.runs == MANY) == kept, values
     steered = LESSON.compute(LESSON.apply(LESSON.start(), {"case": PENDULUM}))
-    *_, (_, done) = LESSON.job.run(steered)
+    *_, (_, done) = LESSON.job.outcomes(steered)
     after = LESSON.compute(LESSON.apply(steered.design, {"filter": UKF}))
     assert LESSON.carry(done, after) is after  # another filter steers: other runs
 

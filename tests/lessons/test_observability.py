@@ -23,7 +23,7 @@ def outcome(**changes):
 
 
 def found(**changes) -> Found:
-    return outcome(**changes).extra
+    return outcome(**changes).study
 
 
 def stage_of(**changes) -> Stage:
@@ -86,7 +86,7 @@ def test_reading_errors_are_blown_up_by_near_unobservability():
 def test_twenty_modes_low_rank_and_nothing_hidden():
     """numerics.md, trap 1: rank(O) = 7 while every PBH distance exceeds 0.4; shown as both, never as one number."""
     o = outcome(plant="many", count=20)
-    f = o.extra
+    f = o.study
     assert f.rank == 7 == found(plant="many", count=20, rows_many=20).rebuilt.rank and f.sensed.seen.observable and f.sensed.seen.rank == 20
     A, C = -np.diag(np.arange(1.0, 21.0)), np.ones((1, 20))
     peers = [np.linalg.svd(np.vstack([A + k * np.eye(20), C]), compute_uv=False)[-1] for k in range(1, 21)]
@@ -107,7 +107,7 @@ def test_true_rank_of_twenty_modes_is_twenty():
 @pytest.mark.parametrize("gap", [1e-2, 1e-4, 1e-6, 1e-8])
 def test_near_unobservable_pair_is_called_so_at_full_rank(gap):
     o = outcome(plant="pair", gap=gap)
-    assert o.metrics["rank"] == 2 and judged(o.extra) == "near"
+    assert o.metrics["rank"] == 2 and judged(o.study) == "near"
     assert o.metrics["weakest"] == pytest.approx(gap / np.sqrt(2), rel=0.02)
     assert o.live.en.startswith("Nearly unobservable")
     L = observer_gain(np.diag([-1.0, -1.0 - gap]), np.ones((1, 2)), (-2.0, -3.0)).gain
@@ -220,8 +220,8 @@ def test_the_drawn_ellipse_passes_the_95_percent_bound():
     assert isinstance(figure, PlaneFigure)
     last = figure.curves[-1]
     assert last.x is not None
-    ring = np.column_stack([last.x, last.y]) - o.extra.belief.mean[-1]
-    squares = np.einsum("ki,ij,kj->k", ring, np.linalg.inv(o.extra.belief.P[-1]), ring)
+    ring = np.column_stack([last.x, last.y]) - o.study.belief.mean[-1]
+    squares = np.einsum("ki,ij,kj->k", ring, np.linalg.inv(o.study.belief.P[-1]), ring)
     np.testing.assert_allclose(squares, 5.9915, rtol=1e-4)
 
 

@@ -35,7 +35,7 @@ def outcome(**changes):
 
 
 def finished(o):
-    *_, (fraction, last) = LESSON.job.run(o)
+    *_, (fraction, last) = LESSON.job.outcomes(o)
     assert fraction == 1.0
     return last
 
@@ -91,22 +91,22 @@ def test_the_region_binds_the_search():
 
 
 def test_on_the_model_the_error_forgets_v_and_the_plant():
-    o = outcome(pole=(-5.0,)).extra.model
+    o = outcome(pole=(-5.0,)).study.model
     np.testing.assert_allclose(o.e_u[:, 0], -111 * np.exp(-5 * o.t), atol=1e-9)
-    o = outcome(pole=(-5 / 3,)).extra.model
+    o = outcome(pole=(-5 / 3,)).study.model
     np.testing.assert_allclose(o.e_u[:, 0], -11 * np.exp(-5 / 3 * o.t), atol=1e-10)
 
 
 @pytest.mark.parametrize(("s", "start", "amplitude"), [(-5, -116, 0.941342), (-5 / 3, -11, 0.431366)])
 def test_figure_1_start_and_steady_amplitude_of_the_perturbed_loop(s, start, amplitude):
     o = outcome(pole=(s,))
-    run = o.extra.true
+    run = o.study.true
     assert o.metrics["error_start"] == pytest.approx(start, abs=1e-10)  # at −5/3 as on the model, since M = 0
     late = run.t > 5.4
     wave = np.column_stack([np.sin(5 * run.t[late]), np.cos(5 * run.t[late])])
     fitted = np.hypot(*np.linalg.lstsq(wave, run.e_u[late, 0], rcond=None)[0])
     assert fitted == pytest.approx(amplitude, abs=5e-4)  # what is left of the transient after 5.4 s
-    at_5 = np.interp(5 / (2 * np.pi), FREQUENCIES, o.extra.now)
+    at_5 = np.interp(5 / (2 * np.pi), FREQUENCIES, o.study.now)
     assert 4 * at_5 == pytest.approx(amplitude, rel=5e-3)  # read off the frequency curve
 
 
@@ -130,8 +130,8 @@ def test_the_worst_of_the_eight_vertices_is_that_of_the_papers_equations(s):
     o = outcome(pole=(s,))
     corners = [np.array([[0, 0], [0.1 * a, 0.4 * b]]) for a, b in itertools.product((1, -1), repeat=2)]
     grid = np.max([brute(s, 2 * np.pi * FREQUENCIES, dA, np.array([0, 0.05 * c])) for dA in corners for c in (1, -1)], axis=0)
-    np.testing.assert_allclose(o.extra.worst, grid, rtol=1e-9)
-    np.testing.assert_allclose(o.extra.now, brute(s, 2 * np.pi * FREQUENCIES, np.array([[0, 0], [0.1, -0.4]]), np.array([0, 0.05])),
+    np.testing.assert_allclose(o.study.worst, grid, rtol=1e-9)
+    np.testing.assert_allclose(o.study.now, brute(s, 2 * np.pi * FREQUENCIES, np.array([[0, 0], [0.1, -0.4]]), np.array([0, 0.05])),
                                rtol=1e-9)
 
 
@@ -179,7 +179,7 @@ def test_rlo_raises_the_order_of_example_2_and_keeps_to_the_region():
     o = finished(LESSON.compute(SECOND))
     values = [float(row[3]) for row in table(o, "found")]
     assert values[0] > values[1] > values[2]  # norms 1, 2, ∞: each bounds the next
-    for _, found in o.extra.search.found:
+    for _, found in o.study.search.found:
         first, second = found.attempts
         assert (first.order, first.feasible, second.order, second.feasible) == (1, False, 2, True)
         poles = found.observer.poles.real
@@ -198,9 +198,9 @@ def test_one_state_for_example_2_would_need_an_unstable_pole():
 def test_W_changes_J_and_nothing_that_can_be_felt_once_the_start_is_carried_along(w):
     plain, apart, carried = (outcome(example="2", w12=x, carried=on) for x, on in ((0.0, False), (w, False), (w, True)))
     assert carried.metrics["coordinate_gap"] < 1e-9 < 1 < apart.metrics["coordinate_gap"]
-    np.testing.assert_allclose(carried.extra.true.e_u, plain.extra.true.e_u, atol=1e-9)
+    np.testing.assert_allclose(carried.study.true.e_u, plain.study.true.e_u, atol=1e-9)
     np.testing.assert_allclose(carried.poles["loop"], plain.poles["loop"], atol=1e-8)
-    np.testing.assert_allclose(carried.extra.worst, plain.extra.worst, rtol=1e-8)
+    np.testing.assert_allclose(carried.study.worst, plain.study.worst, rtol=1e-8)
     assert carried.metrics["error_index"] == pytest.approx(plain.metrics["error_index"], rel=1e-9)
     assert abs(carried.metrics["J"] - plain.metrics["J"]) > 0.5
 
@@ -216,7 +216,7 @@ def test_the_perturbed_run_of_example_2_against_an_adaptive_solver_of_the_papers
         return [*(A @ w[:3] + np.array([0, 0, u])), *(g["F"] @ w[3:] + g["L"][:, 0] * y + g["T"] @ [0, 0, 1] * u)]
 
     peer = solve_ivp(rate, (0, 6), [0.1, 0.1, 0.1, 0.1, 2.19], "DOP853", [3, 6], rtol=1e-12, atol=1e-13).y.T
-    run = o.extra.true
+    run = o.study.true
     np.testing.assert_allclose(np.hstack([run.x, run.z])[[200, 400]], peer, atol=1e-8)
 
 
@@ -225,26 +225,26 @@ def test_the_perturbed_run_of_example_2_against_an_adaptive_solver_of_the_papers
 def test_only_the_input_has_a_ghost_and_their_distance_is_e_u(d):
     o = LESSON.compute(d)
     np.testing.assert_array_equal(o.stage.x[:, :-1], o.stage.xhat[:, :-1])
-    np.testing.assert_allclose(o.stage.xhat[:, -1] - o.stage.x[:, -1], o.extra.true.e_u[:, 0], atol=1e-9)
+    np.testing.assert_allclose(o.stage.xhat[:, -1] - o.stage.x[:, -1], o.study.true.e_u[:, 0], atol=1e-9)
     twins = [part.name for part in o.stage.body.parts if part.twin]
-    assert twins == ["u level"] and len(o.extra.true.z[0]) < len(o.extra.true.x[0])
+    assert twins == ["u level"] and len(o.study.true.z[0]) < len(o.study.true.x[0])
 
 
 def test_the_job_can_be_stopped_reports_progress_and_leaves_the_picture_as_it_was():
     before = LESSON.compute(SECOND)
-    job = LESSON.job.run(before)
+    job = LESSON.job.outcomes(before)
     parts = [next(job) for _ in range(6)]
     job.close()
     fractions = [f for f, _ in parts]
     assert fractions == sorted(fractions) and 0 < fractions[-1] < 1
-    assert parts[-1][1] is before and before.extra.search is None
+    assert parts[-1][1] is before and before.study.search is None
 
 
 def test_what_was_found_is_carried_over_while_it_holds():
     found = finished(outcome())
-    assert LESSON.carry(found, outcome(pole=(-2.0,))).extra.search is found.extra.search
+    assert LESSON.carry(found, outcome(pole=(-2.0,))).study.search is found.study.search
     for change in ({"alpha": 2.0}, {"region_high": -1.0}, {"example": "2"}, {"a1": 0.2}):
-        assert LESSON.carry(found, outcome(**change)).extra.search is None
+        assert LESSON.carry(found, outcome(**change)).study.search is None
 
 
 def test_the_sweep_of_example_2_stands_at_s_and_s_minus_1():

@@ -29,7 +29,7 @@ def here_of(lesson: Lesson) -> Here:
 
 def conditions(outcome: Outcome) -> tuple[float, float]:
     """Both conditions from the matrices alone, relative."""
-    g, plant = outcome.gains, outcome.extra.observer.plant
+    g, plant = outcome.gains, outcome.study.observer.plant
     TA, FT, LC = g["T"] @ plant.A, g["F"] @ g["T"], g["L"] @ plant.C
     size = sum(np.linalg.norm(M) for M in (TA, FT, LC))
     return (float(np.linalg.norm(TA - FT - LC) / size),
@@ -40,7 +40,7 @@ def finished(lesson: Lesson, outcome: Outcome) -> Outcome:
     assert lesson.job is not None
     parts = []
     last = outcome
-    for part, reached in lesson.job.run(outcome):
+    for part, reached in lesson.job.outcomes(outcome):
         parts.append(part)
         last = reached
     assert parts == sorted(parts) and parts[-1] == 1.0
@@ -49,7 +49,7 @@ def finished(lesson: Lesson, outcome: Outcome) -> Outcome:
 
 def no_worse(start: Outcome, end: Outcome) -> None:
     """Of two observers of one order inside the region RLO's has the smaller J; it never has the higher order of the two."""
-    o, best, d = start.extra.observer, end.extra.found, start.design
+    o, best, d = start.study.observer, end.study.found, start.design
     real = not np.any(o.poles.imag) and np.all((o.poles.real >= d["region_low"]) & (o.poles.real <= d["region_high"]))
     if real and o.condition <= 1e4:
         assert best.observer.order <= o.order
@@ -84,14 +84,14 @@ def test_rlo_is_no_worse_than_the_start_and_is_shown(name: str, norm: str) -> No
     start = lesson.compute(lesson.apply(lesson.start(), {"norm": norm}))
     end = finished(lesson, start)
     no_worse(start, end)
-    best = end.extra.found.observer
+    best = end.study.found.observer
     assert max(best.dynamics_residual, best.output_residual) < 1e-9
     tables = {f.id: f.rows for f in lesson.figures(end) if isinstance(f, TableFigure)}
     assert tables["compared"][0][2] == f"{end.metrics['order_rlo']:.0f}"
     assert len(tables["attempts"]) >= end.metrics["order_rlo"]
     assert lesson.carry is not None
     moved = lesson.compute(lesson.apply(end.design, {"delta_a": 20.0}))
-    assert lesson.carry(end, moved).extra.found is end.extra.found
+    assert lesson.carry(end, moved).study.found is end.study.found
     other = lesson.compute(lesson.apply(end.design, {"alpha": 2.0}))
     assert lesson.carry(end, other) is other
 
@@ -101,7 +101,7 @@ def test_j_is_that_of_the_matrices_shown_and_rlo_minimises_it() -> None:
     lesson = LESSON.fit(example("motor"))
     design = lesson.apply(lesson.start(), {"alpha": 0.7, "beta": 1.3, "gamma": 2.1})
     end = finished(lesson, lesson.compute(design))
-    for o, value in ((end.extra.observer, end.metrics["J"]), (end.extra.found.observer, end.metrics["J_rlo"])):
+    for o, value in ((end.study.observer, end.metrics["J"]), (end.study.found.observer, end.metrics["J_rlo"])):
         assert criterion(o.T, o.L, o.M, o.wrong, o.norm) == pytest.approx(value, rel=1e-12)
         plant = o.plant
         by_hand = sum(0.7 * abs(plant.A[i, j]) * np.linalg.norm(o.T[:, i]) for i, j in np.argwhere(plant.A))
@@ -113,7 +113,7 @@ def test_j_is_that_of_the_matrices_shown_and_rlo_minimises_it() -> None:
 def test_the_start_stays_the_result_where_the_search_finds_nothing_better() -> None:
     lesson = LESSON.fit(example("tanks"))
     first = finished(lesson, lesson.compute(lesson.start()))
-    best = first.extra.found.observer.poles
+    best = first.study.found.observer.poles
     at = lesson.compute(lesson.apply(lesson.start(), {"poles_1": tuple(best)}))
     assert at.metrics["J"] == pytest.approx(first.metrics["J_rlo"], rel=1e-9)
     assert finished(lesson, at).metrics["J_rlo"] <= at.metrics["J"]
@@ -121,7 +121,7 @@ def test_the_start_stays_the_result_where_the_search_finds_nothing_better() -> N
 
 def test_rlo_meets_the_conditions_even_where_it_stops_on_a_mode_of_the_plant() -> None:
     lesson = LESSON.fit(example("tanks"))
-    best = finished(lesson, lesson.compute(lesson.start())).extra.found.observer
+    best = finished(lesson, lesson.compute(lesson.start())).study.found.observer
     assert np.abs(best.poles[0] - best.plant.poles).min() < 1e-5, "the kink is at −1/30"
     assert max(best.dynamics_residual, best.output_residual) < 1e-9
 
@@ -131,7 +131,7 @@ def test_rlo_meets_the_conditions_even_where_it_stops_on_a_mode_of_the_plant() -
 def test_with_one_input_the_loop_is_that_of_the_engine(name: str) -> None:
     lesson = LESSON.fit(example(name))
     here, design = here_of(lesson), lesson.start()
-    o = lesson.compute(design).extra.observer
+    o = lesson.compute(design).study.observer
     dA, dC = errors(here, design)
     np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(loop_of(here, design, o, dA, dC).A)),
                                np.sort_complex(perturbed_loop(o, dA, None, dC).poles), rtol=1e-5)
@@ -153,7 +153,7 @@ def test_without_errors_the_estimate_errs_by_what_its_own_poles_leave(name: str)
         highest = str(here.starts[-1][0])
         design = lesson.apply(lesson.start(), {"wanted": wanted, "order": highest, "delta_a": 0.0, "delta_c": 0.0})
         outcome = lesson.compute(design)
-        o, run = outcome.extra.observer, outcome.extra.true
+        o, run = outcome.study.observer, outcome.study.true
         eps = o.T @ np.array(here.model.x0)
         k = len(run.t) // 8
         np.testing.assert_allclose(run.e[k], (o.N @ expm(o.F * run.t[k]) @ eps).item(), atol=1e-6 * max(np.abs(run.e).max(), 1e-9))

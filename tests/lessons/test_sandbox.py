@@ -29,7 +29,7 @@ def lights(lesson: Lesson, outcome: Outcome) -> dict[str, str]:
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_numbers_are_those_of_the_engine_asked_directly(name: str) -> None:
     plant, (_, outcome) = plant_of(example(name)), opened(example(name))
-    study, K, L = outcome.extra, outcome.gains["K"], outcome.gains["L"]
+    study, K, L = outcome.study, outcome.gains["K"], outcome.gains["L"]
     assert study.structure.seen.rank == observability(plant).rank and study.structure.reached.rank == controllability(plant).rank
     assert np.array_equal(outcome.poles["loop"], closed_loop(plant, K, L).poles)
     assert study.loop.stable
@@ -42,7 +42,7 @@ def test_the_numbers_are_those_of_the_engine_asked_directly(name: str) -> None:
 def test_one_failing_analysis_leaves_the_others_alone() -> None:
     """Deaf, blind and unstable: no filter, no margins, no Hankel values; yet structure, loop and run are there."""
     lesson, outcome = opened(Plant(np.diag([1.0, 2.0]), np.zeros((2, 1)), np.zeros((1, 2))))
-    study = outcome.extra
+    study = outcome.study
     assert all(isinstance(answer, Refusal) for answer in (study.structure.hankel, study.noise, study.trial, study.margins))
     for answer in (study.structure.hankel, study.noise, study.trial, study.margins):
         assert answer.text.en.strip() and answer.text.zh.strip() and "\n" not in answer.text.en
@@ -73,7 +73,7 @@ def test_a_sampled_plant_is_taken_as_it_is() -> None:
     assert x[1:] == pytest.approx(x[:-1] @ plant.A.T + outcome.run.u_applied[:-1] @ plant.B.T, abs=1e-9)
     assert lesson.job is not None
     with pytest.raises(Exception, match="continuous"):
-        next(lesson.job.run(outcome))
+        next(lesson.job.outcomes(outcome))
 
 
 def test_told_the_applied_input_the_error_lives_by_itself_through_the_limit() -> None:
@@ -97,7 +97,7 @@ def test_the_expected_nis_is_what_many_records_average() -> None:
 def test_the_bottom_of_the_valley_is_the_true_belief() -> None:
     for name in ("aircraft", "pendulum", "tanks"):
         _, outcome = opened(example(name))
-        found = outcome.extra.noise
+        found = outcome.study.noise
         sizes = [np.trace(part.total / np.outer(found.unit, found.unit)) for part in found.ladder.parts]
         assert RUNGS[int(np.argmin(sizes))] == pytest.approx(1.0)
 
@@ -105,8 +105,8 @@ def test_the_bottom_of_the_valley_is_the_true_belief() -> None:
 def test_recovery_brings_the_margin_of_a_minimum_phase_plant_back() -> None:
     lesson, outcome = opened(example("tanks"))
     assert lesson.job is not None
-    *_, (fraction, last) = lesson.job.run(outcome)
-    q, alpha, target = zip(*last.extra.steps, strict=True)
+    *_, (fraction, last) = lesson.job.outcomes(outcome)
+    q, alpha, target = zip(*last.study.steps, strict=True)
     assert fraction == 1.0 and list(q) == sorted(q)
     assert alpha[-1] > 0.9 * target[-1] and alpha[-1] > alpha[0] - 1e-9
 
@@ -114,11 +114,11 @@ def test_recovery_brings_the_margin_of_a_minimum_phase_plant_back() -> None:
 def test_what_was_recovered_stays_while_only_the_observer_moves() -> None:
     lesson, start = opened(example("tanks"))
     assert lesson.job is not None and lesson.carry is not None
-    *_, (_, done) = lesson.job.run(start)
+    *_, (_, done) = lesson.job.outcomes(start)
     observer = lesson.compute(lesson.apply(done.design, {"tolerance": 1e-3}))
-    assert lesson.carry(done, observer).extra.steps == done.extra.steps
+    assert lesson.carry(done, observer).study.steps == done.study.steps
     moved = lesson.apply(done.design, {"controller_poles": [1.2 * p for p in done.design["controller_poles"]]})
-    assert not lesson.carry(done, lesson.compute(moved)).extra.steps
+    assert not lesson.carry(done, lesson.compute(moved)).study.steps
 
 
 @pytest.mark.parametrize("seed", range(1, 9))

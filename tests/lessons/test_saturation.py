@@ -21,7 +21,7 @@ def design(**changes: object) -> Design:
 
 
 def mapped(**changes: object) -> Outcome:
-    *_, (fraction, outcome) = LESSON.job.run(LESSON.compute(design(**changes)))
+    *_, (fraction, outcome) = LESSON.job.outcomes(LESSON.compute(design(**changes)))
     assert fraction == 1.0
     return outcome
 
@@ -120,7 +120,7 @@ def test_twice_the_limit_is_twice_the_map() -> None:
 
 # --- the map -------------------------------------------------------------------------------------------------------
 def test_interlaced_mirrored_map_is_the_map_of_plain_runs(told_truth: Outcome) -> None:
-    starts = told_truth.extra.starts
+    starts = told_truth.study.starts
     coarse = np.arange(0, len(GRID), 4)
     s = map_scenario(scenario_of(told_truth.design, told_truth.gains["K"], told_truth.gains["L"]))
     *_, (_, plain) = recovery_map(s, 1, np.radians(GRID[coarse]), 1, np.radians(GRID[coarse]), threshold=NEAR, bound=FAR)
@@ -135,7 +135,7 @@ def test_numbers_in_the_text_are_those_of_the_maps(told_wish, told_truth, fast_o
 
 
 def test_with_a_true_estimate_the_observer_does_not_matter_and_otherwise_it_does(told_truth, fast_observer) -> None:
-    one, other = told_truth.extra.starts.values, fast_observer.extra.starts.values
+    one, other = told_truth.study.starts.values, fast_observer.study.starts.values
     middle = len(GRID) // 2
     assert GRID[middle] == 0 and np.array_equal(one[middle], other[middle])
     assert np.sum(one != other) > 100
@@ -150,7 +150,7 @@ def test_a_clicked_start_runs_as_the_map_says(told_wish, told_truth) -> None:
         for x, y in rng.uniform(-15, 15, (25, 2)):
             picked = LESSON.apply(outcome.design, LESSON.pick(outcome, x, y))
             assert abs(picked["angle0"] - x) <= 0.5 and abs(picked["error0"] - y) <= 0.5
-            cell = outcome.extra.starts.at(picked["angle0"], picked["error0"])
+            cell = outcome.study.starts.at(picked["angle0"], picked["error0"])
             assert bool(LESSON.compute(picked).metrics["comes_home"]) == (cell == HOME)
 
 
@@ -160,21 +160,21 @@ def test_click_outside_lands_on_the_edge_and_removes_the_kick(told_wish: Outcome
 
 
 def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
-    final = told_wish.extra.starts.values
+    final = told_wish.study.starts.values
     seen, last = [], 0.0
-    for fraction, outcome in LESSON.job.run(LESSON.compute(told_wish.design)):
+    for fraction, outcome in LESSON.job.outcomes(LESSON.compute(told_wish.design)):
         assert last <= fraction <= 1.0
         last = fraction
-        if outcome.extra.starts is not None:
-            known = outcome.extra.starts.values != UNKNOWN
-            assert np.array_equal(outcome.extra.starts.values[known], final[known])
+        if outcome.study.starts is not None:
+            known = outcome.study.starts.values != UNKNOWN
+            assert np.array_equal(outcome.study.starts.values[known], final[known])
             seen.append(float(np.mean(known)))
     assert len(set(seen)) >= 4 and seen == sorted(seen) and seen[-1] == 1.0
 
 
 def test_the_map_goes_along_with_a_new_start_and_with_nothing_else(told_truth: Outcome) -> None:
     moved = LESSON.compute(design(fed="applied", angle0=-3.0, error0=1.0, kick=1.0))
-    assert LESSON.carry(told_truth, moved).extra.starts is told_truth.extra.starts
+    assert LESSON.carry(told_truth, moved).study.starts is told_truth.study.starts
     for change in ({"fed": "commanded"}, {"u_max": 5.0}, {"observer_poles": FAST}, {"controller_poles": (-2, -2.5, -3, -4)}):
         other = LESSON.compute(LESSON.apply(told_truth.design, change))
         assert LESSON.carry(told_truth, other) is other
@@ -183,19 +183,19 @@ def test_the_map_goes_along_with_a_new_start_and_with_nothing_else(told_truth: O
 
 def test_a_dropped_job_goes_on_where_it_was(told_wish: Outcome) -> None:
     def parts(job: Iterator[tuple[float, Outcome]]) -> Iterator[Outcome]:
-        return (outcome for _, outcome in job if outcome.extra.starts is not None)
+        return (outcome for _, outcome in job if outcome.study.starts is not None)
 
-    half = next(o for o in parts(LESSON.job.run(LESSON.compute(told_wish.design))) if o.extra.starts.done > 0.5)
+    half = next(o for o in parts(LESSON.job.outcomes(LESSON.compute(told_wish.design))) if o.study.starts.done > 0.5)
     moved = LESSON.carry(half, LESSON.compute(LESSON.apply(told_wish.design, {"angle0": 1.0})))
-    assert 0.5 < moved.extra.starts.done < 1
-    first, *_ = rest = list(LESSON.job.run(moved))
-    assert first[0] > 0.5 and first[1].extra.starts.done >= moved.extra.starts.done
-    assert np.array_equal(rest[-1][1].extra.starts.values, told_wish.extra.starts.values)
+    assert 0.5 < moved.study.starts.done < 1
+    first, *_ = rest = list(LESSON.job.outcomes(moved))
+    assert first[0] > 0.5 and first[1].study.starts.done >= moved.study.starts.done
+    assert np.array_equal(rest[-1][1].study.starts.values, told_wish.study.starts.values)
 
 
 def test_unstable_poles_have_no_map_but_a_sentence() -> None:
     with pytest.raises(ValueError, match="left half plane"):
-        next(LESSON.job.run(LESSON.compute(design(observer_poles=(1, -8, -9, -10)))))
+        next(LESSON.job.outcomes(LESSON.compute(design(observer_poles=(1, -8, -9, -10)))))
 
 
 # --- runs, tasks, exam ---------------------------------------------------------------------------------------------
@@ -210,7 +210,7 @@ def test_a_run_in_parts_is_the_run_in_one(kick: float) -> None:
 
 def test_a_fallen_pole_is_shown_at_its_fall_for_the_rest_of_the_time() -> None:
     outcome = LESSON.compute(design(fed="commanded"))
-    shown, stopped = outcome.extra.shown, outcome.extra.stopped
+    shown, stopped = outcome.study.shown, outcome.study.stopped
     after = shown.t >= stopped
     assert len(shown.t) == 401 and 0.5 < stopped < 1.0
     assert np.all(np.abs(shown.x[after, 1]) > FALLEN) and np.all(np.abs(shown.x[~after, 1]) <= FALLEN)

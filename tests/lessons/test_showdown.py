@@ -46,7 +46,7 @@ def test_the_players_are_those_of_the_plants_modules() -> None:
 def test_spectra_and_sizes_are_those_of_the_lyapunov_equation() -> None:
     """RMS by the area of the drawn density, from 0.1 Hz up, beside the variance of the sampled loop."""
     start = outcome()
-    match = start.extra
+    match = start.study
     for i, player in enumerate(match.five):
         if player.id == "open":
             continue
@@ -59,10 +59,10 @@ def test_the_sampled_densities_are_the_continuous_loops_at_low_frequency() -> No
     start = outcome()
     whole, weights = platform.plant(), Weights(v0=1e-10)
     loop = noisy_loop(coils(whole), lqg(reduced(), weights).controller, ground(whole), weights.W, weights.V)
-    f = start.extra.f
+    f = start.study.f
     low = f < 20
     continuous = 1e12 * loop.psd(f[low], loop.outputs(T_y[:3]))
-    assert np.abs(start.extra.spectra[ORDER.index("lqe")].density[low, :3] / continuous - 1).max() < 0.02
+    assert np.abs(start.study.spectra[ORDER.index("lqe")].density[low, :3] / continuous - 1).max() < 0.02
 
 
 def test_steady_and_recursive_filter_coincide() -> None:
@@ -139,7 +139,7 @@ def test_what_breaks_at_one_kilohertz() -> None:
 
 
 def test_monte_carlo_of_a_player_meets_the_drawn_prediction() -> None:
-    match = outcome().extra
+    match = outcome().study
     loop = loop_of(match.world, match.five[ORDER.index("lqe")])
     result = list(monte_carlo(loop, 24, 16.0, 5, 8192))[-1][1]
     assert result is not None
@@ -168,7 +168,7 @@ def test_clipping_keeps_the_linear_response_where_it_does_not_bite() -> None:
 
 def test_the_grid_catches_the_sharp_peaks() -> None:
     """Area without control, 0.5–3 Hz, by the drawn points and by a hundred times as many."""
-    match = outcome().extra
+    match = outcome().study
     fine = np.geomspace(0.5, 3.0, 60_000)
     loop = noisy_loop(coils(platform.plant()), None, ground(platform.plant()), 1e-12)
     exact = band_rms(fine, 1e12 * loop.psd(fine, loop.outputs(T_y[:3])), 0.5, 3.0)
@@ -179,18 +179,18 @@ def test_the_grid_catches_the_sharp_peaks() -> None:
 def test_the_job_measures_what_the_tables_show() -> None:
     assert LESSON.job is not None
     last = None
-    for _, last in LESSON.job.run(outcome()):  # noqa: B007
+    for _, last in LESSON.job.outcomes(outcome()):  # noqa: B007
         pass
     assert last is not None
-    trials = last.extra.trials
+    trials = last.study.trials
     found = 1e6 * np.sqrt(np.mean(trials.noise[2].rms[:, :3] ** 2, axis=0))
-    assert np.allclose(found, last.extra.rms[2], rtol=0.12)
+    assert np.allclose(found, last.study.rms[2], rtol=0.12)
     assert trials.learning[0].max() > 10 * trials.learning[-1].max() and trials.learning[-1].max() < 0.1
     assert np.isfinite(trials.decks[:, 1:]).all() and np.isfinite(trials.costs[:, 2]).all()
     assert np.all(np.abs(trials.costs[:2, 2]) < 0.3) and np.isnan(trials.costs[:2, 1]).all()  # driver and delay: SISO lost
     moved = LESSON.compute(LESSON.apply(LESSON.start(), {"play": "siso"}))
-    assert LESSON.carry is not None and LESSON.carry(last, moved).extra.trials is trials
-    assert LESSON.carry(last, LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-9}))).extra.trials is None
+    assert LESSON.carry is not None and LESSON.carry(last, moved).study.trials is trials
+    assert LESSON.carry(last, LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-9}))).study.trials is None
 
 
 def test_the_clock_ends_at_a_round_time_and_cells_of_three_numbers_do_not_break() -> None:

@@ -30,7 +30,7 @@ def words(language: str) -> str:
 def test_the_copy_error_is_the_matrix_exponential_of_the_plant_whatever_the_power(plant):
     model = MODELS[plant]
     for power in (0.0, 10.0, 37.0):
-        copy = outcome(plant=plant, power=power).extra.copy
+        copy = outcome(plant=plant, power=power).study.copy
         e0 = np.subtract(model.x0, (0.0, 0.0))
         for k in (100, 300, 500):
             assert copy.e[k] == pytest.approx(expm(model.plant.A * copy.t[k]) @ e0, abs=1e-9)
@@ -46,13 +46,13 @@ def test_only_the_share_of_the_start_in_the_unstable_mode_is_never_forgiven():
     values, vectors = np.linalg.eig(MODELS[RUNAWAY].plant.A)
     stable = vectors[:, np.argmin(values)].real
     start = np.array(MODELS[RUNAWAY].x0) - 10.0 * stable
-    copy = outcome(plant=RUNAWAY, guess_core=float(start[0]), guess_case=float(start[1])).extra.copy
+    copy = outcome(plant=RUNAWAY, guess_core=float(start[0]), guess_case=float(start[1])).study.copy
     assert np.linalg.norm(copy.e[-1]) < 1e-3 * np.linalg.norm(copy.e[0])
 
 
 def test_no_trust_is_the_copy():
     o = outcome(trust=0.0)
-    assert np.array_equal(o.run.xhat, o.extra.copy.xhat)
+    assert np.array_equal(o.run.xhat, o.study.copy.xhat)
     assert o.poles["observer"] == pytest.approx(o.poles["copy"])
 
 
@@ -73,9 +73,9 @@ def test_least_trust_is_where_the_observer_of_the_runaway_chip_becomes_stable():
 
 def test_the_locus_starts_at_the_copy_and_passes_the_present_poles():
     o = outcome(trust=1.0)
-    assert np.sort_complex(o.extra.poles[0]) == pytest.approx(o.poles["copy"])
-    at = int(np.argmin(np.abs(o.extra.trusts - 1.0)))
-    assert np.sort_complex(o.extra.poles[at]) == pytest.approx(o.poles["observer"])
+    assert np.sort_complex(o.study.poles[0]) == pytest.approx(o.poles["copy"])
+    at = int(np.argmin(np.abs(o.study.trusts - 1.0)))
+    assert np.sort_complex(o.study.poles[at]) == pytest.approx(o.poles["observer"])
 
 
 def test_a_noisier_sensor_shakes_the_trusting_observer_more():
@@ -95,7 +95,7 @@ def test_the_numbers_in_the_text_are_the_engines(language):
     L, quick, small = tame.gains["L"], fast.gains["L"], little.gains["L"]
     pole = little.poles["observer"][1]
     for number in (
-            f"{slow:.3g}", f"{-1 / slow:.1f} s", f"{tame.extra.copy.e[-1, 0]:.2f} K", f"{tame.metrics['known_after']:.2f} s",
+            f"{slow:.3g}", f"{-1 / slow:.1f} s", f"{tame.study.copy.e[-1, 0]:.2f} K", f"{tame.metrics['known_after']:.2f} s",
             rf"L=({L[0, 0]:.3g},\ {L[1, 0]:.3g})", f"{grow:+.3f}", f"{math.log(2) / grow:.1f} s",
             f"{wild.metrics['copy_core_error']:.1f} K", f"{wild.metrics['least_trust']:.4f}",
             *(f"{m[key]:.2f} K" for m in fan for key in ("case_error", "core_error")),

@@ -201,7 +201,7 @@ def test_nobody_misses_the_weak_pair():
 
 def test_not_even_when_every_state_counts_alike():
     o = outcome(order=8, pressed="alike")
-    c = o.extra.compared
+    c = o.study.compared
     assert 0.03 < c.growth < 0.05 and abs(c.full.force / c.small.force - 1) == pytest.approx(1.5e-5, abs=0.3e-5)
 
 
@@ -247,6 +247,6 @@ def test_nothing_is_compared_with_itself_while_all_states_are_kept() -> None:
 def test_a_loop_on_the_edge_of_stability_tells_no_variance():
     """Here the slowest pole of the loop is at −2.7e-12 rad/s, where the Lyapunov equation has no solution in double precision."""
     edge = outcome(order=1, s=0.1, h=0.026546121469652753, a=0.1727031946620189, mu=0.01, kp=1265.2509013125311, v0=1e-12)
-    small = edge.extra.compared.small
+    small = edge.study.compared.small
     assert -1e-9 < small.rightmost < 0 and not small.stable
     assert small.cost is None and small.force is None and "extra" not in edge.metrics

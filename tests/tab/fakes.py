@@ -155,7 +155,7 @@ def toy_compute(design: Design) -> Outcome:
 
 def toy_figures(outcome: Outcome) -> tuple[TimeFigure, ...]:
     assert outcome.stage is not None
-    if outcome.design["gain"] == UNDRAWABLE or outcome.extra == "undrawable":
+    if outcome.design["gain"] == UNDRAWABLE or outcome.study == "undrawable":
         raise ValueError("nothing to draw")
     return (TimeFigure("x", same("x"), outcome.stage.t, (Line(same("x"), outcome.stage.x[:, 0]),)),)
 

@@ -29,7 +29,7 @@ SMALL = Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.ones((1, 2)), name="sma
 LARGE = Plant(-np.eye(5), np.ones((5, 1)), np.ones((1, 5)), name="large")
 
 
-def wear(model: Model, name: str = "toy") -> Lesson:
+def wear(_: Lesson, model: Model, name: str = "toy") -> Lesson:
     """The toy for a plant: a knob of its own for each state, and none of the tasks. Refuses three states, breaks on six."""
     n = model.plant.n
     if n == 3:

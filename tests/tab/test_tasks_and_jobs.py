@@ -9,7 +9,7 @@ import pytest
 from fakes import Tab, job_of, toy
 
 from app.engine import EngineError
-from app.lesson.lesson import Outcome
+from app.lesson.lesson import Job, Outcome
 from app.tab.commands import (
     AnswerExam,
     CheckNextTask,
@@ -27,6 +27,8 @@ from app.tab.commands import (
     TurnPage,
     Undo,
 )
+from app.tab.drafts import KEPT, Drafts
+from app.text.words import same
 
 
 # --- tasks ---------------------------------------------------------------------------------------------------------
@@ -94,8 +96,8 @@ class Worker:
     """A job of `steps` steps; a command put into the mailbox after each makes the session look up once a step."""
 
     def __init__(self, steps: int = 4, fail_at: int | None = None, problem: Exception | None = None,
-                 extra: Callable[[int], object] = lambda i: i) -> None:
-        self.steps, self.fail_at, self.problem, self.extra = steps, fail_at, problem, extra
+                 study: Callable[[int], object] = lambda i: i) -> None:
+        self.steps, self.fail_at, self.problem, self.study = steps, fail_at, problem, study
         self.started = self.ended = self.done = 0
         self.tab = Tab({"toy": toy(job=job_of(self.run)), "other": toy("other")})
 
@@ -107,7 +109,7 @@ class Worker:
                     raise self.problem
                 self.done = i
                 self.tab.session.post(LookFrom("all"))
-                yield i / self.steps, replace(outcome, extra=self.extra(i))
+                yield i / self.steps, replace(outcome, study=self.study(i))
         finally:
             self.ended += 1
 
@@ -122,8 +124,8 @@ def test_a_job_shows_its_progress_and_its_pictures_and_ends() -> None:
     work.tab.do(RunJob())
     tab = work.step(6)
     assert tab.view.of("progress") == [0.0, 0.25, 0.5, 0.75, 1.0, None]
-    assert [p.outcome.extra for p in tab.view.of("show")] == [1, 2, 3, 4]
-    assert tab.picture.outcome.extra == 4
+    assert [p.outcome.study for p in tab.view.of("show")] == [1, 2, 3, 4]
+    assert tab.picture.outcome.study == 4
     assert (work.started, work.ended) == (1, 1)
     tab.view.clear()
     tab.run_for(0.5)
@@ -139,7 +141,7 @@ def test_a_job_started_twice_is_cancelled_and_keeps_the_last_picture() -> None:
     assert [bad for _, bad in tab.view.of("say")] == [False]
     assert work.ended == 1  # the generator is closed at once, not some day
     reached = work.done
-    assert tab.picture.outcome.extra == reached
+    assert tab.picture.outcome.study == reached
     tab = work.step(5)
     assert work.done == reached
 
@@ -151,7 +153,7 @@ def test_a_changed_knob_drops_the_job_and_its_stale_results() -> None:
     work.tab.set(gain=3.0)
     work.step(5)
     assert work.ended == 1
-    assert work.tab["gain"] == 3.0 and work.tab.picture.outcome.extra is None
+    assert work.tab["gain"] == 3.0 and work.tab.picture.outcome.study is None
     assert work.tab.view.of("progress")[-1] is None
     assert not work.tab.view.sentences()
 
@@ -198,7 +200,7 @@ def test_a_job_that_fails_says_one_sentence_and_keeps_the_last_good_picture(prob
     tab = work.step(6)
     assert len(tab.view.scolded()) == 1
     assert tab.view.of("progress")[-1] is None
-    assert tab.picture.outcome.extra == 2
+    assert tab.picture.outcome.study == 2
     tab.set(gain=3.0)
     assert tab["gain"] == 3.0
 
@@ -214,11 +216,11 @@ def test_a_job_that_fails_at_once_says_one_sentence() -> None:
 
 
 def test_a_job_whose_result_cannot_be_drawn_does_not_end_the_session() -> None:
-    work = Worker(extra=lambda i: "undrawable" if i == 2 else i)
+    work = Worker(study=lambda i: "undrawable" if i == 2 else i)
     work.tab.do(RunJob())
     tab = work.step(6)
     assert len(tab.view.scolded()) == 1
-    assert tab.picture.outcome.extra == 1
+    assert tab.picture.outcome.study == 1
     assert tab.view.of("progress")[-1] is None
     tab.set(gain=3.0)
     assert tab["gain"] == 3.0
@@ -230,19 +232,39 @@ def test_what_a_job_found_is_there_again_after_undo_and_redo() -> None:
     tab = work.step(6)
     tab.set(gain=3.0)
     tab.do(Undo())
-    assert tab.picture.outcome.extra == 4
+    assert tab.picture.outcome.study == 4
     assert work.started == 1
 
 
-def test_a_lesson_may_carry_what_a_job_found_over_to_the_next_design() -> None:
+def test_what_a_job_found_is_shown_in_every_design_of_its_key_and_in_no_other() -> None:
+    """The frame keeps results by lesson, plant and key; a design of another key shows nothing of them."""
     work = Worker()
-    lessons = {"toy": replace(work.tab.lessons["toy"], carry=lambda before, after: replace(after, extra=before.extra))}
-    work.tab = Tab(lessons)
+    found = Job(same("long"), lambda outcome: ((share, after.study) for share, after in work.run(outcome)),
+                key=lambda design: design["mode"], shown=lambda outcome, result: replace(outcome, study=result))
+    work.tab = Tab({"toy": toy(job=found), "other": toy("other", job=replace(found))})
     work.tab.do(RunJob())
     tab = work.step(6)
     tab.set(gain=3.0)
-    assert tab["gain"] == 3.0 and tab.picture.outcome.extra == 4
+    assert tab["gain"] == 3.0 and tab.picture.outcome.study == 4
     assert tab.picture.outcome.metrics["gain"] == 3.0
+    tab.set(mode="b")
+    assert tab.picture.outcome.study is None
+    tab.do(OpenLesson("other"))
+    assert tab.picture.outcome.study is None
+    tab.do(OpenLesson("toy"))
+    tab.set(mode="a", gain=5.0)
+    assert tab.picture.outcome.study == 4
+    assert work.started == 1
+
+
+def test_results_of_jobs_are_kept_within_bounds() -> None:
+    drafts, lesson = Drafts(), toy(job=Job(same("long"), lambda outcome: iter(()), key=lambda design: design["gain"],
+                                           shown=lambda outcome, result: replace(outcome, study=result)))
+    designs = [lesson.apply(lesson.start(), {"gain": k / 100}) for k in range(KEPT + 1)]
+    for k, design in enumerate(designs):
+        drafts.keep_found(lesson, design, k)
+    shown = [drafts.draw(lesson, design, lambda outcome: outcome)[0].study for design in designs]
+    assert shown == [None, *range(1, KEPT + 1)]
 
 
 def test_a_lesson_without_a_job_ignores_the_command() -> None:

@@ -1,0 +1,101 @@
+"""Figures that many lessons share: signals with their estimates, the error, the inputs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from app.engine.simulation import Run
+from app.lesson.figures import Curve, TimeFigure
+from app.plants.model import Model, Signal
+from app.plants.names import called
+from app.text.words import Text, same, symbol
+
+TIME_TAB = Text("Time", "时间")
+ERROR_TAB = Text("Error and input", "误差与输入")
+INPUTS = MappingProxyType({"force": Text("force", "力"), "force 1": Text("force 1", "力 1"), "force 2": Text("force 2", "力 2")})
+
+
+BEYOND = Text(" What lies beyond the scale is drawn at its edge.", " 超出坐标范围的部分画在边缘。")
+
+
+def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, ...]:
+    """The watched signals with their estimates, one figure each."""
+    figures = []
+    for i, signal in enumerate(model.watched[:count]):
+        true, guess = signal.of(run.x), signal.of(run.xhat)
+        gap = float(np.max(np.abs(true[-max(len(true) // 10, 1):] - guess[-max(len(true) // 10, 1):])))
+        figures.append(TimeFigure(
+            f"state{i}", signal.name, run.t,
+            (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
+            axis_name(signal), tab=TIME_TAB,
+            caption=_agreement(gap, float(np.max(np.abs(true), initial=0.0)), signal.unit)))
+    return tuple(figures)
+
+
+def axis_name(signal: Signal) -> str:
+    """The symbol at the end of a signal's name with its unit, or the unit alone."""
+    last = signal.name.en.split()[-1]
+    unit = f"[{signal.unit}]" if signal.unit else ""
+    return f"{last} {unit}".strip() if len(last) <= 2 else unit
+
+
+def _agreement(gap: float, size: float, unit: str) -> Text:
+    """How well an estimate agrees with the truth in the last tenth of a run."""
+    if gap <= 1e-3 * size:
+        return Text("The estimate has caught up with the truth.", "估计已经追上真实值。")
+    return Text(f"In the last tenth of the run they differ by up to {gap:.2g} {unit}.",
+                f"在运行的最后十分之一，二者最多相差 {gap:.2g} {unit}。")
+
+
+def error_figure(run: Run, promised: np.ndarray | None = None) -> TimeFigure:
+    """The norm of the estimation error on a logarithmic axis, beside what ė = (A − LC)e promises."""
+    size = np.linalg.norm(run.e, axis=1)
+    curves = [Curve(Text("‖e‖", "‖e‖"), size, "error")]
+    if promised is not None:
+        curves.append(Curve(Text("promised by A − LC", "按 A − LC 的理论值"), np.linalg.norm(promised, axis=1), "reference",
+                            "dash", 1.6))
+    small = settle_time(run.t, size)
+    caption = (Text(f"The error stays below 2 % of its peak after {small:.2f} s.", f"{small:.2f} s 之后误差一直小于峰值的 2 %。")
+               if small is not None else Text("The error does not settle within this run.", "误差在本次运行中没有衰减下来。"))
+    return TimeFigure("error", Text("estimation error", "估计误差"), run.t, tuple(curves), "‖x − x̂‖", log=True,
+                      caption=caption, tab=ERROR_TAB)
+
+
+def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigure:
+    """Inputs asked (dashed) and applied (solid), with the limits."""
+    curves = []
+    for j, name in enumerate(run.scenario.plant.input_names):
+        role = ("force", "disturbance", "second")[j % 3]
+        applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
+        shown = (Text("input {}", "输入 {}").format(called(model.plant, name)) if model.controller is not None else
+                 INPUTS.get(name, same(symbol(name))))
+        curves.append(Curve(shown, applied, role))
+        if not np.array_equal(applied, asked):
+            curves.append(Curve(Text(f"{shown.en} asked", f"{shown.zh} 指令"), asked, role, "dash", 1.6))
+    if limit is not None:
+        flat = np.full(len(run.t), limit * model.input_scale)
+        curves += [Curve(Text("limit", "限幅"), sign * flat, "reference", "dot", 1.4) for sign in (1, -1)]
+    peak = float(np.max(np.abs(run.u_applied))) * model.input_scale
+    return TimeFigure("input", Text("input, asked and applied", "输入：指令与实际"), run.t, tuple(curves),
+                      f"u [{model.input_unit}]", tab=ERROR_TAB,
+                      caption=Text(f"Largest input applied: {peak:.3g} {model.input_unit}.",
+                                   f"实际输入的最大值：{peak:.3g} {model.input_unit}。"))
+
+
+def within(figure: TimeFigure, edge: float) -> TimeFigure:
+    """The figure with values beyond ±edge drawn at the edge, which its caption then says: a lost loop leaves every scale."""
+    if all(np.all(np.abs(c.y) <= edge) for c in figure.curves):
+        return figure
+    return replace(figure, curves=tuple(replace(c, y=np.clip(c.y, -edge, edge)) for c in figure.curves),
+                   caption=Text(figure.caption.en + BEYOND.en, figure.caption.zh + BEYOND.zh.strip()))
+
+
+def settle_time(t: np.ndarray, size: np.ndarray, share: float = 0.02) -> float | None:
+    """When `size` goes below a share of its peak for good; None if it does not, or only in the last twentieth of the run."""
+    above = np.flatnonzero(size > share * float(np.max(size, initial=0.0)))
+    if not len(above):
+        return 0.0
+    return None if above[-1] >= 0.95 * (len(t) - 1) else float(t[above[-1] + 1])

@@ -1,0 +1,68 @@
+"""K and L of a design, and the sizes by which a person's own plant is measured and shaken."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from app.engine import Plant, dlqe, dlqr, lqe, lqr, observer_gain, place
+from app.engine.design import shift_observer, shift_poles, typical_rate
+from app.lesson.lesson import Design
+from app.plants.model import Model
+
+from .knobs import by_hand
+
+
+def gains(design: Design, plant: Plant, model: Model | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """K and L of a design: by poles, or by LQR and LQE from the weights. `model` where the plant is a person's own."""
+    if by_hand(design):
+        return feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
+    Q, R = design["q"] * plant.C.T @ plant.C, design["r"] * np.eye(plant.m)
+    W, V = design["w"] * np.eye(plant.m), design["v"] * np.eye(plant.p)
+    if plant.dt:
+        return dlqr(plant.A, plant.B, Q, R).gain, dlqe(plant.A, plant.B, plant.C, W, V).gain
+    return lqr(plant.A, plant.B, Q, R).gain, lqe(plant.A, plant.B, plant.C, W, V).gain
+
+
+def feedback(plant: Plant, poles: Sequence[complex], model: Model | None = None) -> np.ndarray:
+    """K (m×n) for poles: placed, or for a person's own plant its starting gain with the poles of the board moved."""
+    if model is None or model.controller is None:
+        return place(plant.A, plant.B, poles).gain
+    return shift_poles(plant.A, plant.B, model.controller.gain, model.controller_poles, poles)
+
+
+def injection(plant: Plant, poles: Sequence[complex], model: Model | None = None) -> np.ndarray:
+    """L (n×p) for poles, as `feedback`."""
+    if model is None or model.observer is None:
+        return observer_gain(plant.A, plant.C, poles).gain
+    return shift_observer(plant.A, plant.C, model.observer.gain, model.observer_poles, poles)
+
+
+def sped(plant: Plant, percent: float) -> Plant:
+    """The plant as it is when everything in it goes faster by so many per cent than its model says: A and B grow alike."""
+    if not percent:
+        return plant
+    share = 1 + percent / 100
+    return replace(plant, A=share * plant.A, B=share * plant.B)
+
+
+def sizes(model: Model) -> np.ndarray:
+    """The size (p,) of each output of a person's own plant near its start, 1 where that is nothing."""
+    size = np.abs(model.plant.C) @ np.abs(np.array(model.x0))
+    return np.where(size > 0, size, 1.0)
+
+
+def noise_units(model: Model) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """G, W and V of unit noises for a person's own plant: intensities, or covariances of a sample where it is sampled.
+
+    w enters where the inputs do and has the size of the natural input over a typical time, v that of the outputs near the
+    start; a plant that no input reaches is shaken in every state.
+    """
+    plant = model.plant
+    time = 1.0 if plant.dt else 1.0 / typical_rate(plant)
+    V = np.diag(sizes(model) ** 2) * time
+    if np.any(plant.B):
+        return plant.B, model.u_max**2 * time * np.eye(plant.m), V
+    return np.diag(np.abs(np.array(model.x0)) + 1e-9), (1.0 if plant.dt else 1.0 / time) * np.eye(plant.n), V

@@ -1,0 +1,48 @@
+"""Numbers, matrices, gains and poles as they stand in live formulas and sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+MOST_ENTRIES = 24  # of a matrix that is written out
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number for a live formula: short, with a true minus sign, powers of ten only where they help."""
+    if value == 0 or not np.isfinite(value):
+        return "0" if value == 0 else r"\infty"
+    if abs(value) >= 1e5 or abs(value) < 10 ** (-digits):
+        mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
+        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+    short = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e" in short else short
+
+
+def tiny(value: float) -> str:
+    """The order of magnitude of a rounding error as words: 10⁻¹⁵, or 0."""
+    if value == 0 or not np.isfinite(value):
+        return "0" if value == 0 else "∞"
+    return "10" + str(round(float(np.log10(abs(value))))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+
+
+def matrix(M: np.ndarray, digits: int = 3, changed: Sequence[tuple[int, int]] = ()) -> str:
+    """A matrix as LaTeX with its present entries; `changed` ones stand out."""
+    def entry(i: int, j: int) -> str:
+        words = number(float(M[i, j]), digits)
+        return rf"\color{{#D55E00}}{{{words}}}" if (i, j) in changed else words
+    rows = r" \\ ".join(" & ".join(entry(i, j) for j in range(M.shape[1])) for i in range(M.shape[0]))
+    return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
+
+
+def gain_words(symbol: str, M: np.ndarray) -> str:
+    """A gain as LaTeX: its entries, or its size where they are too many to read."""
+    return rf"{symbol} = {matrix(M)}" if M.size <= MOST_ENTRIES else rf"\| {symbol} \| = {number(float(np.linalg.norm(M, 2)))}"
+
+
+def pole_words(poles: Sequence[complex]) -> str:
+    """Poles as words: −4 ± 5j, −2."""
+    near = [(p, 1e-6 * max(1.0, abs(p))) for p in poles]  # a double pole comes back split by the root of rounding
+    names = [f"{p.real:.3g}" if abs(p.imag) < tiny else f"{p.real:.3g} ± {p.imag:.3g}j" for p, tiny in near if p.imag >= -tiny]
+    return ", ".join(names).replace("-", "−")
