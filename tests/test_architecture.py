@@ -14,7 +14,7 @@ import pytest
 from syntax import ROOT, Module, imports, mutable_globals, name_of, parsed, private_uses, within
 
 FOLDERS = {"app", "lessons", "tests", "assets", ".ci"}
-WORDS = ("app.text", "app.sentences")
+WORDS = ("app.text",)
 LOWER = ("app.engine", *WORDS, "app.plants")
 ALL = (*LOWER, "app.lesson", "app.tab", "app.export", "app.published", "app.view", "lessons")
 # Layer → the layers it may import. A module belongs to the longest prefix of its name that is listed here.
@@ -31,7 +31,6 @@ MAY_IMPORT = {
     "app.engine.observers": ("app.engine.filters", "app.engine.design", "app.engine.structure", "app.engine.systems"),
     "app.engine.sampled": ("app.engine.filters", "app.engine.feedback", "app.engine.design", "app.engine.systems"),
     "app.text": (),
-    "app.sentences": ("app.text",),
     "app.plants": ("app.engine", *WORDS),
     "app.lesson": LOWER,
     "app.tab": (*LOWER, "app.lesson"),
@@ -149,10 +148,10 @@ def test_no_tracked_file_names_a_path_of_some_machine() -> None:
 
 # --- the rules catch what they are for -----------------------------------------------------------------------------
 BREACHES = (
-    ("app.engine.systems.plant", "from ...text.words import Text"),
+    ("app.engine.systems.plant", "from ...text import Text"),
     ("app.engine.systems.plant", "import app.plants"),
     ("app.engine.systems.plant", "from ..design.optimal import lqr"),
-    ("app.text.words", "from ..engine import Plant"),
+    ("app.text.message", "from ..engine import Plant"),
     ("app.plants.chip", "from ..lesson.figures import Curve"),
     ("app.lesson.figures", "from ..tab.state import write_tab"),
     ("app.tab.session", "def f():\n    from ..view.screen import Screen"),
@@ -165,7 +164,7 @@ BREACHES = (
 )
 GOOD = (
     ("app.engine.systems.plant", "from .errors import EngineError\nimport numpy as np"),
-    ("app.plants.chip", "from ..engine import Plant\nfrom ..text.words import Text"),
+    ("app.plants.chip", "from ..engine import Plant\nfrom ..text import Text"),
     ("lessons.duality.lesson", "from ..toolkit.gains import gains\nfrom . import proofs\nfrom app.engine import place"),
     ("app.view.server", "from ..tab.session import Session\nfrom . import quirks"),
     ("app.cli", "from lessons import LESSONS\nfrom app.view.server import LabServer"),

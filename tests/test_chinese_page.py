@@ -12,9 +12,9 @@ import pytest
 from app.lesson.figures import MapFigure
 from app.lesson.lesson import Design, Lesson
 from app.plants.examples import EXAMPLES, example
-from app.plants.names import TITLES, called, title_of, with_unit
+from app.plants.names import SIGNALS, called, in_unit, title_of, with_unit
 from app.plants.own import plant_of, read
-from app.text.words import LANGUAGES, Text, same, symbol
+from app.text import Text, languages, same, symbol
 from lessons import LESSONS
 
 WORD = re.compile(r"(?<![A-Za-z\\_])[A-Za-z]{3,}")
@@ -87,15 +87,16 @@ def test_a_lesson_on_an_example(lesson: Lesson, key: str) -> None:
 def test_every_name_of_an_example_is_known_in_both_languages(key: str) -> None:
     plant = plant_of(example(key))
     names = {n for n in (*plant.state_names, *plant.input_names, *plant.output_names) if not re.fullmatch(r"[a-z]\d+", n)}
-    assert set(TITLES[plant.name].signals) == names
+    assert set(SIGNALS[plant.name]) == names
     assert all(called(plant, n).en == n != called(plant, n).zh for n in names)
     assert title_of(plant).en == plant.name and EXAMPLES[key].label.zh.startswith(title_of(plant).zh)
 
 
 def test_the_names_of_a_persons_own_plant_stay_as_they_are() -> None:
     plant = plant_of(read("mine.json", b'{"A": [[-1]], "B": [[1]], "C": [[1]], "states": ["current"], "units": {"current": "A"}}'))
-    assert called(plant, "current") == same("current") and with_unit(plant, "current") == same("current [A]")
-    assert title_of(plant).zh == "你的对象" and LANGUAGES == ("en", "zh")
+    assert with_unit(plant, "current")("zh") == "current [A]"
+    assert called(plant, "current") == same("current") and with_unit(plant, "current") == in_unit(same("current"), "A")
+    assert title_of(plant).zh == "你的对象" and languages() == ("en", "zh")
 
 
 def test_an_english_word_would_be_seen() -> None:

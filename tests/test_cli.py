@@ -25,7 +25,7 @@ from app.engine import EngineError
 from app.lesson.lesson import Check, Job, Lesson
 from app.published import records
 from app.tab.state import write_design
-from app.text.words import same
+from app.text import same
 from app.view.address import url
 from lessons import LESSONS
 

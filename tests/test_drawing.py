@@ -10,7 +10,7 @@ import pytest
 from app.lesson.figures import Curve, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TimeFigure
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
-from app.text.words import Text, same, squared, symbol
+from app.text import Text, same, squared, symbol
 from app.view.boards import NAME_HEIGHT, Place, free_place
 from app.view.charts import even
 from app.view.knobs import ends, in_tens, slider_label

@@ -30,7 +30,7 @@ from app.lesson.figures import (
     TimeFigure,
 )
 from app.lesson.lesson import Check, Design, Outcome
-from app.text.words import Text, same
+from app.text import Text, same
 
 T = np.linspace(0.0, 2.0, 120)
 F = np.geomspace(0.1, 100.0, 90)

@@ -27,7 +27,7 @@ from app.lesson.figures import (
     tabs,
     thin,
 )
-from app.text.words import Text, same
+from app.text import Text, same
 
 quick = settings(max_examples=200, deadline=None, derandomize=True, database=None)
 sane = st.floats(-1e9, 1e9)

@@ -12,7 +12,7 @@ from strategies import values_of
 
 from app.lesson.knobs import MAX_TRACK, Choice, Knob, KnobError, Number, Poles, Switch, Track
 from app.lesson.lesson import Design
-from app.text.words import Text, same
+from app.text import Text, same
 
 LINEAR = Number("gain", "g", Text("gain", "增益"), "N", low=-2.0, high=3.0, default=1.0)
 LOG = Number("weight", "w", Text("weight", "权重"), low=1e-6, high=1e6, default=1.0, scale="log")

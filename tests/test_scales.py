@@ -11,7 +11,7 @@ from app.lesson.figures import Curve, FrequencyFigure, TimeFigure
 from app.lesson.lesson import Lesson
 from app.plants import platform
 from app.plants.body import with_longer_arrows
-from app.text.words import LANGUAGES, Text, same
+from app.text import Text, languages, same
 from app.view.charts import decades, on_the_clock
 from app.view.svg import draw
 from app.view.transport import step_of
@@ -59,7 +59,7 @@ def test_chinese_sentences_that_are_joined_have_no_space_between_them() -> None:
     assert Text("{}. {}.", "{} {}").format("a", "b").zh == "a b"
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("lesson", LESSONS.values(), ids=lambda lesson: lesson.id)
 def test_every_picture_of_a_lesson_can_be_drawn(lesson: Lesson, language: str) -> None:
     for figure in lesson.figures(lesson.compute(lesson.start())):

@@ -13,6 +13,7 @@ from ..export.data import plain
 from ..lesson.knobs import Choice, Knob, Number
 from ..lesson.knobs import Poles as PolesKnob
 from ..lesson.lesson import Lesson
+from ..text import languages
 
 
 def print_lesson(lesson: Lesson) -> None:
@@ -21,7 +22,7 @@ def print_lesson(lesson: Lesson) -> None:
     print(f"{lesson.number}. {lesson.id}: {words.question}")
     for knob in lesson.knobs:
         unit = f" {knob.unit}" if knob.unit else ""
-        print(f"     --set {knob.name}={knob.show(knob.check(knob.default))}    {knob.label.en}, {_bounds(knob)}{unit}")
+        print(f"     --set {knob.name}={knob.show(knob.check(knob.default))}    {knob.label('en')}, {_bounds(knob)}{unit}")
     for task in lesson.tasks:
         print(f"     task {task.id}: {words.tasks[task.id].title}")
 
@@ -42,7 +43,7 @@ def lesson_record(lesson: Lesson) -> dict[str, Any]:
 
 def _knob_record(knob: Knob) -> dict[str, Any]:
     record = {"name": knob.name, "kind": type(knob).__name__.lower(), "unit": knob.unit,
-              "label": {"en": knob.label.en, "zh": knob.label.zh}, "default": plain(knob.check(knob.default))}
+              "label": {code: knob.label(code) for code in languages()}, "default": plain(knob.check(knob.default))}
     for name in ("low", "high", "scale", "re_low", "re_high", "im_high"):
         if hasattr(knob, name):
             record[name] = plain(getattr(knob, name))

@@ -7,10 +7,11 @@ import signal
 import sys
 from dataclasses import dataclass
 
+from ..text.languages import languages
 from .options import PLANT_HELP, CommandError, cause, host_name, whole
 
 HELP = "serve the lessons to browsers (default)"
-LANGUAGES = ("en", "zh")  # said here, so that a mistyped command is refused before anything heavy is imported
+
 SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
 OPEN_TO_ALL = """\
@@ -40,7 +41,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
     parser.add_argument("--port", type=port, default=8080, help="port, or the next free one; 0 for any (default %(default)s)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
-    parser.add_argument("--lang", choices=LANGUAGES, default="en", help="language that a page opens in")
+    parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",

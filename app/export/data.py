@@ -22,7 +22,7 @@ from ..lesson.figures import (
     TimeFigure,
 )
 from ..lesson.lesson import Design, Outcome
-from ..text.words import wording
+from ..text import languages, wording
 
 __all__ = ["HEADER", "csv_rows", "plain", "run_record", "save_csv"]
 
@@ -66,7 +66,7 @@ def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
         elif isinstance(figure, PlaneFigure):
             yield from _curves(figure.id, "plane", figure.curves, None)
             for point in figure.points:
-                name = point.name.en or f"{point.role} {point.mark}"
+                name = point.name("en") or f"{point.role} {point.mark}"
                 yield figure.id, "plane", name, float(point.x), float(point.y), ""
         elif isinstance(figure, MatrixFigure):
             yield from _matrix(figure)
@@ -77,7 +77,7 @@ def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
 
 
 def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:
-    names = _distinct([curve.name.en for curve in curves])
+    names = _distinct([curve.name("en") for curve in curves])
     for name, curve in zip(names, curves, strict=True):
         own = np.arange(len(curve.y)) if curve.x is None else curve.x
         for x, y in zip(own if common is None else common, curve.y, strict=True):
@@ -99,14 +99,14 @@ def _matrix(figure: MatrixFigure) -> Iterator[Row]:
 
 def _map(figure: MapFigure) -> Iterator[Row]:
     for (i, j), k in np.ndenumerate(np.asarray(figure.values)):
-        name = figure.categories[int(k)][0].en if k >= 0 else ""
+        name = figure.categories[int(k)][0]("en") if k >= 0 else ""
         yield figure.id, "map", name, float(figure.x[j]), float(figure.y[i]), float(k)
 
 
 def _table(figure: TableFigure) -> Iterator[Row]:
     for i, row in enumerate(figure.rows):
         for column, cell in zip(figure.columns, row, strict=True):
-            yield figure.id, "table", column.en, float(i), "", cell if isinstance(cell, str) else cell.en
+            yield figure.id, "table", column("en"), float(i), "", cell if isinstance(cell, str) else cell("en")
 
 
 def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
@@ -123,7 +123,7 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
         "gains": plain(outcome.gains),
         "poles": {name: [plain(complex(p)) for p in poles] for name, poles in outcome.poles.items()},
         "metrics": plain(outcome.metrics),
-        "checks": [{"id": c.id, "text": {"en": c.text.en, "zh": c.text.zh}, "holds": bool(c.holds),
+        "checks": [{"id": c.id, "text": {code: c.text(code) for code in languages()}, "holds": bool(c.holds),
                     "value": plain(c.value)} for c in outcome.checks],
         "series": _series(outcome),
         **({"plant": json.loads(design.plant)} if design.plant else {}),

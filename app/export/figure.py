@@ -56,7 +56,7 @@ class _Cell:
 def save_figures(figures: Sequence[Figure], path: str | Path, language: str = "en") -> None:
     """Write all figures on one page: PNG (200 dpi), SVG (text as outlines) or PDF (fonts embedded), by the suffix.
 
-    `language` is "en" or "zh". The same records give the same bytes. Warns (MissingFontWarning) where Chinese is asked
+    `language` is one of `app.text.languages()`. The same records give the same bytes. Warns (MissingFontWarning) where Chinese is asked
     for and no font holds it. Raises ExportError for another suffix or no figures, OSError if the file cannot be written.
     """
     path = Path(path)

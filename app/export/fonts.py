@@ -22,6 +22,7 @@ PREFERRED = (
     "WenQuanYi Micro Hei", "WenQuanYi Zen Hei", "Noto Serif CJK JP", "Noto Sans CJK JP", "Droid Sans Fallback",
     "Arial Unicode MS",
 )
+HAN = frozenset({"zh", "ja", "ko"})  # languages whose glyphs a Latin font has not
 INSTALL = ("No installed font holds Chinese, so Chinese words will show as boxes in this figure; install one, for example "
            "the package fonts-noto-cjk.")
 
@@ -32,7 +33,7 @@ class MissingFontWarning(UserWarning):
 
 def families(language: str) -> list[str]:
     """Font families in the order in which a glyph is looked for. Warns (MissingFontWarning) if Chinese is missing."""
-    if language != "zh":
+    if language.split("_")[0] not in HAN:
         return list(SERIF)
     chinese = chinese_font()
     if chinese is None:

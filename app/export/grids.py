@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 
 from ..lesson.figures import COLOURS, MatrixFigure, TableFigure, finite
-from ..text.words import symbol, wording
+from ..text import symbol, wording
 from .style import INK, RULE, SMALL, words
 from .wrap import width
 

@@ -23,7 +23,7 @@ from ..lesson.figures import (
     axis_range,
     finite,
 )
-from ..text.words import wording
+from ..text import wording
 from .labels import label_curves
 from .style import GRID, INK, RULE, SMALL, pen, words
 

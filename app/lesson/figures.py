@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..text.words import NO_WORDS, Text, wording
+from ..text import NO_WORDS, Text, text, wording
 
 # Okabe–Ito, the same meaning in 3-D, in plots, in SVG and in exports.
 COLOURS = MappingProxyType({
@@ -29,8 +29,8 @@ COLOURS = MappingProxyType({
 })
 Dash = Literal["solid", "dash", "dot"]
 # the tabs that figures stand in unless a lesson says otherwise
-TIME, SPECTRUM, PLANE = Text("Time", "时间"), Text("Spectrum", "频谱"), Text("Plane", "平面")
-MATRICES, MAP, NUMBERS = Text("Matrices", "矩阵"), Text("Map", "地图"), Text("Numbers", "数值")
+TIME, SPECTRUM, PLANE = text("Time"), text("Spectrum"), text("Plane")
+MATRICES, MAP, NUMBERS = text("Matrices"), text("Map"), text("Numbers")
 FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
 
 
@@ -208,9 +208,9 @@ def calm_range(figure: TimeFigure | FrequencyFigure, last: tuple[float, float] |
 def columns(figure: Figure) -> tuple[list[str], np.ndarray]:
     """The data of a figure as named columns, for a CSV file and for tests."""
     if isinstance(figure, TimeFigure):
-        return ["t [s]", *(c.name.en for c in figure.curves)], np.column_stack([figure.t, *(c.y for c in figure.curves)])
+        return ["t [s]", *(c.name("en") for c in figure.curves)], np.column_stack([figure.t, *(c.y for c in figure.curves)])
     if isinstance(figure, FrequencyFigure):
-        return ["f [Hz]", *(c.name.en for c in figure.curves)], np.column_stack([figure.f, *(c.y for c in figure.curves)])
+        return ["f [Hz]", *(c.name("en") for c in figure.curves)], np.column_stack([figure.f, *(c.y for c in figure.curves)])
     if isinstance(figure, PlaneFigure):
         rows = [(float(p.x), float(p.y)) for p in figure.points]
         rows += [(float(a), float(b)) for c in figure.curves for a, b in zip(_xs(c), c.y, strict=True)]
@@ -222,7 +222,7 @@ def columns(figure: Figure) -> tuple[list[str], np.ndarray]:
         x, y = np.meshgrid(figure.x, figure.y)
         return [*_axes(figure), "category"], np.column_stack(
             [x.ravel(), y.ravel(), figure.values.ravel()])
-    return [c.en for c in figure.columns], np.empty((0, len(figure.columns)))
+    return [c("en") for c in figure.columns], np.empty((0, len(figure.columns)))
 
 
 def _axes(figure: PlaneFigure | MapFigure) -> tuple[str, str]:

@@ -11,17 +11,17 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..text.words import NO_WORDS, Text
+from ..text import NO_WORDS, Text, text
 
 MAX_TRACK = 400
 
 
 class KnobError(ValueError):
-    """A value that a knob does not accept; `text` says why in both languages."""
+    """A value that a knob does not accept; `text` says why in every language."""
 
-    def __init__(self, text: Text) -> None:
-        super().__init__(text.en)
-        self.text = text
+    def __init__(self, said: Text) -> None:
+        super().__init__(said("en"))
+        self.text = said
 
 
 def short(value: float) -> str:
@@ -59,10 +59,9 @@ class Knob(ABC):
         """The value as text that `parse` reads back."""
         return str(value)
 
-    def _refuse(self, value: object, en: str, zh: str) -> KnobError:
-        shown = str(value)[:40]
-        return KnobError(Text(f"{self.label.en} ({self.name}) cannot be {shown}: {en}",
-                              f"“{self.label.zh}”（{self.name}）不能取 {shown}：{zh}"))
+    def _refuse(self, value: object, why: Text) -> KnobError:
+        return KnobError(text("{label} ({name}) cannot be {value}: {why}", label=self.label, name=self.name,
+                              value=str(value)[:40], why=why))
 
 
 @dataclass(frozen=True)
@@ -79,12 +78,12 @@ class Number(Knob):
         try:
             number = float(value)
         except (TypeError, ValueError, OverflowError):
-            raise self._refuse(value, "it must be a number.", "必须是一个数。") from None
+            raise self._refuse(value, text("it must be a number.")) from None
         if not math.isfinite(number):
-            raise self._refuse(value, "it must be a finite number.", "必须是有限的数。")
+            raise self._refuse(value, text("it must be a finite number."))
         if not self.low <= number <= self.high:
             bounds = f"{self.low:g} … {self.high:g}" + (f" {self.unit}" if self.unit else "")
-            raise self._refuse(f"{number:g}", f"choose a value within {bounds}.", f"请在 {bounds} 之内取值。")
+            raise self._refuse(f"{number:g}", text("choose a value within {bounds}.", bounds=bounds))
         return float(round(number)) if self.scale == "integer" else number
 
     def show(self, value: Any) -> str:
@@ -101,7 +100,7 @@ class Choice(Knob):
     def check(self, value: Any) -> str:
         if value not in [name for name, _ in self.options]:
             names = ", ".join(name for name, _ in self.options)
-            raise self._refuse(value, f"choose one of {names}.", f"请从 {names} 中选择。")
+            raise self._refuse(value, text("choose one of {names}.", names=names))
         return str(value)
 
 
@@ -118,7 +117,7 @@ class Switch(Knob):
             return True
         if str(value).lower() in ("off", "false", "0", "no"):
             return False
-        raise self._refuse(value, "it is on or off.", "只能是 on 或 off。")
+        raise self._refuse(value, text("it is on or off."))
 
     def show(self, value: Any) -> str:
         return "on" if value else "off"
@@ -140,16 +139,15 @@ class Poles(Knob):
         try:
             poles = [complex(*p) if isinstance(p, (tuple, list)) else complex(p) for p in value]
         except (TypeError, ValueError, OverflowError):
-            raise self._refuse(value, "give poles such as -2, -3+1j, -3-1j.",
-                               "请写成 -2, -3+1j, -3-1j 这样的极点。") from None
+            raise self._refuse(value, text("give poles such as -2, -3+1j, -3-1j.")) from None
         if len(poles) != len(self.default):
-            raise self._refuse(self.show(tuple(poles)), f"give exactly {len(self.default)} poles, not {len(poles)}.",
-                               f"应当恰好给出 {len(self.default)} 个极点，而不是 {len(poles)} 个。")
+            raise self._refuse(self.show(tuple(poles)), text("give exactly {count} poles, not {count2}.",
+                                                             count=len(self.default), count2=len(poles)))
         for pole in poles:
             inside = self.re_low <= pole.real <= self.re_high and abs(pole.imag) <= self.im_high
             if not inside:  # NaN fails every comparison and lands here too
                 where = f"{self.re_low:g} ≤ Re ≤ {self.re_high:g}, |Im| ≤ {self.im_high:g}"
-                raise self._refuse(f"{pole:.4g}", f"keep every pole within {where}.", f"每个极点都要满足 {where}。")
+                raise self._refuse(f"{pole:.4g}", text("keep every pole within {where}.", where=where))
         return self._paired(poles)
 
     def _paired(self, poles: list[complex]) -> tuple[complex, ...]:
@@ -164,8 +162,7 @@ class Poles(Knob):
             lower.remove(twin)
             paired += [pole, pole.conjugate()]
         if len(paired) != len(poles):
-            raise self._refuse(self.show(tuple(poles)), "complex poles must come in conjugate pairs.",
-                               "复极点必须成共轭对出现。")
+            raise self._refuse(self.show(tuple(poles)), text("complex poles must come in conjugate pairs."))
         return tuple(sorted(paired, key=lambda p: (p.real, p.imag)))
 
     @staticmethod
@@ -189,13 +186,13 @@ class Track(Knob):
         try:
             pairs = tuple((float(t), float(v)) for t, v in value)
         except (TypeError, ValueError, OverflowError):
-            raise self._refuse(value, "give pairs t:value.", "请写成 t:value 的数对。") from None
+            raise self._refuse(value, text("give pairs t:value.")) from None
         if len(pairs) > MAX_TRACK:
-            raise self._refuse(len(pairs), f"at most {MAX_TRACK} changes fit; reset the hand input.",
-                               f"最多记录 {MAX_TRACK} 次变化，请重置手动输入。")
+            raise self._refuse(len(pairs), text("at most {max_track} changes fit; reset the hand input.",
+                                                max_track=MAX_TRACK))
         if not all(math.isfinite(t) and t >= 0 and self.low <= v <= self.high for t, v in pairs):
-            raise self._refuse(self.show(pairs), f"times must be ≥ 0 and values within {self.low:g} … {self.high:g}.",
-                               f"时间须 ≥ 0，数值须在 {self.low:g} … {self.high:g} 之内。")
+            raise self._refuse(self.show(pairs), text("times must be ≥ 0 and values within {low:g} … {high:g}.",
+                                                      low=self.low, high=self.high))
         return tuple(sorted(pairs))
 
     def parse(self, words: str) -> Any:
@@ -204,7 +201,7 @@ class Track(Knob):
         except ValueError as problem:
             if isinstance(problem, KnobError):
                 raise
-            raise self._refuse(words, "give pairs t:value, separated by commas.", "请写成 t:value，以逗号分隔。") from None
+            raise self._refuse(words, text("give pairs t:value, separated by commas.")) from None
 
     def show(self, value: Any) -> str:
         return ", ".join(f"{short(t)}:{short(v)}" for t, v in value)

@@ -13,7 +13,7 @@ from ..engine.simulation import Run
 from ..plants.body import Body
 from ..plants.model import Model
 from ..plants.own import own_model, plant_of, without_hold
-from ..text.words import NO_WORDS, Text
+from ..text import NO_WORDS, Text, joined, text
 from .figures import Figure
 from .knobs import Knob, KnobError
 
@@ -192,7 +192,7 @@ class Job(Generic[S, R]):
 
 @dataclass(frozen=True, eq=False)
 class Lesson(Generic[S]):
-    """One lesson: data and pure functions; its words are in `en.md` and `zh.md` beside it.
+    """One lesson: data and pure functions; its words are in `en.md` beside it.
 
     `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
     on the lesson's map into changed knob values. `adapt(lesson, model)` makes the lesson for a person's own plant;
@@ -225,8 +225,7 @@ class Lesson(Generic[S]):
         if not plant:
             return self
         if self.adapt is None:
-            raise KnobError(Text(f"Lesson {self.id} is about its own plant; open the sandbox with yours.",
-                                 f"课程 {self.id} 只针对自带的对象；请在“沙盒”课中使用你的对象。"))
+            raise KnobError(text("Lesson {id} is about its own plant; open the sandbox with yours.", id=self.id))
         return _fitted(self, plant)
 
     def knob(self, name: str) -> Knob:
@@ -235,8 +234,8 @@ class Lesson(Generic[S]):
             if knob.name == name:
                 return knob
         names = ", ".join(k.name for k in self.knobs)
-        raise KnobError(Text(f"Lesson {self.id} has no knob {name[:40]}; it has {names}.",
-                             f"课程 {self.id} 没有名为 {name[:40]} 的旋钮；现有：{names}。"))
+        raise KnobError(text("Lesson {id} has no knob {name}; it has {names}.",
+                             id=self.id, name=name[:40], names=names))
 
     def start(self) -> Design:
         """The design with every knob at its default."""
@@ -273,12 +272,11 @@ def _fitted(origin: Lesson, text: str) -> Lesson:
 
 def _whose(model: Model, universal: bool, sampled: bool) -> Text:
     p = model.plant
-    name = Text(f"“{model.label.en}”" if p.name else model.label.en, f"“{model.label.zh}”" if p.name else model.label.zh)
-    shown = Text(f"**This page shows {name.en}** (states {p.n}, inputs {p.m}, outputs {p.p}).",
-                 f"**本页显示的是{name.zh}**（状态 {p.n}，输入 {p.m}，输出 {p.p}）。")
+    name = text("“{name}”", name=model.label) if p.name else model.label
+    shown = text("**This page shows {name}** (states {n}, inputs {m}, outputs {p}).",
+                 name=name, n=p.n, m=p.m, p=p.p)
     if universal:
         return shown
-    hold = (Text(" It came sampled; here it is the continuous plant that a held input turns into those samples.",
-                 "它原是采样对象，这里用的是与之对应的连续对象（零阶保持的逆变换）。") if sampled else Text("", ""))
-    return Text(f"{shown.en} Text, prediction and exam item speak of the lesson's own plant.{hold.en}",
-                f"{shown.zh}文字、预测和考题讲的是本课自带的对象。{hold.zh}")
+    others = text("Text, prediction and exam item speak of the lesson's own plant.")
+    hold = text("It came sampled; here it is the continuous plant that a held input turns into those samples.")
+    return joined(shown, others, hold) if sampled else joined(shown, others)

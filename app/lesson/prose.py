@@ -1,4 +1,4 @@
-"""The words of a lesson, read from its `en.md` and `zh.md`.
+"""The words of a lesson, read from its `en.md` and from `<id>.md` of every other language.
 
 The form of such a file (headings are keywords, the rest is Markdown with $LaTeX$):
 
@@ -30,7 +30,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..text.words import LANGUAGES
+from ..text.languages import folder_of, languages
 
 
 class ProseError(ValueError):
@@ -64,9 +64,14 @@ class Prose:
 
 
 def read_prose(folder: Path) -> dict[str, Prose]:
-    """The prose of a lesson folder, by language. Raises ProseError."""
-    return {lang: parse_prose((folder / f"{lang}.md").read_text(encoding="utf-8"), f"{folder.name}/{lang}.md")
-            for lang in LANGUAGES}
+    """The prose of a lesson by language: its own `en.md`, and `<id>.md` in the folder of every other language.
+
+    A language that has none yet shows the English. Raises ProseError.
+    """
+    own, name = folder / "en.md", f"{folder.name.replace('_', '-')}.md"
+    files = {lang: (folder_of(lang) or folder) / name for lang in languages()}
+    return {lang: parse_prose((path if path.is_file() else own).read_text(encoding="utf-8"), f"{lang}/{name}")
+            for lang, path in files.items()}
 
 
 def parse_prose(text: str, name: str = "text") -> Prose:

@@ -21,4 +21,4 @@ def model(id: str) -> Model:
     try:
         return MODELS[id]
     except (KeyError, TypeError):
-        raise EngineError(f"There is no plant {id!r}; choose one of {', '.join(MODELS)}.") from None
+        raise EngineError("There is no plant {id}; choose one of {models}.", id=f'{id!r}', models=", ".join(MODELS)) from None

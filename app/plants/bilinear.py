@@ -50,10 +50,12 @@ def fitting_functional(plant: BilinearPlant, pole: float) -> tuple[np.ndarray, f
     unseen = np.flatnonzero(~plant.C.any(axis=0))
     null = np.linalg.svd(plant.F[:, unseen].T)[2][len(unseen):].T
     if null.shape[1] != len(unseen):
-        raise EngineError("An observer of order one needs half of the states measured, each by a sensor of its own; change C.")
+        raise EngineError("An observer of order one needs half of the states measured, each by a sensor of its "
+                          "own; change C.")
     values, vectors = np.linalg.eig(np.linalg.solve(null[unseen], plant.A[:, unseen].T @ null))
     real = np.flatnonzero(np.abs(np.imag(values)) < 1e-9 * np.abs(values))
     if not real.size:
-        raise EngineError("No functional of this plant can be watched by an observer with a real pole; take another plant.")
+        raise EngineError("No functional of this plant can be watched by an observer with a real pole; take "
+                          "another plant.")
     best = int(real[np.argmin(np.abs(np.real(values[real]) - pole))])
     return (null @ np.real(vectors[:, best]))[None, :], float(np.real(values[best]))

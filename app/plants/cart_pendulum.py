@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from ..engine import EngineError, NonlinearPlant, Plant
-from ..text.words import Text
+from ..text import text
 from .body import (
     COPPER,
     DARK,
@@ -125,7 +125,8 @@ def nonlinear_plant(parameters: Parameters = Parameters(), sensor: Sensor = "pos
 
 def _chosen(sensor: str) -> tuple[tuple[int, str, str], ...]:
     if sensor not in SENSORS:
-        raise EngineError(f"There is no sensor {sensor!r} on the cart; choose one of {', '.join(SENSORS)}.")
+        raise EngineError("There is no sensor {sensor} on the cart; choose one of {sensors}.",
+                          sensor=f'{sensor!r}', sensors=", ".join(SENSORS))
     return SENSORS[sensor]
 
 
@@ -203,14 +204,13 @@ def body(parameters: Parameters = Parameters()) -> Body:
         at, _, ball = placed(x, gain)
         return (ball, (at, -CART[1] / 2, PIVOT - 0.04))
 
-    return Body(PARTS, pose, arrows, anchors, 1.0, Text(
-        "A pole balanced on a cart; the green arrow is the force on the cart",
-        "小车上的倒立摆；绿色箭头为作用在小车上的力"))
+    return Body(PARTS, pose, arrows, anchors, 1.0, text("A pole balanced on a cart; the green arrow is the force "
+                                                        "on the cart"))
 
 
 MODEL = Model(
     id="cart-pendulum",
-    label=Text("Pole on a cart", "小车倒立摆"),
+    label=text("Pole on a cart"),
     plant=plant(),
     body=body(),
     x0=(0.0, 0.12, 0.0, 0.0),
@@ -223,9 +223,9 @@ MODEL = Model(
     observer_window=Window(-16.0, 6.0, 8.0),
     kick=(0.0, 0.0, 0.0, 0.25),
     watched=(
-        Signal(Text("angle of the pole", "摆杆角度"), (0.0, 1.0, 0.0, 0.0), "°", 57.29577951308232),
-        Signal(Text("position of the cart", "小车位置"), (1.0, 0.0, 0.0, 0.0), "m"),
-        Signal(Text("angular velocity of the pole", "摆杆角速度"), (0.0, 0.0, 0.0, 1.0), "°/s", 57.29577951308232),
+        Signal(text("angle of the pole"), (0.0, 1.0, 0.0, 0.0), "°", 57.29577951308232),
+        Signal(text("position of the cart"), (1.0, 0.0, 0.0, 0.0), "m"),
+        Signal(text("angular velocity of the pole"), (0.0, 0.0, 0.0, 1.0), "°/s", 57.29577951308232),
     ),
     u_max=15.0,
     source="Tutorial on output feedback: the pole balanced in the fog",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..text.words import Text
+from ..text import text
 from .body import (
     COPPER,
     DARK,
@@ -115,6 +115,4 @@ def chain_body(left: float, right: float, forces: Sequence[tuple[float, float]])
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple((at, y, RAIL + SIDE) for at in middles(x, gain) for y in (-0.4, 0.4))
 
-    return Body(parts, pose, arrows, anchors, 1.0, Text(
-        "Two blocks on a rail; the green arrows are the forces",
-        "导轨上的两个滑块；绿色箭头为作用力"))
+    return Body(parts, pose, arrows, anchors, 1.0, text("Two blocks on a rail; the green arrows are the forces"))

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..engine import Plant
-from ..text.words import Text
+from ..text import text
 from .body import COPPER, DARK, METAL, PLANT, STEEL, Arrow, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded
 from .body import force_arrow as arrow
 from .model import Model, Signal, Window
@@ -135,19 +135,18 @@ def body(parameters: Parameters = Parameters()) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return ((CORE, -0.18, level(float(x[0]), gain)), (CASE, -0.18, level(float(x[1]), gain)))
 
-    return Body(_parts(), pose, arrows, anchors, 1.0, Text(
-        "Left column: core; right column: case, the only one measured; a tick every 20 K",
-        "左柱为芯片内核温度，右柱为外壳温度（唯一可测）；刻度间隔 20 K"))
+    return Body(_parts(), pose, arrows, anchors, 1.0, text("Left column: core; right column: case, the only one "
+                                                           "measured; a tick every 20 K"))
 
 
 WATCHED = (
-    Signal(Text("core temperature", "内核温度"), (1.0, 0.0), "K"),
-    Signal(Text("case temperature", "外壳温度"), (0.0, 1.0), "K"),
+    Signal(text("core temperature"), (1.0, 0.0), "K"),
+    Signal(text("case temperature"), (0.0, 1.0), "K"),
 )
 
 MODEL = Model(
     id="chip",
-    label=Text("Chip: core and case", "芯片：内核与外壳"),
+    label=text("Chip: core and case"),
     plant=plant(),
     body=body(),
     x0=(45.0, 20.0),
@@ -168,7 +167,7 @@ MODEL = Model(
 RUNAWAY = replace(
     MODEL,
     id="chip-runaway",
-    label=Text("Chip with thermal runaway", "热失控芯片"),
+    label=text("Chip with thermal runaway"),
     plant=plant(leakage=LEAKAGE),
     x0=(12.0, 6.0),
     controller_poles=(-1.0, -0.5),

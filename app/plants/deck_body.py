@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from math import cos, sin
 
-from ..text.words import Text
+from ..text import text
 from .body import (
     COPPER,
     DARK,
@@ -156,9 +156,9 @@ def _body(a: float, b: float, s: float, h: float, masses: bool) -> Body:
         placed = _placed(x, gain, h)
         return tuple(_at(placed, across, THICK / 2, y) for across in (-HALF, HALF) for y in (-DEPTH / 2, DEPTH / 2))
 
-    return Body(_parts(), _poser(a, b, s, h, masses), arrows, anchors, GAIN, Text(
-        "Deck on two springs and a side spring; green arrows are the coil forces",
-        "平台由两个竖直弹簧和一个水平弹簧支承，绿色箭头为音圈电机出力"))
+    return Body(_parts(), _poser(a, b, s, h, masses), arrows, anchors, GAIN, text("Deck on two springs and a side "
+                                                                                  "spring; green arrows are the "
+                                                                                  "coil forces"))
 
 
 def deck_body(a: float, b: float, s: float, h: float) -> Body:

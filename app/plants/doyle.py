@@ -13,7 +13,7 @@ from math import sqrt
 import numpy as np
 
 from ..engine import Plant
-from ..text.words import Text
+from ..text import text
 from .body import Body
 from .gauge_body import gauge_body
 from .model import Model, Signal, Window
@@ -47,14 +47,14 @@ def body() -> Body:
     return replace(
         shape, pose=lambda x, gain: pose((x[0], x[1], PER_SUM * (x[0] + x[1])), gain),
         anchors=lambda x, gain: anchors((x[0], x[1], PER_SUM * (x[0] + x[1])), gain), gain=4.0,
-        caption=Text("Small gauges: the states x₁ and x₂, of which x₁ is measured and lit; large gauge: x₁ + x₂ and its ghost",
-                     "小表为状态 x₁、x₂，其中 x₁ 可测，亮灯；大表为 x₁ + x₂，虚影为其估计值"))
+        caption=text("Small gauges: the states x₁ and x₂, of which x₁ is measured and lit; large gauge: x₁ + x₂ "
+                     "and its ghost"))
 
 
 PER_SUM = 5.0  # the large gauge's unit is made for g of another plant
 MODEL = Model(
     id="doyle",
-    label=Text("Doyle's plant of 1978", "Doyle 1978 年的反例对象"),
+    label=text("Doyle's plant of 1978"),
     plant=plant(),
     body=body(),
     x0=(0.3, -0.2),
@@ -66,8 +66,8 @@ MODEL = Model(
     controller_window=Window(-16.0, 4.0, 12.0),  # as the platform's: one lesson shows both on the same boards
     observer_window=Window(-20.0, 4.0, 12.0),
     kick=(0.0, 0.3),
-    watched=(Signal(Text("measured state x₁", "可测状态 x₁"), (1.0, 0.0), ""),
-             Signal(Text("hidden state x₂", "不可测状态 x₂"), (0.0, 1.0), "")),
+    watched=(Signal(text("measured state x₁"), (1.0, 0.0), ""),
+             Signal(text("hidden state x₂"), (0.0, 1.0), "")),
     u_max=10.0,
     input_unit="",
     source=SOURCE,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..text.words import Text
+from ..text import text
 from .body import DARK, METAL, PLANT, STEEL, Arrow, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded, force_arrow
 
 FLOOR, ZERO = 0.12, 1.0  # top of the base, level of the value 0
@@ -58,7 +58,6 @@ def rack_body(n: int, q: int, full: Sequence[float]) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return tuple((GAUGE + side, 0.0, level(last, x[last], gain)) for side in (-0.24, 0.24))
 
-    return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
-        "Blue columns: the plant's states; red columns: the observer's. The gauge shows the input wanted, its ghost the "
-        "input given; the green arrow too",
-        "蓝色柱为对象的状态，红色柱为观测器的状态；中间的表显示期望输入，半透明部分为实际给出的输入，绿色箭头亦然"))
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, text("Blue columns: the plant's states; red columns: "
+                                                               "the observer's. The gauge shows the input wanted, "
+                                                               "its ghost the input given; the green arrow too"))

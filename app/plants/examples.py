@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from types import MappingProxyType
 
-from ..text.words import Text
+from ..text import Text, listed, same, text
 from .own import Misfit, read
 
 __all__ = ["EXAMPLES", "Example", "example"]
@@ -25,11 +25,11 @@ class Example:
 
 
 EXAMPLES: Mapping[str, Example] = MappingProxyType({
-    "aircraft": Example("aircraft.json", Text("Aircraft, lateral motion", "飞机横侧向运动")),
-    "motor": Example("motor.json", Text("Motor with a flexible shaft", "柔性轴电机")),
-    "tanks": Example("tanks.json", Text("Four tanks", "四容水箱")),
-    "pendulum": Example("pendulum.json", Text("Inverted pendulum, sampled", "倒立摆（采样）")),
-    "beam": Example("beam.mat", Text("Flexible beam, 16 states", "柔性梁（16 阶）")),
+    "aircraft": Example("aircraft.json", text("Aircraft, lateral motion")),
+    "motor": Example("motor.json", text("Motor with a flexible shaft")),
+    "tanks": Example("tanks.json", text("Four tanks")),
+    "pendulum": Example("pendulum.json", text("Inverted pendulum, sampled")),
+    "beam": Example("beam.mat", text("Flexible beam, 16 states")),
 })
 
 
@@ -37,7 +37,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType({
 def example(name: str) -> str:
     """The canonical text of an example plant. Raises Misfit naming those there are."""
     if name not in EXAMPLES:
-        raise Misfit(Text(f"There is no example plant {name[:40]}; there are {', '.join(EXAMPLES)}.",
-                          f"没有示例对象 {name[:40]}；现有：{'、'.join(EXAMPLES)}。"))
+        raise Misfit(text("There is no example plant {name}; there are {names}.", name=name[:40],
+                          names=listed(same(key) for key in EXAMPLES)))
     file = EXAMPLES[name].file
     return read(file, (FOLDER / file).read_bytes())

@@ -14,7 +14,7 @@ from math import exp, hypot
 import numpy as np
 
 from ..engine import NonlinearPlant
-from ..text.words import Text
+from ..text import text
 from .body import (
     COPPER,
     DARK,
@@ -157,6 +157,6 @@ def body(parameters: Parameters = PARAMETERS) -> Body:
     def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
         return (at(x),)
 
-    return Body(_parts(), pose, arrows, anchors, 1.0, Text(
-        "A falling body and the radar that measures its distance; a mark every 30 km. The ghost's error is drawn 100 times larger",
-        "下落体与测距雷达；刻度间隔 30 km。虚影的误差放大 100 倍"))
+    return Body(_parts(), pose, arrows, anchors, 1.0, text("A falling body and the radar that measures its "
+                                                           "distance; a mark every 30 km. The ghost's error is "
+                                                           "drawn 100 times larger"))

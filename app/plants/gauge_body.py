@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..text.words import Text
+from ..text import text
 from .body import DARK, METAL, PLANT, STEEL, Arrow, Ball, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded
 from .body import force_arrow as arrow
 
@@ -53,9 +53,10 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
 
     seen = ", ".join(str(i + 1) for i in sorted(lit))
     last = "x" + str(states).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
-    return Body(_parts(states, lit), pose, arrows, anchors, 1.0, Text(
-        f"Small gauges: the states x₁ … {last}, of which {seen} are measured and lit; large gauge: g and its ghost ĝ",
-        f"小表为状态 x₁ … {last}，其中 {seen} 可测，亮灯；大表为 g，虚影为估计值 ĝ"))
+    return Body(_parts(states, lit), pose, arrows, anchors, 1.0, text("Small gauges: the states x₁ … {last}, of "
+                                                                      "which {seen} are measured and lit; large "
+                                                                      "gauge: g and its ghost ĝ",
+                                                                      last=last, seen=seen))
 
 
 def _parts(states: int, lit: frozenset[int]) -> tuple[Part, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..engine import Plant
 from ..engine.design import StartingGain
-from ..text.words import Text
+from ..text import Text
 from .body import Body
 
 

@@ -1,57 +1,63 @@
-"""What the signals of a plant are called. A file speaks one language; the examples of the lab are known in both."""
+"""What the signals of a plant are called. A file speaks one language; the examples of the lab are known in all."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 from ..engine import Plant
-from ..text.words import Text, same
+from ..text import Text, same, text, text_in
 
-__all__ = ["TITLES", "Title", "called", "title_of", "with_unit"]
+__all__ = ["SIGNALS", "TITLES", "called", "in_unit", "title_of", "with_unit"]
 
-UNNAMED = Text("your plant", "你的对象")
-
-
-@dataclass(frozen=True)
-class Title:
-    """A plant's name in Chinese, and those of its signals by their names in the file."""
-
-    zh: str
-    signals: Mapping[str, str]
+UNNAMED = text("your plant")
+NOTHING: Mapping[str, Text] = MappingProxyType({})
 
 
-TITLES: Mapping[str, Title] = MappingProxyType({
-    "Aircraft, lateral motion": Title("飞机横侧向运动", MappingProxyType({
-        "sideslip": "侧滑角", "roll rate": "滚转角速度", "yaw rate": "偏航角速度", "bank": "倾斜角", "aileron": "副翼",
-        "rudder": "方向舵", "yaw gyro": "偏航陀螺", "bank angle": "倾角计"})),
-    "Motor with a flexible shaft": Title("柔性轴电机", MappingProxyType({
-        "current": "电流", "motor speed": "电机转速", "twist": "扭转角", "load speed": "负载转速", "voltage": "电压",
-        "tachometer": "测速计"})),
-    "Four tanks": Title("四容水箱", MappingProxyType({
-        **{f"level {i}": f"液位 {i}" for i in (1, 2, 3, 4)}, "pump 1": "泵 1", "pump 2": "泵 2", "gauge 1": "液位计 1",
-        "gauge 2": "液位计 2"})),
-    "Inverted pendulum, sampled": Title("倒立摆（采样）", MappingProxyType({
-        "cart": "小车位置", "angle": "摆角", "cart speed": "小车速度", "turn rate": "摆角速度", "force": "力",
-        "cart place": "位置传感器", "lean": "倾角传感器"})),
-    "Flexible beam": Title("柔性梁", MappingProxyType({"force": "力", "middle": "中部传感器", "end": "端部传感器"})),
+def _signals(*names: Text) -> Mapping[str, Text]:
+    return MappingProxyType({name.id: name for name in names})
+
+
+SIGNALS: Mapping[str, Mapping[str, Text]] = MappingProxyType({
+    "Aircraft, lateral motion": _signals(
+        text_in("signal", "sideslip"), text_in("signal", "roll rate"), text_in("signal", "yaw rate"),
+        text_in("signal", "bank"), text_in("signal", "aileron"), text_in("signal", "rudder"),
+        text_in("signal", "yaw gyro"), text_in("signal", "bank angle")),
+    "Motor with a flexible shaft": _signals(
+        text_in("signal", "current"), text_in("signal", "motor speed"), text_in("signal", "twist"),
+        text_in("signal", "load speed"), text_in("signal", "voltage"), text_in("signal", "tachometer")),
+    "Four tanks": _signals(
+        text_in("signal", "level 1"), text_in("signal", "level 2"), text_in("signal", "level 3"),
+        text_in("signal", "level 4"), text_in("signal", "pump 1"), text_in("signal", "pump 2"),
+        text_in("signal", "gauge 1"), text_in("signal", "gauge 2")),
+    "Inverted pendulum, sampled": _signals(
+        text_in("signal", "cart"), text_in("signal", "angle"), text_in("signal", "cart speed"),
+        text_in("signal", "turn rate"), text_in("signal", "force"), text_in("signal", "cart place"),
+        text_in("signal", "lean")),
+    "Flexible beam": _signals(
+        text_in("signal", "force"), text_in("signal", "middle"), text_in("signal", "end")),
 })
+TITLES: Mapping[str, Text] = MappingProxyType({title.id: title for title in (
+    text("Aircraft, lateral motion"), text("Motor with a flexible shaft"), text("Four tanks"),
+    text("Inverted pendulum, sampled"), text("Flexible beam"))})
 
 
 def title_of(plant: Plant) -> Text:
     """What the plant is called."""
-    known = TITLES.get(plant.name)
-    return UNNAMED if not plant.name else same(plant.name) if known is None else Text(plant.name, known.zh)
+    return TITLES.get(plant.name, same(plant.name)) if plant.name else UNNAMED
 
 
 def called(plant: Plant, name: str) -> Text:
-    """What a signal of the plant is called: as in its file, in Chinese too where the plant is an example."""
-    known = TITLES.get(plant.name)
-    return same(name) if known is None else Text(name, known.signals.get(name, name))
+    """What a signal of the plant is called: as in its file, in every language where the plant is an example."""
+    return SIGNALS.get(plant.name, NOTHING).get(name, same(name))
 
 
 def with_unit(plant: Plant, name: str) -> Text:
     """The same with its unit in brackets, for an axis or a table."""
     unit = plant.unit(name)
-    return Text("{} [{}]", "{} [{}]").format(called(plant, name), unit) if unit else called(plant, name)
+    return in_unit(called(plant, name), unit)
+
+
+def in_unit(name: Text, unit: str) -> Text:
+    """A name with its unit in brackets, if it has one."""
+    return text_in("unit", "{name} [{unit}]", name=name, unit=unit) if unit else name

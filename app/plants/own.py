@@ -15,8 +15,7 @@ from ..engine.design import StartingGain, starting_feedback, starting_observer, 
 from ..engine.simulation import Run
 from ..engine.structure import state_scale
 from ..engine.systems import continuous_of, read_plant
-from ..sentences import told
-from ..text.words import Text
+from ..text import Text, text, text_in, told
 from .model import Model, Signal, Window
 from .names import called, title_of
 from .own_body import tubes_body
@@ -31,11 +30,14 @@ ALLOWED = frozenset(" .,-+/()°·²³⁻¹µ%_")
 
 
 class Misfit(EngineError):
-    """A plant that a lesson or the lab cannot take; `text` says why in both languages."""
+    """A plant that a lesson or the lab cannot take; `text` says why in every language."""
 
-    def __init__(self, text: Text) -> None:
-        super().__init__(text.en)
-        self.text = text
+    def __init__(self, said: Text) -> None:
+        super().__init__(said.id, **dict(said.values))
+        self.text = said
+
+    def __str__(self) -> str:
+        return str(self.text)
 
 
 # --- the gate ----------------------------------------------------------------------------------------------------------
@@ -44,13 +46,7 @@ def read(name: str, data: bytes) -> str:
     try:
         return canonical(read_plant(name, data))
     except EngineError as problem:
-        raise Misfit(_unusable("该文件", problem)) from problem
-
-
-def _unusable(what: str, problem: EngineError) -> Text:
-    """The sentence of an error; in Chinese it says first what cannot be used."""
-    why = told(problem)
-    return Text(why.en, f"{what}无法使用：{why.zh}")
+        raise Misfit(text_in("file", "{why}", why=told(problem))) from problem
 
 
 def canonical(plant: Plant) -> str:
@@ -76,7 +72,7 @@ def plant_of(text: str) -> Plant:
     try:
         return from_json(text)
     except EngineError as problem:
-        raise Misfit(_unusable("该对象", problem)) from problem
+        raise Misfit(text_in("plant", "{why}", why=told(problem))) from problem
 
 
 def without_hold(plant: Plant) -> Plant:
@@ -84,10 +80,8 @@ def without_hold(plant: Plant) -> Plant:
     try:
         return continuous_of(plant)
     except EngineError as problem:
-        why = told(problem)
-        reason = why.zh.rstrip("。")
-        raise Misfit(Text(f"{why.en} This lesson is about continuous time; the sandbox takes the plant as it is.",
-                          f"本课讲连续时间，而这个采样对象没有对应的同阶连续对象（{reason}）；请在“沙盒”课中使用它。")) from problem
+        raise Misfit(text("{why} This lesson is about continuous time; the sandbox takes the plant as it is.",
+                          why=told(problem))) from problem
 
 
 # --- the model ---------------------------------------------------------------------------------------------------------
@@ -211,10 +205,10 @@ def _measured_alone(plant: Plant) -> dict[int, int]:
 
 def _watched(plant: Plant, alone: dict[int, int]) -> tuple[Signal, ...]:
     """An output first, then states that nothing measures by itself, then the rest."""
-    outputs = [Signal(Text("output {}", "输出 {}").format(called(plant, name)), tuple(row.tolist()), plant.unit(name))
+    outputs = [Signal(text("output {}").format(called(plant, name)), tuple(row.tolist()), plant.unit(name))
                for name, row in zip(plant.output_names, plant.C, strict=True)]
     unit = np.eye(plant.n)
-    states = [Signal(Text("state {}", "状态 {}").format(called(plant, name)), tuple(unit[i].tolist()), plant.unit(name))
+    states = [Signal(text("state {}").format(called(plant, name)), tuple(unit[i].tolist()), plant.unit(name))
               for i, name in enumerate(plant.state_names)]
     hidden = [signal for i, signal in enumerate(states) if i not in alone]
     seen = [signal for i, signal in enumerate(states) if i in alone]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from ..text.words import Text
+from ..text import NO_WORDS, Text, joined, text
 from .body import (
     DARK,
     METAL,
@@ -82,10 +82,9 @@ def tubes_body(names: Sequence[Text | str], full: Sequence[float], measured: Seq
 
     labels = tuple((name, (x, y - 1.5 * radius, foot - 0.03)) for name, (x, y, foot) in zip(names, feet, strict=True)
                    ) if count <= MOST_IN_ROW else ()
-    seen = Text(" A lit lamp: that state is measured by itself.", "亮灯：该状态被直接测量。") if lit else Text("", "")
-    return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
-        f"One tube per state, from left to right and front to back; green arrows: inputs.{seen.en}",
-        f"每个管子是一个状态，自左至右、由前向后；绿色箭头为输入。{seen.zh}"), labels)
+    seen = text("A lit lamp: that state is measured by itself.") if lit else NO_WORDS
+    note = joined(text("One tube per state, from left to right and front to back; green arrows: inputs."), seen)
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, note, labels)
 
 
 def _stand(rows: tuple[int, ...], gap: float) -> tuple[list[Part], dict[str, Pose]]:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..engine import Plant
-from ..text.words import Text
+from ..text import text
 from .body import Body
 from .deck_body import deck_body, platform_body
 from .model import Model, Signal, Window
@@ -160,9 +160,9 @@ def _watched(width: int) -> tuple[Signal, ...]:
         return tuple(float(i == index) for i in range(width))
 
     return (
-        Signal(Text("height of the deck z", "平台高度 z"), weights(1), "mm", 1e3),
-        Signal(Text("pitch of the deck θ", "平台俯仰角 θ"), weights(2), "mrad", 1e3),
-        Signal(Text("horizontal position x", "水平位移 x"), weights(0), "mm", 1e3),
+        Signal(text("height of the deck z"), weights(1), "mm", 1e3),
+        Signal(text("pitch of the deck θ"), weights(2), "mrad", 1e3),
+        Signal(text("horizontal position x"), weights(0), "mm", 1e3),
     )
 
 
@@ -172,7 +172,7 @@ START = (0.0015, 0.002, -0.009)
 
 DECK = Model(
     id="deck",
-    label=Text("Platform, rigid deck", "隔振平台（刚体模型）"),
+    label=text("Platform, rigid deck"),
     plant=deck(),
     body=rigid_body(),
     x0=(*START, 0.0, 0.0, 0.0),
@@ -198,7 +198,7 @@ def _platform_poles(of_deck: tuple[complex, ...]) -> tuple[complex, ...]:
 
 PLATFORM = Model(
     id="platform",
-    label=Text("Platform with its sensors' test masses", "隔振平台（含传感器测试质量）"),
+    label=text("Platform with its sensors' test masses"),
     plant=plant(),
     body=body(),
     x0=(*START, START[1] - Parameters.s * START[2], START[1] + Parameters.s * START[2], *(0.0,) * 5),
@@ -211,7 +211,7 @@ PLATFORM = Model(
     observer_window=Window(-20.0, 4.0, 12.0),
     kick=(0.0, 0.0, 0.0, 0.0, 0.0, 0.015, -0.02, 0.09, -0.02 - 0.09 * Parameters.s, -0.02 + 0.09 * Parameters.s),
     watched=(*_watched(10), Signal(
-        Text("test masses against each other", "两测试质量的相对运动"),
+        text("test masses against each other"),
         (0.0, 0.0, 2 * Parameters.s, 1.0, -1.0, *(0.0,) * 5), "µm", 1e6)),
     u_max=3.0,
     controls=(0, 1, 2),

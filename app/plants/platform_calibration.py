@@ -111,8 +111,8 @@ def calibrate(start: Parameters | None = None, wanted: np.ndarray | None = None,
 
     found = least_squares(residual, np.log([getattr(start, name) for name in unknowns]), xtol=1e-15, ftol=1e-15, gtol=1e-15)
     if np.abs(found.fun).max() > TOLERANCE:
-        raise EngineError(f"No solution near this start: the equations are missed by {np.abs(found.fun).max():.1e}; "
-                          "start nearer.")
+        raise EngineError("No solution near this start: the equations are missed by {fun:.1e}; start nearer.",
+                          fun=np.abs(found.fun).max())
     solution = at(found.x)
     return Calibration(solution, found.fun, hankel_singular_values(plant(solution)),
                        _spread(solution, found.jac, wanted, unknowns, picked))

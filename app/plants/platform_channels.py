@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..engine import Plant
-from ..text.words import Text
+from ..text import Text, text
 
 
 def _fixed(rows: list[list[float]]) -> np.ndarray:
@@ -35,10 +35,10 @@ class Channel:
     input: int | None
 
 
-VERTICAL = Channel("vertical", Text("vertical", "竖直平动"), 0, 0)
-ROTATION = Channel("rotation", Text("rotation", "俯仰转动"), 1, 1)
-HORIZONTAL = Channel("horizontal", Text("horizontal", "水平平动"), 2, 2)
-RESIDUAL = Channel("residual", Text("residual", "水平残差"), 3, None)
+VERTICAL = Channel("vertical", text("vertical"), 0, 0)
+ROTATION = Channel("rotation", text("rotation"), 1, 1)
+HORIZONTAL = Channel("horizontal", text("horizontal"), 2, 2)
+RESIDUAL = Channel("residual", text("residual"), 3, None)
 CHANNELS = (VERTICAL, ROTATION, HORIZONTAL, RESIDUAL)
 
 

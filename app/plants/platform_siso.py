@@ -45,7 +45,7 @@ def channel_plant(channel: Channel, parameters: platform.Parameters = NOMINAL) -
     """
     whole = in_channels(platform.plant(parameters))
     if channel.input is None:
-        raise EngineError(f"No coil acts on the channel {channel.id}; take vertical, rotation or horizontal.")
+        raise EngineError("No coil acts on the channel {id}; take vertical, rotation or horizontal.", id=channel.id)
     return Plant(whole.A, whole.B[:, [channel.input]], whole.C[[channel.output]], None,  # type: ignore[arg-type]
                  name=f"P {channel.id}")
 

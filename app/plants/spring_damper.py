@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..engine import Plant
-from ..text.words import Text
+from ..text import text
 from .body import (
     COPPER,
     DARK,
@@ -100,14 +100,13 @@ def body(parameters: Parameters = Parameters()) -> Body:
         at = middle(x, gain)
         return ((at, -0.45, RAIL + SIDE), (at, 0.45, RAIL + SIDE))
 
-    return Body(PARTS, pose, arrows, anchors, 1.0, Text(
-        "A block on a rail between a spring and a damper; the green arrow is the force",
-        "导轨上的滑块，左侧并联弹簧与阻尼器；绿色箭头为外力"))
+    return Body(PARTS, pose, arrows, anchors, 1.0, text("A block on a rail between a spring and a damper; the "
+                                                        "green arrow is the force"))
 
 
 MODEL = Model(
     id="spring-damper",
-    label=Text("Spring, mass and damper", "弹簧-质量-阻尼系统"),
+    label=text("Spring, mass and damper"),
     plant=plant(),
     body=body(),
     x0=(1.0, 0.0),
@@ -120,8 +119,8 @@ MODEL = Model(
     observer_window=Window(-5.0, 1.5, 3.0),
     kick=(0.0, 1.0),
     watched=(
-        Signal(Text("position of the block", "滑块位置"), (1.0, 0.0), "m"),
-        Signal(Text("velocity of the block", "滑块速度"), (0.0, 1.0), "m/s"),
+        Signal(text("position of the block"), (1.0, 0.0), "m"),
+        Signal(text("velocity of the block"), (0.0, 1.0), "m/s"),
     ),
     u_max=1.0,
     source="Observer notes, example of the mass on a spring: m = 1, b = 0.5, k = 1",

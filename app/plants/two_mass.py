@@ -16,7 +16,8 @@ from typing import Literal
 import numpy as np
 
 from ..engine import EngineError, Plant
-from ..text.words import Text
+from ..engine.systems.errors import phrase
+from ..text import Text, text
 from .chain_body import chain_body
 from .model import Model, Signal, Window
 
@@ -56,9 +57,11 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "second", actu
     each, `opposed` (one force that pushes the blocks apart), `equal` (one force on both alike).
     """
     if sensor not in SENSORS:
-        raise EngineError(f"There is no sensor {sensor!r} on the chain; choose one of {', '.join(SENSORS)}.")
+        raise EngineError("There is no sensor {sensor} on the chain; choose one of {sensors}.",
+                          sensor=f'{sensor!r}', sensors=", ".join(SENSORS))
     if actuator not in ACTUATORS:
-        raise EngineError(f"There is no actuator {actuator!r} on the chain; choose one of {', '.join(ACTUATORS)}.")
+        raise EngineError("There is no actuator {actuator} on the chain; choose one of {actuators}.",
+                          actuator=f'{actuator!r}', actuators=", ".join(ACTUATORS))
     k = parameters
     masses = np.array([[k.m1], [k.m2]])
     K = np.array([[k.left + k.between, -k.between], [-k.between, k.right + k.between]])
@@ -76,14 +79,14 @@ def plant(parameters: Parameters = Parameters(), sensor: Sensor = "second", actu
 
 
 WATCHED = (
-    Signal(Text("position of the right block", "右滑块位置"), (0.0, 1.0, 0.0, 0.0), "m"),
-    Signal(Text("position of the left block", "左滑块位置"), (1.0, 0.0, 0.0, 0.0), "m"),
-    Signal(Text("distance of the blocks", "两滑块间距变化"), (-1.0, 1.0, 0.0, 0.0), "m"),
+    Signal(text("position of the right block"), (0.0, 1.0, 0.0, 0.0), "m"),
+    Signal(text("position of the left block"), (1.0, 0.0, 0.0, 0.0), "m"),
+    Signal(text("distance of the blocks"), (-1.0, 1.0, 0.0, 0.0), "m"),
 )
 
 MODEL = Model(
     id="two-mass",
-    label=Text("Two masses and a spring", "双质量弹簧系统"),
+    label=text("Two masses and a spring"),
     plant=plant(),
     body=chain_body(4.0, 0.0, ACTUATORS["first"]),
     x0=(0.35, -0.25, 0.0, 0.0),
@@ -122,21 +125,17 @@ SETTLES = Parameters(left=0.3, right=0.3, left_damping=0.5, right_damping=0.5)
 DEPARTS = replace(SETTLES, left=-0.5, right=-0.5)
 LABELS: Mapping[Case, tuple[Text, Text]] = MappingProxyType({
     "unseen-stable": (
-        Text("Distance sensor, blocks on soft springs", "间距传感器，软弹簧支承"),
-        Text("both blocks drifting together, unseen by the sensor of their distance",
-             "两滑块同向同步的运动，间距传感器看不到")),
+        text("Distance sensor, blocks on soft springs"),
+        text("both blocks drifting together, unseen by the sensor of their distance")),
     "unseen-unstable": (
-        Text("Distance sensor, blocks between magnets", "间距传感器，磁铁吸引"),
-        Text("both blocks pulled away together by the magnets, unseen by the sensor of their distance",
-             "两滑块一同被磁铁吸走的运动，间距传感器看不到")),
+        text("Distance sensor, blocks between magnets"),
+        text("both blocks pulled away together by the magnets, unseen by the sensor of their distance")),
     "unmoved-stable": (
-        Text("Actuator between the blocks, on soft springs", "内力作动器，软弹簧支承"),
-        Text("both blocks drifting together, unmoved by a force that acts between them",
-             "两滑块同向同步的运动，滑块间的内力推不动")),
+        text("Actuator between the blocks, on soft springs"),
+        text("both blocks drifting together, unmoved by a force that acts between them")),
     "unmoved-unstable": (
-        Text("Actuator between the blocks, between magnets", "内力作动器，磁铁吸引"),
-        Text("both blocks pulled away together by the magnets, unmoved by a force that acts between them",
-             "两滑块一同被磁铁吸走的运动，滑块间的内力推不动")),
+        text("Actuator between the blocks, between magnets"),
+        text("both blocks pulled away together by the magnets, unmoved by a force that acts between them")),
 })
 
 
@@ -157,13 +156,15 @@ def hidden(case: Case, parameters: Parameters | None = None) -> Hidden:
     blocks that differ, or whose common motion does not fit the name (stable: both poles left of the axis).
     """
     if case not in LABELS:
-        raise EngineError(f"There is no case {case!r}; choose one of {', '.join(LABELS)}.")
+        raise EngineError("There is no case {case}; choose one of {labels}.",
+                          case=f'{case!r}', labels=", ".join(LABELS))
     unseen, stable = case.startswith("unseen"), not case.endswith("unstable")
     chosen = parameters or (SETTLES if stable else DEPARTS)
     fixed = common_poles(chosen)
     if (fixed[1].real < 0) != stable:
-        raise EngineError(f"With these parameters the common motion is {'un' if stable else ''}stable, so they do not "
-                          f"fit the case {case}; change the wall stiffness or the damping.")
+        motion = phrase("unstable") if stable else phrase("stable")
+        raise EngineError("With these parameters the common motion is {motion}, so they do not fit the case {case}; change the "
+                          "wall stiffness or the damping.", motion=motion, case=case)
     label, motion = LABELS[case]
     actuator: Actuator = "first" if unseen else "opposed"
     built = plant(chosen, "distance" if unseen else "first", actuator)
@@ -176,7 +177,7 @@ def hidden(case: Case, parameters: Parameters | None = None) -> Hidden:
         observer_poles=(*(fixed if unseen else fast), -3.5 - 4j, -3.5 + 4j),
         kick=(0.0, 0.0, 0.4, 0.4) if stable else (0.0, 0.0, 0.05, 0.05),
         watched=(WATCHED[2], *WATCHED[:2], Signal(
-            Text("centre of the blocks", "两滑块中心位置"), (0.5, 0.5, 0.0, 0.0), "m")),
+            text("centre of the blocks"), (0.5, 0.5, 0.0, 0.0), "m")),
     )
     return Hidden(case, model, unseen, stable, motion, (1.0, 1.0, 0.0, 0.0), fixed)
 

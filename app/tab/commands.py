@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ..text.words import Text
+from ..text import Text
 
 
 @dataclass(frozen=True)

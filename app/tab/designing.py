@@ -8,14 +8,14 @@ from typing import assert_never
 from ..lesson.knobs import KnobError, Track
 from ..plants.examples import example
 from ..plants.own import read
-from ..text.words import Text
+from ..text import text
 from .commands import ChoosePlant, Designing, DrawByHand, PickPoint, Redo, Refuse, Reset, SetKnobs, Undo, UploadPlant
 from .gate import number
 from .presenter import Presenter
 
 YOURS = "yours"
-NOTHING_TO_UNDO = Text("Nothing to undo.", "没有可以撤销的操作。")
-NOTHING_TO_REDO = Text("Nothing to redo.", "没有可以重做的操作。")
+NOTHING_TO_UNDO = text("Nothing to undo.")
+NOTHING_TO_REDO = text("Nothing to redo.")
 
 
 def obey(show: Presenter, command: Designing) -> None:
@@ -52,7 +52,7 @@ def _start(show: Presenter, plant: str) -> None:
 
 def _upload(show: Presenter, name: str, data: object) -> None:
     if not isinstance(data, bytes):
-        raise KnobError(Text("What the browser sent is not a file; nothing was changed.", "浏览器发来的不是文件，未作任何更改。"))
+        raise KnobError(text("What the browser sent is not a file; nothing was changed."))
     plant = read(name, data)
     _start(show, plant)
     show.change(replace(show.state, plant=plant))
@@ -62,7 +62,7 @@ def _draw(show: Presenter, name: str, value: object) -> None:
     """Record a hand-drawn input from the present time on."""
     knob = show.lesson.knob(name)
     if not isinstance(knob, Track):
-        raise KnobError(Text(f"{name} is not drawn by hand.", f"{name} 不是手动输入。"))
+        raise KnobError(text("{name} is not drawn by hand.", name=name))
     show.set_knobs([SetKnobs({name: knob.record(show.design[name], show.state.t, number(value))})])
 
 

@@ -7,7 +7,7 @@ from contextlib import suppress
 from typing import SupportsFloat
 
 from ..lesson.knobs import KnobError
-from ..text.words import Text
+from ..text import text
 
 
 def number(value: object, finite: bool = True) -> float:
@@ -18,5 +18,5 @@ def number(value: object, finite: bool = True) -> float:
             found = float(value)
     if found is None or (finite and not math.isfinite(found)):
         shown = str(value)[:40]
-        raise KnobError(Text(f"{shown} is not a finite number; nothing was changed.", f"{shown} 不是有限的数，未作任何更改。"))
+        raise KnobError(text("{shown} is not a finite number; nothing was changed.", shown=shown))
     return found

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import assert_never
 
 from ..lesson.knobs import KnobError
-from ..text.words import LANGUAGES, Text
+from ..text import languages, text
 from .commands import (
     Answer,
     LookFrom,
@@ -27,7 +27,7 @@ def obey(show: Presenter, command: Paging) -> None:
     match command:
         case OpenLesson(lesson):
             if not isinstance(lesson, str) or lesson not in show.lessons:
-                raise KnobError(Text(f"There is no lesson {str(lesson)[:40]}.", f"没有课程 {str(lesson)[:40]}。"))
+                raise KnobError(text("There is no lesson {lesson}.", lesson=str(lesson)[:40]))
             show.open_lesson(lesson)
         case TurnPage(steps):
             ids = list(show.lessons)
@@ -50,6 +50,6 @@ def obey(show: Presenter, command: Paging) -> None:
 
 def _language(asked: object, present: str) -> str:
     """The language that was asked for, the one after the present one if the lab does not speak it."""
-    if isinstance(asked, str) and asked in LANGUAGES:
+    if isinstance(asked, str) and asked in languages():
         return asked
-    return LANGUAGES[(LANGUAGES.index(present) + 1) % len(LANGUAGES)]
+    return languages()[(languages().index(present) + 1) % len(languages())]

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from ..lesson.figures import Figure
 from ..lesson.lesson import Design, Lesson, Outcome, Verdict
-from ..text.words import Text
+from ..text import Text
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class View(Protocol):
     def progress(self, fraction: float | None, label: Text | None) -> None:
         """Show how far a long job is; None when there is none."""
 
-    def say(self, text: Text, bad: bool) -> None:
+    def say(self, words: Text, bad: bool) -> None:
         """Tell the person one sentence."""
 
     def camera(self, preset: str) -> None:

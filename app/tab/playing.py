@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import assert_never
 
-from ..text.words import Text
+from ..text import text
 from .commands import ChangeSpeed, Kick, Play, Playing, Rewind, Seek
 from .gate import number
 from .presenter import Presenter
@@ -13,7 +13,7 @@ from .presenter import Presenter
 FRAME = 1 / 30  # s between poses while playing
 STALL = 0.25  # s of real time that one pose may cover at most: a stalled worker does not leap over the run
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
-PREDICT_FIRST = Text("Choose a prediction first; then the run unlocks.", "请先作出预测，之后才能播放。")
+PREDICT_FIRST = text("Choose a prediction first; then the run unlocks.")
 
 
 def obey(show: Presenter, command: Playing) -> None:

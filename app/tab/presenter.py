@@ -12,20 +12,19 @@ from dataclasses import replace
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson, Outcome
-from ..sentences import kind_of, told
-from ..text.words import Text
+from ..text import text, told
 from .commands import SetKnobs
 from .desk import Desk
 from .drafts import Drafts, Drawn, LongJob
 from .history import History
 from .picture import Picture, State, View
 from .state import read_tab, write_tab
+from .unexpected import kind_of
 
 log = logging.getLogger(__name__)
 
-NOT_DONE = Text("That could not be done ({0}); everything stays as it was.", "操作未能完成（{0}），一切保持原样。")
-BROKEN = Text("The lesson could not compute this design ({0}); the last good picture stays. Undo or change a knob.",
-              "课程无法计算这一设计（{0}），保留上一幅正确的图。请撤销或调整旋钮。")
+NOT_DONE = text("That could not be done ({kind}); everything stays as it was.")
+BROKEN = text("The lesson could not compute this design ({kind}); the last good picture stays. Undo or change a knob.")
 
 
 class Presenter:
@@ -220,10 +219,10 @@ class Presenter:
     def refuse(self, problem: Exception, command: bool = False) -> None:
         """Say in one sentence why something was not done, and show the last good picture again."""
         if isinstance(problem, (EngineError, KnobError)):
-            text = told(problem)
+            said = told(problem)
         else:
-            text = (NOT_DONE if command else BROKEN).format(kind_of(problem))
-        self.view.say(text, True)
+            said = (NOT_DONE if command else BROKEN).format(kind=kind_of(problem))
+        self.view.say(said, True)
         self.resting = True
         self.redraw()
 

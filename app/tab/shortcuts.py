@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..text.words import Text
+from ..text import Text, text
 from .commands import (
     ChangeSpeed,
     CheckNextTask,
@@ -36,23 +36,23 @@ class Shortcut:
 
 
 SHORTCUTS: tuple[Shortcut, ...] = (
-    Shortcut(Text("Play or pause", "播放或暂停"), Play(), "space"),
-    Shortcut(Text("Kick the plant", "给对象一次冲击"), Kick(), "K"),
-    Shortcut(Text("Back to the start of the run", "回到运行起点"), Rewind(), "0"),
-    Shortcut(Text("Slower", "放慢"), ChangeSpeed(-1), "S"),
-    Shortcut(Text("Faster", "加快"), ChangeSpeed(+1), "F"),
-    Shortcut(Text("Undo", "撤销"), Undo(), "Z"),
-    Shortcut(Text("Redo", "重做"), Redo(), "Y"),
-    Shortcut(Text("Reset the lesson's knobs", "把本课旋钮重置为初始值"), Reset(), "R"),
-    Shortcut(Text("Next lesson", "下一课"), TurnPage(+1), "N"),
-    Shortcut(Text("Previous lesson", "上一课"), TurnPage(-1), "P"),
-    Shortcut(Text("Chinese / English", "中文 / 英文"), SetLanguage(), "L"),
-    Shortcut(Text("Lecture mode: large print", "讲堂模式：大字号"), ToggleLecture(), "M"),
-    Shortcut(Text("Landscape of |det(sI − A + LC)|⁻¹", "|det(sI − A + LC)|⁻¹ 的曲面"), ToggleLandscape(), "G"),
-    Shortcut(Text("View everything", "全景"), LookFrom("all"), "1"),
-    Shortcut(Text("View the plant", "查看对象"), LookFrom("plant"), "2"),
-    Shortcut(Text("View the boards", "查看极点板"), LookFrom("boards"), "3"),
-    Shortcut(Text("Start or cancel the long computation", "开始或取消长计算"), RunJob(), "J"),
-    Shortcut(Text("Check the first unsolved task", "检查第一个未完成的任务"), CheckNextTask(), "T"),
-    Shortcut(Text("This list", "显示本列表"), ToggleHelp(), "H"),
+    Shortcut(text("Play or pause"), Play(), "space"),
+    Shortcut(text("Kick the plant"), Kick(), "K"),
+    Shortcut(text("Back to the start of the run"), Rewind(), "0"),
+    Shortcut(text("Slower"), ChangeSpeed(-1), "S"),
+    Shortcut(text("Faster"), ChangeSpeed(+1), "F"),
+    Shortcut(text("Undo"), Undo(), "Z"),
+    Shortcut(text("Redo"), Redo(), "Y"),
+    Shortcut(text("Reset the lesson's knobs"), Reset(), "R"),
+    Shortcut(text("Next lesson"), TurnPage(+1), "N"),
+    Shortcut(text("Previous lesson"), TurnPage(-1), "P"),
+    Shortcut(text("Chinese / English"), SetLanguage(), "L"),
+    Shortcut(text("Lecture mode: large print"), ToggleLecture(), "M"),
+    Shortcut(text("Landscape of |det(sI − A + LC)|⁻¹"), ToggleLandscape(), "G"),
+    Shortcut(text("View everything"), LookFrom("all"), "1"),
+    Shortcut(text("View the plant"), LookFrom("plant"), "2"),
+    Shortcut(text("View the boards"), LookFrom("boards"), "3"),
+    Shortcut(text("Start or cancel the long computation"), RunJob(), "J"),
+    Shortcut(text("Check the first unsolved task"), CheckNextTask(), "T"),
+    Shortcut(text("This list"), ToggleHelp(), "H"),
 )

@@ -10,8 +10,7 @@ from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
 from ..plants.own import canonical, plant_of
-from ..sentences import told
-from ..text.words import LANGUAGES, Text
+from ..text import languages, listed, same, text, told
 from .picture import State
 
 VERSION = 1
@@ -26,23 +25,21 @@ def write_design(lesson: Lesson, design: Design) -> str:
     return json.dumps(_plain(lesson, design), ensure_ascii=False)
 
 
-def read_design(text: str, lessons: Mapping[str, Lesson]) -> Design:
+def read_design(written: str, lessons: Mapping[str, Lesson]) -> Design:
     """The design that `write_design` wrote; knobs it does not name stay at their defaults. Raises KnobError."""
     try:
-        data = json.loads(text) if len(text) <= LONGEST else None
+        data = json.loads(written) if len(written) <= LONGEST else None
     except (ValueError, RecursionError):
         data = None
     if not isinstance(data, dict) or not isinstance(data.get("knobs"), dict):
-        raise KnobError(Text("This is not a design of Observer Lab; save one with the app and give that.",
-                             "这不是 Observer Lab 的设计文件，请使用本应用保存的文件。"))
+        raise KnobError(text("This is not a design of Observer Lab; save one with the app and give that."))
     if data.get("version") != VERSION:
-        raise KnobError(Text(f"This design has version {data.get('version')}; this Observer Lab reads version {VERSION}.",
-                             f"该设计的版本为 {data.get('version')}，本程序只能读取版本 {VERSION}。"))
+        raise KnobError(text("This design has version {found}; this Observer Lab reads version {version}.",
+                             found=data.get("version"), version=VERSION))
     lesson = lessons.get(str(data.get("lesson")))
     if lesson is None:
         name = str(data.get("lesson"))[:40]
-        raise KnobError(Text(f"There is no lesson {name}; there are {', '.join(lessons)}.",
-                             f"没有课程 {name}；现有：{'、'.join(lessons)}。"))
+        raise KnobError(text("There is no lesson {name}; there are {names}.", name=name, names=listed(map(same, lessons))))
     fitted = _with_plant(lesson, data.get("plant"))
     return fitted.apply(fitted.start(), {name: fitted.knob(name).parse(str(value)) for name, value in
                                          data["knobs"].items()})
@@ -84,16 +81,16 @@ def write_tab(lesson: Lesson, design: Design, state: State) -> str:
                        "predicted": state.predicted, "revealed": state.revealed, **mine}, ensure_ascii=False)
 
 
-def read_tab(text: str | None, lessons: Mapping[str, Lesson]) -> Tab | None:
+def read_tab(written: str | None, lessons: Mapping[str, Lesson]) -> Tab | None:
     """The tab that `write_tab` wrote, None if there is none that can be read."""
     try:
-        design = read_design(text or "", lessons)
-        data = json.loads(text or "")
+        design = read_design(written or "", lessons)
+        data = json.loads(written or "")
     except (KnobError, ValueError):
         return None
     options = len(lessons[design.lesson].words["en"].options)
     predicted = data.get("predicted")
-    return Tab(design, data.get("language") if data.get("language") in LANGUAGES else "en", data.get("lecture") is True,
+    return Tab(design, data.get("language") if data.get("language") in languages() else "en", data.get("lecture") is True,
                predicted if isinstance(predicted, int) and -1 <= predicted < options else None,
                data.get("revealed") is True, _yours(data.get("yours")) or design.plant)
 

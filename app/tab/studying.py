@@ -9,7 +9,7 @@ from typing import assert_never
 
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Task, Verdict
-from ..text.words import Text
+from ..text import text
 from .commands import (
     AnswerExam,
     CheckNextTask,
@@ -29,7 +29,7 @@ from .presenter import Presenter
 log = logging.getLogger(__name__)
 
 JUST_ENDED = 0.7  # s after a long job in which its button means "cancel" to a hand that was about to press it
-CANCELLED = Text("Computation cancelled; the last picture stays.", "计算已取消，保留上一幅图。")
+CANCELLED = text("Computation cancelled; the last picture stays.")
 
 
 def obey(show: Presenter, command: Studying) -> None:
@@ -59,7 +59,7 @@ def obey(show: Presenter, command: Studying) -> None:
 def _predict(show: Presenter, choice: int) -> None:
     options = show.lesson.words[show.state.language].options
     if not -1 <= choice < len(options):
-        raise KnobError(Text(f"There are {len(options)} predictions.", f"共有 {len(options)} 个预测选项。"))
+        raise KnobError(text("There are {count} predictions.", count=len(options)))
     runs = show.picture.horizon > 0
     show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, playing=runs, t=0.0))
 
@@ -69,7 +69,7 @@ def _find(show: Presenter, task_id: object) -> Task:
     for task in show.lesson.tasks:
         if task.id == task_id:
             return task
-    raise KnobError(Text(f"There is no task {str(task_id)[:40]}.", f"没有任务 {str(task_id)[:40]}。"))
+    raise KnobError(text("There is no task {task_id}.", task_id=str(task_id)[:40]))
 
 
 def _seen(show: Presenter, task: Task) -> TaskState:
@@ -107,9 +107,8 @@ def _solve(show: Presenter, task: Task) -> None:
 def _judge(show: Presenter, value: float) -> None:
     item = show.lesson.exam(show.state.exam_seed)
     right = abs(value - item.answer) <= item.tolerance  # false for NaN
-    text = (Text("Right.", "正确。") if right else
-            Text(f"{value:g} is not it; work it out again.", f"{value:g} 不对，请再推算一次。"))
-    show.change(replace(show.state, exam=Verdict(right, text)))
+    said = text("Right.") if right else text("{value:g} is not it; work it out again.", value=value)
+    show.change(replace(show.state, exam=Verdict(right, said)))
 
 
 # --- the long computation ------------------------------------------------------------------------------------------

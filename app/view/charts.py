@@ -11,7 +11,7 @@ import numpy as np
 import viser
 
 from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, FrequencyFigure, TimeFigure, calm_range, finite, thin
-from ..text.words import wording
+from ..text import wording
 from .prose import with_minus
 from .svg import draw
 from .ticks import ticks

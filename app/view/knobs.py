@@ -33,7 +33,7 @@ def label_of(knob: Knob, language: str) -> str:
 def slider_label(knob: Number, value: float, language: str) -> str:
     """What stands beside a slider; one that moves in decades says its value, for the slider shows the logarithm."""
     name = label_of(knob, language)
-    return phrases.DECADES(language).format(name, in_tens(value)) if knob.scale == "log" else name
+    return phrases.DECADES.format(name=name, value=in_tens(value))(language) if knob.scale == "log" else name
 
 
 def in_tens(value: float) -> str:

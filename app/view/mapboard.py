@@ -9,7 +9,7 @@ import numpy as np
 import viser
 
 from ..lesson.figures import COLOURS, MapFigure
-from ..text.words import wording
+from ..text import wording
 from . import phrases
 from .stage import rgb
 from .ticks import ticks

@@ -24,7 +24,7 @@ from ..tab.commands import (
     ToggleLecture,
 )
 from ..tab.picture import Picture, TaskState
-from ..text.words import Text
+from ..text import Text, joined, languages, name_of
 from . import phrases
 from .knobs import Widget, make_widget
 from .plants import PlantRow
@@ -64,11 +64,12 @@ class Panel:
     # --- building --------------------------------------------------------------------------------------------------
     def _head(self, picture: Picture) -> None:
         gui, lang = self._gui, self._lang
+        tongues = {name_of(code): code for code in languages()}
         titles = {lesson.id: lesson.words[lang].title for lesson in picture.catalogue}
         keys = {title: lesson_id for lesson_id, title in titles.items()}
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
-        self._tongue = gui.add_button_group("", ("English", "中文", phrases.LECTURE(lang)))
+        self._tongue = gui.add_button_group("", (*tongues, phrases.LECTURE(lang)))
         gui.add_html(f'<div class="ol-question">{self._words.question}</div>')
         gui.add_markdown(render(self._words.introduction))
         self._catalogue = ReadBack(self._choice, lambda title: self._post(OpenLesson(keys.get(title, ""))))
@@ -76,8 +77,7 @@ class Panel:
         @self._tongue.on_click
         async def _(event: viser.GuiEvent) -> None:
             word = event.target.value
-            self._post(SetLanguage("en") if word == "English" else SetLanguage("zh") if word == "中文"
-                       else ToggleLecture())
+            self._post(SetLanguage(tongues[word]) if word in tongues else ToggleLecture())
 
     def _predict(self) -> None:
         gui, lang = self._gui, self._lang
@@ -105,7 +105,7 @@ class Panel:
             for knob in self._lesson.knobs:
                 if not knob.hidden and not isinstance(knob, Poles):
                     if knob.group is not None and knob.group != heading:
-                        self._groups[knob.group.en] = gui.add_html(f'<div class="ol-group">{knob.group(lang)}</div>')
+                        self._groups[knob.group("en")] = gui.add_html(f'<div class="ol-group">{knob.group(lang)}</div>')
                     heading = knob.group
                     self._add_knob(knob)
             self._make_job()
@@ -201,7 +201,7 @@ class Panel:
 
     def _show_groups(self, picture: Picture) -> None:
         """A heading stands while one of the knobs below it does."""
-        standing = {knob.group.en for knob, _ in self._widgets.values()
+        standing = {knob.group("en") for knob, _ in self._widgets.values()
                     if knob.group is not None and self._lesson.shown(knob, picture.design)}
         for name, heading in self._groups.items():
             if heading.visible != (name in standing):
@@ -221,10 +221,10 @@ class Panel:
         if state.predicted is None:
             text, waiting = f'<div class="ol-veil">{phrases.VEILED(lang)}</div>', False
         else:
-            said = (phrases.SKIPPED(lang) if state.predicted < 0
-                    else phrases.YOU_PREDICTED.format(LETTERS[state.predicted])(lang)) + ("" if lang == "zh" else " ")
+            said = phrases.SKIPPED if state.predicted < 0 else phrases.YOU_PREDICTED.format(letter=LETTERS[state.predicted])
             waiting = not state.revealed
-            text = said + (phrases.WATCH_FIRST(lang) if waiting else self._outcome(state.predicted))
+            then = phrases.WATCH_FIRST if waiting else self._judged(state.predicted)
+            text = joined(said, then)(lang) + ("" if waiting else f"\n\n{render(self._words.reveal)}")
         if self._unveil.visible != waiting:
             self._unveil.visible = waiting
         if self._letters.visible != (state.predicted is None):
@@ -232,11 +232,9 @@ class Panel:
         if self._answer.content != text:
             self._answer.content = text
 
-    def _outcome(self, predicted: int) -> str:
+    def _judged(self, predicted: int) -> Text:
         right = predicted == self._lesson.answer
-        verdict = (phrases.WAS_RIGHT(self._lang) if right
-                   else phrases.WAS_WRONG.format(LETTERS[self._lesson.answer])(self._lang))
-        return f"{verdict}\n\n{render(self._words.reveal)}"
+        return phrases.WAS_RIGHT if right else phrases.WAS_WRONG.format(letter=LETTERS[self._lesson.answer])
 
     def _show_task(self, task_id: str, state: TaskState) -> None:
         words, lang = self._words.tasks[task_id], self._lang

@@ -13,7 +13,7 @@ from ..plants.own import plant_of
 from ..tab.commands import ChoosePlant, Edit, UploadPlant
 from ..tab.designing import YOURS
 from ..tab.picture import Picture
-from ..text.words import Text
+from ..text import Text
 from . import phrases
 from .readback import ReadBack
 
@@ -47,10 +47,10 @@ class PlantRow:
     def _choices(self, picture: Picture) -> dict[str, str]:
         """The key of each plant and what the dropdown calls it."""
         found = {} if picture.lesson.universal else {OWN: phrases.OWN_PLANT(self._language)}
-        found |= {key: phrases.EXAMPLE.format(it.label(self._language))(self._language) for key, it in EXAMPLES.items()}
+        found |= {key: phrases.EXAMPLE.format(name=it.label)(self._language) for key, it in EXAMPLES.items()}
         brought = picture.design.plant if self._present(picture) == YOURS else picture.state.plant
         if brought:
-            found[YOURS] = phrases.YOURS.format(named(brought)(self._language))(self._language)
+            found[YOURS] = phrases.YOURS.format(name=named(brought))(self._language)
         return found
 
     def _key(self, words: str) -> str:

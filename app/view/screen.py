@@ -14,7 +14,7 @@ from ..lesson.lesson import Board
 from ..tab.commands import Command, Edit, PickPoint, SetKnobs
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
-from ..text.words import Text
+from ..text import Text
 from . import phrases, quirks
 from .boards import BoardView
 from .charts import Chart
@@ -87,7 +87,7 @@ class Screen:
                 self._stage.follow_window()
                 self._looked = True
             title = picture.lesson.words[language].title
-            quirks.name_page(self._client, f"{title} · {quirks.NAME}", "zh-CN" if language == "zh" else language)
+            quirks.name_page(self._client, f"{title} · {quirks.NAME}", language.replace("_", "-"))
         self._picture = None
 
     def show(self, picture: Picture) -> None:
@@ -142,10 +142,10 @@ class Screen:
             self._mark.works(fraction is not None)
             self._client.flush()
 
-    def say(self, text: Text, bad: bool) -> None:
+    def say(self, words: Text, bad: bool) -> None:
         """One sentence as a notification; the last two stay, older ones go."""
         language = self._picture.state.language if self._picture is not None else "en"
-        note = self._client.add_notification("Observer Lab", text(language), color="red" if bad else "blue",
+        note = self._client.add_notification("Observer Lab", words(language), color="red" if bad else "blue",
                                              auto_close_seconds=9.0 if bad else 5.0)
         self._notes.append(note)
         while len(self._notes) > 2:

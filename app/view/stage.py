@@ -12,7 +12,7 @@ import viser
 from ..lesson.figures import COLOURS
 from ..lesson.lesson import Stage
 from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Spring, Vector
-from ..text.words import wording
+from ..text import wording
 from . import phrases
 from .meshes import helix
 
@@ -125,7 +125,7 @@ class StageView:
     def _factor(self, body: Body, language: str, size: float) -> None:
         """How many times motion and arrows are exaggerated, beside the plant."""
         factors = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
-        words = phrases.AND(language).join(phrase.format(times)(language) for phrase, times in factors if times != 1)
+        words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
         self._scene.add_label("/factor", words, position=(2.35, -0.6, 0.12), anchor="center-left",
                               font_screen_scale=0.9 * size, visible=bool(words))
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ..lesson.figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
-from ..text.words import symbol, wording
+from ..text import symbol, wording
 from .lettering import DASHES, Box, beside, key, width
 from .prose import with_minus
 from .ticks import ticks

@@ -28,7 +28,7 @@ from app.engine.filters import ErrorParts, Ladder, SquaredError, filter_trial, n
 from app.engine.structure import Controllability, KalmanDecomposition, Observability, split_stable
 from app.lesson.knobs import KnobError
 from app.plants import Model
-from app.sentences import told
+from app.text import told
 from app.text.words import Text
 
 from ..toolkit.gains import noise_units

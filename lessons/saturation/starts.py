@@ -66,7 +66,7 @@ def ceiling(plant: Plant, u_max: float) -> float:
     values, vectors = np.linalg.eig(plant.A.T)
     unstable = np.flatnonzero(np.real(values) > 1e-9)
     if len(unstable) != 1:
-        raise EngineError(f"The ceiling needs one unstable eigenvalue; this plant has {len(unstable)}.")
+        raise EngineError("The ceiling needs one unstable eigenvalue; this plant has {count}.", count=len(unstable))
     q, rate = np.real(vectors[:, unstable[0]]), float(np.real(values[unstable[0]]))
     return degrees(abs(float(q @ plant.B[:, 0])) * u_max / (rate * abs(q[ANGLE])))
 

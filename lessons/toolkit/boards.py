@@ -10,11 +10,11 @@ from app.engine.design import StartingGain
 from app.engine.simulation import Run
 from app.lesson.lesson import Board, Design, Stage
 from app.plants.model import Model, Window
-from app.text.words import Text
+from app.text import text
 
 from .knobs import BY_POLES, by_hand
 
-WEIGHTS = Text("Weights", "权重")
+WEIGHTS = text("Weights")
 
 
 def bolts(start: StartingGain | None, window: Window) -> tuple[complex, ...]:
@@ -39,11 +39,11 @@ def pole_boards(model: Model, design: Design, controller: np.ndarray, observer: 
     def grip(knob: str, poles: np.ndarray) -> str | None:  # a board that shows other poles than the knob holds only mirrors
         return knob if chosen or len(design[knob]) == len(poles) else None
     return (
-        Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"),
+        Board("controller", text("controller poles  eig(A − BK)"),
               design["controller_poles"] if chosen else listed(controller), grip("controller_poles", controller),
               bolts(model.controller, c) if chosen else (), role="plant", side="left", re_low=c.re_low, re_high=c.re_high,
               im_high=c.im_high, also=take, disc=bool(model.plant.dt)),
-        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
+        Board("observer", text("observer poles  eig(A − LC)"),
               design["observer_poles"] if chosen else listed(observer), grip("observer_poles", observer),
               bolts(model.observer, o) if chosen else (), role="estimate", side="right", re_low=o.re_low,
               re_high=o.re_high, im_high=o.im_high, also=take, disc=bool(model.plant.dt), landscape=error_matrix),

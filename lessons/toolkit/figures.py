@@ -11,14 +11,15 @@ from app.engine.simulation import Run
 from app.lesson.figures import Curve, TimeFigure
 from app.plants.model import Model, Signal
 from app.plants.names import called
-from app.text.words import Text, same, symbol
+from app.text import Text, joined, same, symbol, text
 
-TIME_TAB = Text("Time", "时间")
-ERROR_TAB = Text("Error and input", "误差与输入")
-INPUTS = MappingProxyType({"force": Text("force", "力"), "force 1": Text("force 1", "力 1"), "force 2": Text("force 2", "力 2")})
+TIME_TAB = text("Time")
+ERROR_TAB = text("Error and input")
+INPUTS = MappingProxyType({"force": text("force"), "force 1": text("force 1"), "force 2": text("force "
+                                                                                                               "2")})
 
 
-BEYOND = Text(" What lies beyond the scale is drawn at its edge.", " 超出坐标范围的部分画在边缘。")
+BEYOND = text("What lies beyond the scale is drawn at its edge.")
 
 
 def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, ...]:
@@ -29,7 +30,7 @@ def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, .
         gap = float(np.max(np.abs(true[-max(len(true) // 10, 1):] - guess[-max(len(true) // 10, 1):])))
         figures.append(TimeFigure(
             f"state{i}", signal.name, run.t,
-            (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
+            (Curve(text("true"), true), Curve(text("estimate"), guess, "estimate", "dash")),
             axis_name(signal), tab=TIME_TAB,
             caption=_agreement(gap, float(np.max(np.abs(true), initial=0.0)), signal.unit)))
     return tuple(figures)
@@ -37,7 +38,7 @@ def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, .
 
 def axis_name(signal: Signal) -> str:
     """The symbol at the end of a signal's name with its unit, or the unit alone."""
-    last = signal.name.en.split()[-1]
+    last = signal.name("en").split()[-1]
     unit = f"[{signal.unit}]" if signal.unit else ""
     return f"{last} {unit}".strip() if len(last) <= 2 else unit
 
@@ -45,22 +46,21 @@ def axis_name(signal: Signal) -> str:
 def _agreement(gap: float, size: float, unit: str) -> Text:
     """How well an estimate agrees with the truth in the last tenth of a run."""
     if gap <= 1e-3 * size:
-        return Text("The estimate has caught up with the truth.", "估计已经追上真实值。")
-    return Text(f"In the last tenth of the run they differ by up to {gap:.2g} {unit}.",
-                f"在运行的最后十分之一，二者最多相差 {gap:.2g} {unit}。")
+        return text("The estimate has caught up with the truth.")
+    return text("In the last tenth of the run they differ by up to {gap:.2g} {unit}.", gap=gap, unit=unit)
 
 
 def error_figure(run: Run, promised: np.ndarray | None = None) -> TimeFigure:
     """The norm of the estimation error on a logarithmic axis, beside what ė = (A − LC)e promises."""
     size = np.linalg.norm(run.e, axis=1)
-    curves = [Curve(Text("‖e‖", "‖e‖"), size, "error")]
+    curves = [Curve(same("‖e‖"), size, "error")]
     if promised is not None:
-        curves.append(Curve(Text("promised by A − LC", "按 A − LC 的理论值"), np.linalg.norm(promised, axis=1), "reference",
+        curves.append(Curve(text("promised by A − LC"), np.linalg.norm(promised, axis=1), "reference",
                             "dash", 1.6))
     small = settle_time(run.t, size)
-    caption = (Text(f"The error stays below 2 % of its peak after {small:.2f} s.", f"{small:.2f} s 之后误差一直小于峰值的 2 %。")
-               if small is not None else Text("The error does not settle within this run.", "误差在本次运行中没有衰减下来。"))
-    return TimeFigure("error", Text("estimation error", "估计误差"), run.t, tuple(curves), "‖x − x̂‖", log=True,
+    caption = (text("The error stays below 2 % of its peak after {small:.2f} s.", small=small)
+               if small is not None else text("The error does not settle within this run."))
+    return TimeFigure("error", text("estimation error"), run.t, tuple(curves), "‖x − x̂‖", log=True,
                       caption=caption, tab=ERROR_TAB)
 
 
@@ -70,19 +70,19 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigu
     for j, name in enumerate(run.scenario.plant.input_names):
         role = ("force", "disturbance", "second")[j % 3]
         applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
-        shown = (Text("input {}", "输入 {}").format(called(model.plant, name)) if model.controller is not None else
+        shown = (text("input {plant}", plant=called(model.plant, name)) if model.controller is not None else
                  INPUTS.get(name, same(symbol(name))))
         curves.append(Curve(shown, applied, role))
         if not np.array_equal(applied, asked):
-            curves.append(Curve(Text(f"{shown.en} asked", f"{shown.zh} 指令"), asked, role, "dash", 1.6))
+            curves.append(Curve(text("{shown} asked", shown=shown), asked, role, "dash", 1.6))
     if limit is not None:
         flat = np.full(len(run.t), limit * model.input_scale)
-        curves += [Curve(Text("limit", "限幅"), sign * flat, "reference", "dot", 1.4) for sign in (1, -1)]
+        curves += [Curve(text("limit"), sign * flat, "reference", "dot", 1.4) for sign in (1, -1)]
     peak = float(np.max(np.abs(run.u_applied))) * model.input_scale
-    return TimeFigure("input", Text("input, asked and applied", "输入：指令与实际"), run.t, tuple(curves),
+    return TimeFigure("input", text("input, asked and applied"), run.t, tuple(curves),
                       f"u [{model.input_unit}]", tab=ERROR_TAB,
-                      caption=Text(f"Largest input applied: {peak:.3g} {model.input_unit}.",
-                                   f"实际输入的最大值：{peak:.3g} {model.input_unit}。"))
+                      caption=text("Largest input applied: {peak:.3g} {input_unit}.",
+                                   peak=peak, input_unit=model.input_unit))
 
 
 def within(figure: TimeFigure, edge: float) -> TimeFigure:
@@ -90,7 +90,7 @@ def within(figure: TimeFigure, edge: float) -> TimeFigure:
     if all(np.all(np.abs(c.y) <= edge) for c in figure.curves):
         return figure
     return replace(figure, curves=tuple(replace(c, y=np.clip(c.y, -edge, edge)) for c in figure.curves),
-                   caption=Text(figure.caption.en + BEYOND.en, figure.caption.zh + BEYOND.zh.strip()))
+                   caption=joined(figure.caption, BEYOND))
 
 
 def settle_time(t: np.ndarray, size: np.ndarray, share: float = 0.02) -> float | None:

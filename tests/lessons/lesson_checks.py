@@ -23,7 +23,7 @@ from app.lesson.figures import (
 )
 from app.lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
 from app.lesson.lesson import Design, Lesson, Outcome
-from app.text.words import Text
+from app.text import Text
 from app.view.prose import mathml, render
 from lessons import LESSONS
 

@@ -13,7 +13,7 @@ from strategies import values_of
 
 from app.engine import EngineError
 from app.lesson.lesson import Lesson
-from app.text.words import LANGUAGES
+from app.text import languages
 from lessons import LESSONS, OPENING
 
 
@@ -107,7 +107,7 @@ def test_lessons_are_in_order_and_the_opening_is_one_of_them() -> None:
     assert numbers == sorted(set(numbers))
     assert all(key == lesson.id and re.fullmatch(r"[a-z]+(-[a-z]+)*", key) for key, lesson in LESSONS.items())
     assert OPENING in LESSONS
-    for language in LANGUAGES:
+    for language in languages():
         titles = [lesson.words[language].title for lesson in LESSONS.values()]
         assert len(set(titles)) == len(titles)
 

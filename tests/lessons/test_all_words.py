@@ -23,7 +23,7 @@ from app.engine import EngineError
 from app.lesson.figures import FrequencyFigure, PlaneFigure, TableFigure, TimeFigure, tabs
 from app.lesson.lesson import Lesson
 from app.lesson.prose import Prose
-from app.text.words import LANGUAGES, Text
+from app.text import Text, languages
 from app.view import phrases
 from app.view.prose import mathml
 
@@ -125,8 +125,8 @@ def texts(prose: Prose) -> Iterator[tuple[str, str]]:
 
 @every_lesson
 def test_both_languages_are_complete(lesson: Lesson) -> None:
-    en, zh = (lesson.words[language] for language in LANGUAGES)
-    assert set(lesson.words) == set(LANGUAGES)
+    en, zh = (lesson.words[language] for language in languages())
+    assert set(lesson.words) == set(languages())
     assert len(en.options) == len(zh.options)
     assert len(en.steps) == len(zh.steps) >= 3
     assert list(en.tasks) == list(zh.tasks) == [t.id for t in lesson.tasks]
@@ -149,7 +149,7 @@ def test_steps_are_short(lesson: Lesson) -> None:
 
 
 @every_lesson
-@pytest.mark.parametrize("language", LANGUAGES)
+@pytest.mark.parametrize("language", languages())
 def test_the_mathematics_of_the_prose_is_drawn(lesson: Lesson, language: str) -> None:
     for name, text in texts(lesson.words[language]):
         if name != "exam":
@@ -163,5 +163,5 @@ def test_live_formulas_are_drawn_for_every_design_that_the_tasks_lead_to(lesson:
         assert len({f.id for f in outcome.formulas}) == len(outcome.formulas)
         for formula in outcome.formulas:
             check_mathml(mathml(formula.latex, True), formula.id)
-            for language in LANGUAGES:
+            for language in languages():
                 check_markdown(formula.note(language), formula.id)

@@ -10,7 +10,7 @@ from app.engine.feedback import state_feedback_margins
 from app.lesson.figures import Curve, TimeFigure
 from app.lesson.lesson import Outcome
 from app.plants import MODELS, doyle
-from app.text.words import same
+from app.text import same
 from lessons.lqg.cases import case_of
 from lessons.lqg.lesson import LESSON, on_model
 from lessons.lqg.loops import setting_of, trace

@@ -19,7 +19,7 @@ from app.tab.commands import Command, SetKnobs
 from app.tab.picture import Picture
 from app.tab.playing import FRAME
 from app.tab.session import REST, Session
-from app.text.words import Text, same
+from app.text import Text, same
 
 MODEL = MODELS["chip"]
 FORBIDDEN, BROKEN, UNDRAWABLE, UNSHOWABLE = 7.0, 8.0, 9.0, 9.5  # values of `gain` at which something goes wrong

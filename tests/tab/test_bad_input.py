@@ -29,7 +29,7 @@ from app.tab.commands import (
 )
 from app.tab.history import MERGE
 from app.tab.session import Session
-from app.text.words import Text
+from app.text import Text
 
 GOOD = 2.0
 

@@ -22,7 +22,7 @@ from app.tab.designing import YOURS
 from app.tab.history import MERGE
 from app.tab.picture import Picture
 from app.tab.session import Session
-from app.text.words import Text
+from app.text import Text
 
 ASSETS = Path(__file__).parents[2] / "assets" / "plants"
 SMALL = Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.ones((1, 2)), name="small")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.errors import EngineError, PoleError
+from ..systems.errors import EngineError, PoleError, phrase
 from ..systems.plant import Plant
 from .siso import coefficients, negated, polynomial_roots, rational
 
@@ -72,10 +72,12 @@ def diophantine(A: object, B: object, desired: object) -> Diophantine:
     a, b, phi = (_trimmed(p, name) for p, name in ((A, "A"), (B, "B"), (desired, "Φ")))
     n, degree = len(a) - 1, len(phi) - 1
     if n < 1 or len(b) - 1 >= n:
-        raise EngineError(f"B/A must be strictly proper: the degree of B is {len(b) - 1}, that of A {n}.")
+        raise EngineError("B/A must be strictly proper: the degree of B is {count}, that of A {n}.",
+                          count=len(b) - 1, n=n)
     if degree < 2 * n - 1:
-        raise PoleError(f"Φ has degree {degree}; a plant of order {n} needs at least {2 * n - 1} poles, and "
-                        f"{2 * n} for a strictly proper controller.")
+        raise PoleError("Φ has degree {degree}; a plant of order {n} needs at least {n2} poles, and {n3} for a "
+                        "strictly proper controller.",
+                        degree=degree, n=n, n2=2 * n - 1, n3=2 * n)
     scale = _frequency(phi)
     powers = scale ** np.arange(degree, -1.0, -1.0)
     scaled_a, scaled_b = (p * scale ** np.arange(len(p) - 1, -1.0, -1.0) for p in (a, b))
@@ -86,8 +88,9 @@ def diophantine(A: object, B: object, desired: object) -> Diophantine:
     M = M / columns
     condition = float(np.linalg.cond(M))
     if not condition < WORST:
-        raise EngineError(f"A and B share the factor at s = {_shared(a, b)}, or nearly so: no controller moves that pole; "
-                          "cancel it in B/A first.")
+        raise EngineError("A and B share the factor at s = {a}, or nearly so: no controller moves that pole; "
+                          "cancel it in B/A first.",
+                          a=_shared(a, b))
     solved = _refined(M, right) / columns
     e = degree - n + 1
     E = solved[:e] / scale ** np.arange(e - 1, -1.0, -1.0)
@@ -107,7 +110,7 @@ def _refined(M: np.ndarray, right: np.ndarray) -> np.ndarray:
 def _trimmed(polynomial: object, name: str) -> np.ndarray:
     p = coefficients(polynomial, name)
     if not p.size:
-        raise EngineError(f"{name} must be a polynomial that is not zero.")
+        raise EngineError("{name} must be a polynomial that is not zero.", name=name)
     return p
 
 
@@ -120,7 +123,7 @@ def _frequency(phi: np.ndarray) -> float:
 def _shared(a: np.ndarray, b: np.ndarray) -> str:
     poles, zeros = polynomial_roots(a), polynomial_roots(b)
     if not len(zeros):
-        return "unknown"
+        return phrase("unknown")
     gap = np.abs(poles[:, None] - zeros[None]) / np.maximum(np.abs(poles)[:, None], 1e-12)
     p = poles[np.unravel_index(gap.argmin(), gap.shape)[0]]
     return f"{p.real:.4g}" if abs(p.imag) < 1e-9 * max(1.0, abs(p)) else f"{p.real:.4g} ± {abs(p.imag):.4g}j"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.errors import EngineError, RiccatiError, ShapeError
+from ..systems.errors import EngineError, RiccatiError, ShapeError, phrase
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
 from .riccati import RiccatiProblem, solve_continuous, solve_discrete
@@ -102,20 +102,22 @@ class _Words:
     gain: str
 
 
-_CONTROL = _Words("uncontrollable", "the weight Q does not see it", "Q", "K")
-_ESTIMATION = _Words("unobservable", "the noise w does not excite it", "W", "L")
+_CONTROL = _Words(phrase("uncontrollable"), phrase("the weight Q does not see it"), "Q", "K")
+_ESTIMATION = _Words(phrase("unobservable"), phrase("the noise w does not excite it"), "W", "L")
 
 
 def _regulator(A: object, B: object, Q: object, R: object, N: object | None) -> RiccatiProblem:
     A, B = as_matrix(A, "A"), as_matrix(B, "B")
     n = _square(A, "A")
     if B.shape[0] != n:
-        raise ShapeError(f"B must have {n} rows, as A has; it is {B.shape[0]}×{B.shape[1]}.")
+        raise ShapeError("B must have {n} rows, as A has; it is {rows}×{columns}.",
+                         n=n, rows=B.shape[0], columns=B.shape[1])
     m = B.shape[1]
     Q, R = _weight(Q, "Q", n), _positive(_weight(R, "R", m), "R")
     cross = np.zeros((n, m)) if N is None else as_matrix(N, "N")
     if cross.shape != (n, m):
-        raise ShapeError(f"N must be {n}×{m}; it is {cross.shape[0]}×{cross.shape[1]}.")
+        raise ShapeError("N must be {n}×{m}; it is {rows}×{columns}.",
+                         n=n, m=m, rows=cross.shape[0], columns=cross.shape[1])
     if np.any(cross):
         _semidefinite(Q - cross @ np.linalg.solve(R, cross.T), "Q − N R⁻¹ Nᵀ", float(np.linalg.norm(Q, 2)))
     return RiccatiProblem(A, B, Q, R, cross)
@@ -125,9 +127,11 @@ def _estimator(A: object, G: object, C: object, W: object, V: object) -> Riccati
     A, G, C = as_matrix(A, "A"), as_matrix(G, "G"), as_matrix(C, "C")
     n = _square(A, "A")
     if G.shape[0] != n:
-        raise ShapeError(f"G must have {n} rows, as A has; it is {G.shape[0]}×{G.shape[1]}.")
+        raise ShapeError("G must have {n} rows, as A has; it is {rows}×{columns}.",
+                         n=n, rows=G.shape[0], columns=G.shape[1])
     if C.shape[1] != n:
-        raise ShapeError(f"C must have {n} columns, as A has; it is {C.shape[0]}×{C.shape[1]}.")
+        raise ShapeError("C must have {n} columns, as A has; it is {rows}×{columns}.",
+                         n=n, rows=C.shape[0], columns=C.shape[1])
     W, V = _weight(W, "W", G.shape[1]), _positive(_weight(V, "V", C.shape[0]), "V")
     noise = G @ W @ G.T
     return RiccatiProblem(A.T, C.T, (noise + noise.T) / 2, V, np.zeros((n, C.shape[0])))
@@ -135,7 +139,8 @@ def _estimator(A: object, G: object, C: object, W: object, V: object) -> Riccati
 
 def _square(A: np.ndarray, name: str) -> int:
     if A.shape[0] != A.shape[1] or A.size == 0:
-        raise ShapeError(f"{name} must be square; it is {A.shape[0]}×{A.shape[1]}.")
+        raise ShapeError("{name} must be square; it is {rows}×{columns}.",
+                         name=name, rows=A.shape[0], columns=A.shape[1])
     return A.shape[0]
 
 
@@ -143,10 +148,11 @@ def _weight(value: object, name: str, size: int) -> np.ndarray:
     """A symmetric positive semidefinite size×size matrix, made exactly symmetric."""
     weight = as_matrix(value, name)
     if weight.shape != (size, size):
-        raise ShapeError(f"{name} must be {size}×{size}; it is {weight.shape[0]}×{weight.shape[1]}.")
+        raise ShapeError("{name} must be {size}×{size}; it is {rows}×{columns}.",
+                         name=name, size=size, rows=weight.shape[0], columns=weight.shape[1])
     largest = float(np.abs(weight).max())
     if np.abs(weight - weight.T).max() > PSD_TOLERANCE * largest:
-        raise EngineError(f"{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.")
+        raise EngineError("{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.", name=name)
     weight = (weight + weight.T) / 2
     _semidefinite(weight, name, largest)
     return weight
@@ -154,13 +160,13 @@ def _weight(value: object, name: str, size: int) -> np.ndarray:
 
 def _semidefinite(weight: np.ndarray, name: str, size: float) -> None:
     if float(np.linalg.eigvalsh(weight)[0]) < -PSD_TOLERANCE * size:
-        raise EngineError(f"{name} has a negative eigenvalue; it must be positive semidefinite.")
+        raise EngineError("{name} has a negative eigenvalue; it must be positive semidefinite.", name=name)
 
 
 def _positive(weight: np.ndarray, name: str) -> np.ndarray:
     values = np.linalg.eigvalsh(weight)
     if values[0] <= 1e-15 * values[-1]:
-        raise EngineError(f"{name} must be positive definite: every eigenvalue above zero.")
+        raise EngineError("{name} must be positive definite: every eigenvalue above zero.", name=name)
     return weight
 
 
@@ -169,12 +175,12 @@ def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
     try:
         S, K, residual = (solve_discrete if boundary else solve_continuous)(problem)
     except RiccatiError as failure:
-        raise RiccatiError(_diagnosis(problem, boundary, words)) from failure
+        raise _diagnosis(problem, boundary, words) from failure
     if not (np.all(np.isfinite(S)) and residual < RESIDUAL_LIMIT):
-        raise RiccatiError(_diagnosis(problem, boundary, words))
+        raise _diagnosis(problem, boundary, words)
     poles = sorted_poles(problem.A - problem.B @ K)
     if np.any(_beyond(poles, boundary) >= 0):
-        raise RiccatiError(_diagnosis(problem, boundary, words))
+        raise _diagnosis(problem, boundary, words)
     return Optimal(_frozen(K), _frozen(S), _frozen(poles), residual)
 
 
@@ -183,31 +189,26 @@ def _beyond(poles: Poles, boundary: float) -> np.ndarray:
     return np.abs(poles) - 1.0 if boundary else poles.real
 
 
-def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> str:
-    """The sentence that names the mode at fault, as far as it can be found."""
+def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> RiccatiError:
+    """The error that names the mode at fault, as far as it can be found."""
     A, B, Q, N = problem.A, problem.B, problem.Q, problem.N
     n, scale = A.shape[0], max(1.0, float(np.linalg.norm(A, 2)))
     poles = np.linalg.eigvals(A).astype(complex)
     for pole in poles[_beyond(poles, boundary) > -1e-9 * scale]:
         shifted = A - pole * np.eye(n)
         if _deficient(np.hstack([shifted / scale, B / max(float(np.linalg.norm(B, 2)), 1e-300)])):
-            return (
-                f"The mode at {pole_text(pole)} is not stable and is {words.hidden}: no {words.gain} can stabilise it; "
-                "change the plant."
-            )
+            return RiccatiError("The mode at {pole} is not stable and is {hidden}: no {gain} can stabilise it; change the "
+                                "plant.", pole=pole_text(pole), hidden=words.hidden, gain=words.gain)
     A_bar = A - B @ np.linalg.solve(problem.R, N.T)
     Q_bar = Q - N @ np.linalg.solve(problem.R, N.T)
     poles = np.linalg.eigvals(A_bar).astype(complex)
     for pole in poles[np.abs(_beyond(poles, boundary)) <= 1e-6 * scale]:
         shifted = A_bar - pole * np.eye(n)
         if _deficient(np.vstack([shifted / scale, Q_bar / max(float(np.linalg.norm(Q_bar, 2)), 1e-300)])):
-            return (
-                f"The mode at {pole_text(pole)} lies on the stability boundary and {words.blind}: "
-                f"make {words.weight} act on it."
-            )
-    return (
-        "The Riccati equation is too ill-conditioned to be solved; bring the weights or the units of the states closer."
-    )
+            return RiccatiError("The mode at {pole} lies on the stability boundary and {blind}: make {weight} act on it.",
+                                pole=pole_text(pole), blind=words.blind, weight=words.weight)
+    return RiccatiError("The Riccati equation is too ill-conditioned to be solved; bring the weights or the units of the "
+                        "states closer.")
 
 
 def _deficient(matrix: np.ndarray) -> bool:

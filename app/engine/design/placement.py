@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import matrix_balance
 
-from ..systems.errors import PoleError, ShapeError
+from ..systems.errors import PoleError, ShapeError, phrase
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
@@ -51,7 +51,7 @@ def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
     disagree.
     """
     matrices = _checked_pair(A, B, "A", "B")
-    return _place(*matrices, poles, _Wording("uncontrollable", "K"))
+    return _place(*matrices, poles, _Wording(phrase("uncontrollable"), "K"))
 
 
 def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
@@ -61,7 +61,7 @@ def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
     """
     C = as_matrix(C, "C")
     A_dual, C_dual = _checked_pair(as_matrix(A, "A").T, C.T, "Aᵀ", "Cᵀ")
-    dual = _place(A_dual, C_dual, poles, _Wording("unobservable", "L"))
+    dual = _place(A_dual, C_dual, poles, _Wording(phrase("unobservable"), "L"))
     return Placement(_frozen(dual.gain.T), dual.asked, dual.reached, dual.error, dual.condition, dual.fixed)
 
 
@@ -74,9 +74,10 @@ class _Wording:
 def _checked_pair(A: object, B: object, a: str, b: str) -> tuple[np.ndarray, np.ndarray]:
     first, second = as_matrix(A, a), as_matrix(B, b)
     if first.shape[0] != first.shape[1] or first.size == 0:
-        raise ShapeError(f"A must be square; it is {first.shape[0]}×{first.shape[1]}.")
+        raise ShapeError("A must be square; it is {rows}×{columns}.", rows=first.shape[0], columns=first.shape[1])
     if second.shape[0] != first.shape[0]:
-        raise ShapeError(f"{b} must have {first.shape[0]} rows, as {a} has; it is {second.shape[0]}×{second.shape[1]}.")
+        raise ShapeError("{b} must have {rows} rows, as {a} has; it is {rows2}×{columns}.",
+                         b=b, rows=first.shape[0], a=a, rows2=second.shape[0], columns=second.shape[1])
     return first, second
 
 
@@ -106,10 +107,9 @@ def _without_fixed(asked: Poles, fixed: Poles, words: _Wording) -> Poles:
         nearest = min(range(len(left)), key=lambda i: abs(left[i] - mode))
         if abs(left[nearest] - mode) > SAME_POLE * max(1.0, abs(mode)):
             name = pole_text(mode)
-            raise PoleError(
-                f"The mode at {name} is {words.hidden}: no {words.gain} can move it, "
-                f"so keep {name} among the requested poles."
-            )
+            raise PoleError("The mode at {name} is {hidden}: no {gain} can move it, so keep {name} among the "
+                            "requested poles.",
+                            name=name, hidden=words.hidden, gain=words.gain)
         left.pop(nearest)
     return check_poles(left, len(left))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, match_poles
 from ..systems.spectrum import frequency_response
@@ -53,7 +53,7 @@ def loop_shaped(shape: LoopShape) -> Plant:
         gain *= pole / zero
     if shape.roll_off is not None:
         if shape.order not in range(1, 7):
-            raise EngineError(f"The order of the roll-off must be 1 to 6; it is {shape.order}.")
+            raise EngineError("The order of the roll-off must be 1 to 6; it is {order}.", order=shape.order)
         corner = _corner(shape.roll_off)
         poles += [-corner] * int(shape.order)
         gain *= corner**shape.order
@@ -62,7 +62,7 @@ def loop_shaped(shape: LoopShape) -> Plant:
 
 def _corner(value: float, may_be_zero: bool = False) -> float:
     if not np.isfinite(value) or value < 0 or (value == 0 and not may_be_zero):
-        raise EngineError(f"A corner frequency must be a positive number in rad/s; it is {value}.")
+        raise EngineError("A corner frequency must be a positive number in rad/s; it is {value}.", value=value)
     return float(value)
 
 
@@ -73,7 +73,7 @@ def coefficients(value: object, name: str) -> np.ndarray:
     except EngineError:
         p = None
     if p is None or len(p) > 1:
-        raise EngineError(f"{name} must be a list of finite real coefficients, the highest power first.")
+        raise EngineError("{name} must be a list of finite real coefficients, the highest power first.", name=name)
     return np.trim_zeros(p[0], "f")
 
 
@@ -83,7 +83,7 @@ def polynomial_roots(polynomial: object) -> Poles:
     Eigenvalues of the companion matrix lose the small roots of a badly scaled polynomial; Aberth's iteration on the
     polynomial itself finds them again. Raises EngineError for coefficients that are no finite real numbers.
     """
-    p = coefficients(polynomial, "The polynomial")
+    p = coefficients(polynomial, phrase("The polynomial"))
     roots = np.roots(p).astype(complex)
     if not len(roots):
         return roots
@@ -107,7 +107,7 @@ def rational(numerator: object, denominator: object) -> Plant:
 
     Raises EngineError for a zero denominator or a numerator of higher degree.
     """
-    num, den = coefficients(numerator, "The numerator"), coefficients(denominator, "The denominator")
+    num, den = coefficients(numerator, phrase("The numerator")), coefficients(denominator, phrase("The denominator"))
     if not den.size:
         raise EngineError("The denominator must not be zero.")
     if not num.size:
@@ -123,7 +123,9 @@ def realise(zeros: Sequence[complex] | np.ndarray, poles: Sequence[complex] | np
     """
     z, p = _paired(zeros), _paired(poles)
     if len(z) > len(p):
-        raise EngineError(f"There are {len(z)} zeros and {len(p)} poles; a controller needs at least as many poles as zeros.")
+        raise EngineError("There are {count} zeros and {count2} poles; a controller needs at least as many poles "
+                          "as zeros.",
+                          count=len(z), count2=len(p))
     if not len(p):
         return Plant(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), np.full((1, 1), gain))
     modal = _modal(z, p, gain)
@@ -211,7 +213,8 @@ def _section(num: np.ndarray, den: np.ndarray) -> Plant:
 def series(last: Plant, first: Plant) -> Plant:
     """The plant last · first: what `first` gives out goes into `last`. Raises ShapeError where they do not fit."""
     if last.m != first.p or last.dt != first.dt:
-        raise ShapeError(f"The first system has {first.p} outputs, the last {last.m} inputs; they must agree, as must dt.")
+        raise ShapeError("The first system has {p} outputs, the last {m} inputs; they must agree, as must dt.",
+                         p=first.p, m=last.m)
     D1, D2 = np.asarray(first.D), np.asarray(last.D)
     A = np.block([[first.A, np.zeros((first.n, last.n))], [last.B @ first.C, last.A]])
     return Plant(A, np.vstack([first.B, last.B @ D1]), np.hstack([D2 @ first.C, last.C]), D2 @ D1, first.dt)
@@ -231,8 +234,9 @@ def diagonal_controller(channels: Sequence[Plant | None], outputs: object, input
     T_y, T_u = as_matrix(outputs, "T_y"), as_matrix(inputs, "T_u")
     k = len(channels)
     if T_y.shape[0] != k or T_u.shape[1] != k:
-        raise ShapeError(f"{k} channels need a T_y of {k} rows and a T_u of {k} columns; they are "
-                         f"{T_y.shape[0]}×{T_y.shape[1]} and {T_u.shape[0]}×{T_u.shape[1]}.")
+        raise ShapeError("{k} channels need a T_y of {k} rows and a T_u of {k} columns; they are {rows}×{columns} "
+                         "and {rows2}×{columns2}.",
+                         k=k, rows=T_y.shape[0], columns=T_y.shape[1], rows2=T_u.shape[0], columns2=T_u.shape[1])
     closed = [(i, c) for i, c in enumerate(channels) if c is not None]
     if any((c.m, c.p) != (1, 1) for _, c in closed) or len({c.dt for _, c in closed}) > 1:
         raise ShapeError("Every channel's controller must have one input and one output, and all the same dt.")

@@ -125,7 +125,8 @@ def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[co
     closed = (A - B @ K) * scale / scale[:, None]
     values = np.linalg.eigvals(closed).astype(complex)
     if len(old) > len(values):
-        raise PoleError(f"This plant has {len(values)} poles; {len(old)} cannot be moved; ask for fewer.")
+        raise PoleError("This plant has {count} poles; {count2} cannot be moved; ask for fewer.",
+                        count=len(values), count2=len(old))
     _, chosen = linear_sum_assignment(np.abs(old[:, None] - values[None, :]))
     inside, outside = values[chosen], np.delete(values, chosen)
 
@@ -135,7 +136,8 @@ def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[co
 
     form, Z, count = schur(closed.T, output="real", sort=selected)  # pyright: ignore[reportAssignmentType]
     if count != len(new):
-        raise PoleError("These poles lie too close to others of the loop to be moved by themselves; move them one by one.")
+        raise PoleError("These poles lie too close to others of the loop to be moved by themselves; move them one "
+                        "by one.")
     Y = Z[:, :count]
     F = place(form[:count, :count].T, Y.T @ (B / scale[:, None]), new).gain
     return K + (F @ Y.T) / scale
@@ -156,7 +158,8 @@ def _changed(before: Sequence[complex], after: Sequence[complex]) -> tuple[np.nd
         else:
             old.pop(same)
     if len(old) != len(new):
-        raise PoleError(f"{len(before)} poles stand on the board, but {len(after)} were asked for; give as many.")
+        raise PoleError("{count} poles stand on the board, but {count2} were asked for; give as many.",
+                        count=len(before), count2=len(after))
     return np.array(old, dtype=complex), np.array(new, dtype=complex)
 
 

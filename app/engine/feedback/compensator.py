@@ -143,15 +143,18 @@ def _through(plant: Plant) -> np.ndarray:
 def _gains(plant: Plant, K: object, L: object) -> tuple[np.ndarray, np.ndarray]:
     K, L = as_matrix(K, "K"), as_matrix(L, "L")
     if K.shape != (plant.m, plant.n):
-        raise ShapeError(f"K must be {plant.m}×{plant.n}, inputs by states; it is {K.shape[0]}×{K.shape[1]}.")
+        raise ShapeError("K must be {m}×{n}, inputs by states; it is {rows}×{columns}.",
+                         m=plant.m, n=plant.n, rows=K.shape[0], columns=K.shape[1])
     if L.shape != (plant.n, plant.p):
-        raise ShapeError(f"L must be {plant.n}×{plant.p}, states by outputs; it is {L.shape[0]}×{L.shape[1]}.")
+        raise ShapeError("L must be {n}×{p}, states by outputs; it is {rows}×{columns}.",
+                         n=plant.n, p=plant.p, rows=L.shape[0], columns=L.shape[1])
     return K, L
 
 
 def _same_shape(plant: Plant, model: Plant) -> Plant:
     if (model.n, model.m, model.p, model.dt) != (plant.n, plant.m, plant.p, plant.dt):
-        raise ShapeError("The model must have as many states, inputs and outputs as the plant, and the same period dt.")
+        raise ShapeError("The model must have as many states, inputs and outputs as the plant, and the same "
+                         "period dt.")
     return model
 
 

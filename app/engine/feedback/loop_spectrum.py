@@ -59,8 +59,9 @@ class NoisyLoop:
         """The same loop with T x in place of y, k×n weights on the plant's states: for signals that no sensor reads."""
         T = as_matrix(T, "T")
         if T.shape[1] > len(self.A):
-            raise ShapeError(f"T must have a column for each state of the plant; it has {T.shape[1]}, and the loop "
-                             f"{len(self.A)} states.")
+            raise ShapeError("T must have a column for each state of the plant; it has {columns}, and the loop "
+                             "{count} states.",
+                             columns=T.shape[1], count=len(self.A))
         zeros = np.zeros((len(T), len(self.A) - T.shape[1]))
         C = np.vstack([np.hstack([T, zeros]), self.C[self.measured:]])
         D = np.vstack([np.zeros((len(T), self.D.shape[1])), self.D[self.measured:]])
@@ -91,7 +92,9 @@ class NoisyLoop:
         shape = np.asarray(ground, dtype=float)
         shape = shape[:, None] if shape.ndim == 1 else shape
         if shape.shape not in ((len(H), 1), (len(H), q)) or not (np.isfinite(shape).all() and (shape >= 0).all()):
-            raise ShapeError(f"The ground's density must be finite, not negative, and of shape ({len(H)},) or ({len(H)}, {q}).")
+            raise ShapeError("The ground's density must be finite, not negative, and of shape ({count},) or "
+                             "({count}, {q}).",
+                             count=len(H), q=q)
         return np.einsum("fkj,fj->fk", np.abs(H[..., :q]) ** 2, np.broadcast_to(shape, (len(H), q))), sensors
 
     def response(self, frequency: object, rows: object | None = None) -> np.ndarray:
@@ -140,9 +143,10 @@ class NoisyLoop:
         Q, R = as_matrix(Q, "Q"), as_matrix(R, "R")
         n, m = len(Q), len(self.C) - self.measured
         if Q.shape != (n, n) or n > len(self.A):
-            raise ShapeError(f"Q must be square, with a row for each state of the plant; it is {Q.shape[0]}×{Q.shape[1]}.")
+            raise ShapeError("Q must be square, with a row for each state of the plant; it is {rows}×{columns}.",
+                             rows=Q.shape[0], columns=Q.shape[1])
         if R.shape != (m, m):
-            raise ShapeError(f"R must be {m}×{m}; it is {R.shape[0]}×{R.shape[1]}.")
+            raise ShapeError("R must be {m}×{m}; it is {rows}×{columns}.", m=m, rows=R.shape[0], columns=R.shape[1])
         u = self.joint(self.inputs())
         return float(np.sum(Q * self.covariance[:n, :n])), float(np.sum(R * u)) if np.isfinite(u).all() else np.inf
 
@@ -157,7 +161,8 @@ class NoisyLoop:
         if not (np.isfinite(dt) and dt > 0):
             raise EngineError("Sampling needs a period dt > 0 in seconds.")
         if np.any(self.D):
-            raise EngineError("White noise passes straight through this loop; samples of it have no finite variance.")
+            raise EngineError("White noise passes straight through this loop; samples of it have no finite "
+                              "variance.")
         N = len(self.A)
         jump = step_covariance(self.A, self.B @ self.noise @ self.B.T, dt)
         return NoisyLoop(step_matrices(self.A, dt)[0], np.eye(N), self.C, np.zeros((len(self.C), N)), jump, N,
@@ -171,7 +176,8 @@ class NoisyLoop:
         width = part.stop - part.start
         T = np.eye(width) if T is None else as_matrix(T, "T")
         if T.shape[1] != width:
-            raise ShapeError(f"T must have {width} columns, one for each signal; it has {T.shape[1]}.")
+            raise ShapeError("T must have {width} columns, one for each signal; it has {columns}.",
+                             width=width, columns=T.shape[1])
         rows = np.zeros((len(T), len(self.C)))
         rows[:, part] = T
         return rows
@@ -179,7 +185,8 @@ class NoisyLoop:
     def _fitting(self, rows: object) -> np.ndarray:
         rows = as_matrix(rows, "rows")
         if rows.shape[1] != len(self.C):
-            raise ShapeError(f"Rows must have {len(self.C)} columns, one for each output and input; they have {rows.shape[1]}.")
+            raise ShapeError("Rows must have {count} columns, one for each output and input; they have {columns}.",
+                             count=len(self.C), columns=rows.shape[1])
         return rows
 
 
@@ -192,21 +199,23 @@ def noisy_loop(plant: Plant, controller: Plant | None, G: object, W: object, V: 
     G = as_matrix(G, "G")
     n, m, p = plant.n, plant.m, plant.p
     if G.shape[0] != n:
-        raise ShapeError(f"G must have {n} rows, one for each state; it has {G.shape[0]}.")
+        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=n, rows=G.shape[0])
     noise = np.array(block_diag(as_covariance(W, "W", G.shape[1]), as_covariance(V, "V", p)))
     q, D = G.shape[1], np.asarray(plant.D)
     if controller is None:
         C = np.vstack([plant.C, np.zeros((m, n))])
         return NoisyLoop(plant.A, np.hstack([G, np.zeros((n, p))]), C, np.zeros((p + m, q + p)), noise, q, p, plant.dt)
     if (controller.m, controller.p) != (p, m):
-        raise ShapeError(f"The controller must have {p} inputs and {m} outputs, the plant's turned around; it has "
-                         f"{controller.m} and {controller.p}.")
+        raise ShapeError("The controller must have {p} inputs and {m} outputs, the plant's turned around; it has "
+                         "{m2} and {p2}.",
+                         p=p, m=m, m2=controller.m, p2=controller.p)
     if controller.dt != plant.dt:
         raise EngineError("Plant and controller must both be continuous, or share one sampling period.")
     Dk = np.asarray(controller.D)
     well = np.eye(m) - Dk @ D
     if np.linalg.cond(well) > 1e12:
-        raise EngineError("The loop is ill-posed: the direct paths of plant and controller form a loop of gain one.")
+        raise EngineError("The loop is ill-posed: the direct paths of plant and controller form a loop of gain "
+                          "one.")
     # u = E (Dk C x + Ck xk + Dk v), E = (I − Dk D)⁻¹; y = C x + D u; the controller reads y + v
     E = np.linalg.inv(well)
     u_z, u_v = E @ np.hstack([Dk @ plant.C, controller.C]), E @ Dk

@@ -50,7 +50,7 @@ def lqg(plant: Plant, Q: object, R: object, W: object, V: object, G: object | No
         raise EngineError("This is for a continuous plant; design a sampled loop with sampled_lqg.")
     G = plant.B if G is None else as_matrix(G, "G")
     if G.shape[0] != plant.n:
-        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     R, W = as_covariance(R, "R", plant.m), as_covariance(W, "W", G.shape[1])
     regulator = lqr(plant.A, plant.B, Q, R)
     estimator = lqe(plant.A, G, plant.C, W, as_covariance(V, "V", plant.p))

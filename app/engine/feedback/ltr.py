@@ -47,7 +47,7 @@ def recover(plant: Plant, K: object, W: object, V: object, q: float, G: object |
     _check(plant, q)
     G = plant.B if G is None else as_matrix(G, "G")
     if G.shape[0] != plant.n:
-        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     noise = G @ as_covariance(W, "W", G.shape[1]) @ G.T + q**2 * plant.B @ plant.B.T
     L = lqe(plant.A, np.eye(plant.n), plant.C, (noise + noise.T) / 2, as_covariance(V, "V", plant.p)).gain
     aim = sensitivity(_whole(plant), -K)

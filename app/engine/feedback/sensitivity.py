@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, all_stable, sorted_poles
 from ..systems.spectrum import frequency_response, modal_coordinates
@@ -107,17 +107,19 @@ def sensitivity(plant: Plant, controller: Plant | object) -> Sensitivity:
     Raises ShapeError where the two do not fit, EngineError where they have different periods or the loop is ill-posed
     (I − D_k D singular).
     """
-    built = controller if isinstance(controller, Plant) else _static(plant, as_matrix(controller, "The controller"))
+    built = controller if isinstance(controller, Plant) else _static(plant, as_matrix(controller, phrase("The controller")))
     if (built.m, built.p) != (plant.p, plant.m):
-        raise ShapeError(f"The controller must have {plant.p} inputs and {plant.m} outputs, the plant's turned around; "
-                         f"it has {built.m} and {built.p}.")
+        raise ShapeError("The controller must have {p} inputs and {m} outputs, the plant's turned around; it has "
+                         "{m2} and {p2}.",
+                         p=plant.p, m=plant.m, m2=built.m, p2=built.p)
     if built.dt != plant.dt:
         raise EngineError("Plant and controller must both be continuous, or share one sampling period.")
     n, m, p = plant.n, plant.m, plant.p
     cross = np.block([[np.zeros((m, m)), np.asarray(built.D)], [np.asarray(plant.D), np.zeros((p, p))]])
     well = np.eye(m + p) - cross
     if np.linalg.cond(np.eye(m) - np.asarray(built.D) @ np.asarray(plant.D)) > 1e12:
-        raise EngineError("The loop is ill-posed: the direct paths of plant and controller form a loop of gain one.")
+        raise EngineError("The loop is ill-posed: the direct paths of plant and controller form a loop of gain "
+                          "one.")
     S0 = np.linalg.inv(well)  # (u, y) = S0 (cut disturbances + [C_k x_k; C x])
     A = np.block([[plant.A, np.zeros((n, built.n))], [np.zeros((built.n, n)), built.A]])
     B = np.block([[plant.B, np.zeros((n, p))], [np.zeros((built.n, m)), built.B]])

@@ -43,7 +43,8 @@ class AdcNoise:
         if not all(np.isfinite(number) and number >= 0 for number in numbers) or self.dt == 0:
             raise EngineError("The noise of a converter needs finite sizes ≥ 0 and a sampling period dt > 0.")
         if self.corner > 0 and not 0 < self.lowest < min(self.corner, 0.5 / self.dt):
-            raise EngineError("The lowest frequency must lie above 0 and below the corner and half the sampling rate.")
+            raise EngineError("The lowest frequency must lie above 0 and below the corner and half the sampling "
+                              "rate.")
         if self.corner > 0 and len(self.relaxations[0]) > MOST:
             raise EngineError("The lowest frequency is too far below the corner; raise it.")
 
@@ -95,8 +96,9 @@ def with_coloured_noise(plain: Filter, noise: AdcNoise) -> Filter:
     the plain one are not. Raises EngineError where the sampling periods differ.
     """
     if plain.dt and abs(plain.dt - noise.dt) > 1e-9 * noise.dt:
-        raise EngineError(f"The filter steps every {plain.dt:g} s but the converter every {noise.dt:g} s; give both "
-                          "the same period.")
+        raise EngineError("The filter steps every {dt:g} s but the converter every {dt2:g} s; give both the same "
+                          "period.",
+                          dt=plain.dt, dt2=noise.dt)
     a, each = noise.relaxations
     p = len(plain.C)
     factors = np.tile(a, p)

@@ -25,8 +25,9 @@ class Belief:
         mean = np.array(self.mean, dtype=float).reshape(-1)
         covariance = np.array(self.covariance, dtype=float, ndmin=2)
         if covariance.shape != (mean.size, mean.size):
-            raise ShapeError(f"The covariance of {mean.size} states must be {mean.size}×{mean.size}; "
-                             f"its shape is {covariance.shape}.")
+            raise ShapeError("The covariance of {mean_size} states must be {mean_size}×{mean_size}; its shape is "
+                             "{covariance_shape}.",
+                             mean_size=mean.size, covariance_shape=covariance.shape)
         if not (np.isfinite(mean).all() and np.isfinite(covariance).all()):
             raise EngineError("The belief holds NaN or infinity: the filter has diverged or was started wrongly.")
         mean.setflags(write=False)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2, norm
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import as_matrix
 
 __all__ = ["InnovationTest", "SquaredError", "Whiteness", "chi2_band", "independent_errors", "innovation_test", "nees", "nis",
@@ -110,7 +110,7 @@ def nis(innovations: object, S: object, level: float = 0.95) -> SquaredError:
     innovations ν (n_t, p); their covariances S = C P Cᵀ + R (p×p or n_t×p×p), not R alone. Rows with NaN are left out.
     Raises ShapeError, EngineError where an S is not positive definite.
     """
-    nu = _record(innovations, "The innovations")
+    nu = _record(innovations, phrase("The innovations"))
     values = _squared(nu, _covariances(S, nu.shape, "S"), "S")
     seen = np.isfinite(values)
     return _judged(values, values[seen], nu.shape[-1], float(seen.sum()), 1, level)
@@ -126,7 +126,9 @@ def nees(x: object, xhat: object, P: object, level: float = 0.95, independent: f
     """
     true, estimate = np.asarray(x, dtype=float), np.asarray(xhat, dtype=float)
     if true.shape != estimate.shape or true.ndim not in (2, 3) or not true.size:
-        raise ShapeError(f"x and x̂ must both be (n_t, n) or (runs, n_t, n); they are {true.shape}, {estimate.shape}.")
+        raise ShapeError("x and x̂ must both be (n_t, n) or (runs, n_t, n); they are {true_shape}, "
+                         "{estimate_shape}.",
+                         true_shape=true.shape, estimate_shape=estimate.shape)
     e = (true - estimate).reshape(-1, *true.shape[-2:])
     P = np.asarray(P, dtype=float)
     if P.ndim == 4 and true.ndim == 2:
@@ -151,7 +153,8 @@ def independent_errors(Phi: object, P: object, steps: int, T: object | None = No
     Phi, P = as_matrix(Phi, "Φ"), as_matrix(P, "P")
     T = np.eye(len(P)) if T is None else as_matrix(T, "T")
     if Phi.shape != P.shape or Phi.shape[0] != Phi.shape[1] or T.shape[1] != len(P):
-        raise ShapeError(f"Φ and P must be n×n and T k×n; they are {Phi.shape}, {P.shape}, {T.shape}.")
+        raise ShapeError("Φ and P must be n×n and T k×n; they are {phi_shape}, {p_shape}, {t_shape}.",
+                         phi_shape=Phi.shape, p_shape=P.shape, t_shape=T.shape)
     if steps < 1:
         raise EngineError("A record has at least one sample.")
     seen = T @ P @ T.T
@@ -181,10 +184,10 @@ def whiteness(innovations: object, lags: int = 20, level: float = 0.95) -> White
     Q = N² Σ_l (N − l)⁻¹ tr(C_lᵀ C₀⁻¹ C_l C₀⁻¹) with C_l = (1/N) Σ ν_k ν_{k−l}ᵀ about the mean. Raises EngineError for
     records shorter than twice the lags or with NaN, or channels that are constant or copies of each other.
     """
-    nu = _record(innovations, "The innovations")
+    nu = _record(innovations, phrase("The innovations"))
     N, p = nu.shape
     if not 1 <= lags <= N // 2:
-        raise EngineError(f"With {N} samples the lags must be between 1 and {N // 2}.")
+        raise EngineError("With {n} samples the lags must be between 1 and {n2}.", n=N, n2=N // 2)
     if not np.isfinite(nu).all():
         raise EngineError("A test of whiteness needs every sample; the innovations hold NaN.")
     chi2_band(1, 1, level)
@@ -213,7 +216,7 @@ def innovation_test(innovations: object, S: object, lags: int = 20, level: float
 
     Leave the transient of a wrongly started filter out first. Raises as `nis` and `whiteness` do.
     """
-    nu = _record(innovations, "The innovations")
+    nu = _record(innovations, phrase("The innovations"))
     N, p = nu.shape
     covariances = _covariances(S, nu.shape, "S")
     S_bar = covariances.mean(axis=0) if covariances.ndim == 3 else covariances
@@ -232,9 +235,10 @@ def _record(value: object, name: str) -> np.ndarray:
     if array.ndim == 1:
         array = array[:, None]
     if array.ndim != 2 or not array.size:
-        raise ShapeError(f"{name} must be (n_t, p), time first; the shape is {array.shape}.")
+        raise ShapeError("{name} must be (n_t, p), time first; the shape is {array_shape}.",
+                         name=name, array_shape=array.shape)
     if np.isinf(array).any():
-        raise EngineError(f"{name} hold infinity; cut the record where it diverged.")
+        raise EngineError("{name} hold infinity; cut the record where it diverged.", name=name)
     return array
 
 
@@ -243,7 +247,8 @@ def _covariances(value: object, shape: tuple[int, ...], name: str) -> np.ndarray
     if array.ndim == 0 and size == 1:
         array = array.reshape(1, 1)
     if array.ndim < 2 or array.shape[-2:] != (size, size) or array.shape[:-2] not in ((), shape[:-1], shape[-2:-1]):
-        raise ShapeError(f"{name} must be {size}×{size}, or one such matrix a sample; its shape is {array.shape}.")
+        raise ShapeError("{name} must be {size}×{size}, or one such matrix a sample; its shape is {array_shape}.",
+                         name=name, size=size, array_shape=array.shape)
     return array
 
 
@@ -251,12 +256,12 @@ def _squared(e: np.ndarray, P: np.ndarray, name: str) -> np.ndarray:
     """eᵀP⁻¹e over the leading axes, the states brought to unit variance first."""
     variance = np.diagonal(P, axis1=-2, axis2=-1)
     if not (variance > 0).all():
-        raise EngineError(f"{name} must be positive definite: a variance is zero or negative.")
+        raise EngineError("{name} must be positive definite: a variance is zero or negative.", name=name)
     spread = np.sqrt(variance)
     try:
         factor = np.linalg.cholesky(P / (spread[..., :, None] * spread[..., None, :]))
     except np.linalg.LinAlgError as problem:
-        raise EngineError(f"{name} is not positive definite; leave out states that are known exactly.") from problem
+        raise EngineError("{name} is not positive definite; leave out states that are known exactly.", name=name) from problem
     scaled = e / spread
     if factor.ndim == 2:
         half = np.linalg.solve(factor, scaled.reshape(-1, len(factor)).T).T.reshape(e.shape)

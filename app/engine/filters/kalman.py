@@ -14,10 +14,6 @@ from .linear_filter import LinearFilter
 
 __all__ = ["KalmanFilter", "gain_of", "joseph", "short_form"]
 
-SINGULAR = ("The covariance S of the innovation is singular: give every sensor some noise R, or use the "
-            "square-root filter.")
-
-
 def gain(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """S = C P Cᵀ + R (p×p) and M = P Cᵀ S⁻¹ (n×p). Raises EngineError where S is singular."""
     CP = C @ P
@@ -35,7 +31,8 @@ def gain_of(S: np.ndarray, across: np.ndarray) -> np.ndarray:
         try:
             solution = np.linalg.solve(S, across)
         except np.linalg.LinAlgError as problem:
-            raise EngineError(SINGULAR) from problem
+            raise EngineError("The covariance S of the innovation is singular: give every sensor some noise R, or use the "
+                              "square-root filter.") from problem
     return solution.T
 
 

@@ -61,15 +61,17 @@ class LinearFilter(ABC):
             G = np.eye(plant.n) if as_matrix(W, "W").shape[0] == plant.n != plant.m else plant.B
         G = as_matrix(G, "G")
         if G.shape[0] != plant.n:
-            raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+            raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
         noise = G @ as_covariance(W, "W", G.shape[1]) @ G.T
         V = as_covariance(V, "V", plant.p)
         if plant.dt:
             if dt is not None and abs(dt - plant.dt) > 1e-9 * plant.dt:
-                raise EngineError(f"This plant is sampled every {plant.dt:g} s; leave dt out or give the same.")
+                raise EngineError("This plant is sampled every {dt:g} s; leave dt out or give the same.",
+                                  dt=plant.dt)
             return cls(plant.A, plant.B, plant.C, noise, V, plant.D, plant.dt)
         if dt is None or not (np.isfinite(dt) and dt > 0):
-            raise EngineError("A continuous plant needs a sampling period dt > 0 in seconds for its discrete filter.")
+            raise EngineError("A continuous plant needs a sampling period dt > 0 in seconds for its discrete "
+                              "filter.")
         sampled = discretise(plant, dt)
         return cls(sampled.A, sampled.B, sampled.C, step_covariance(plant.A, noise, dt), V / dt, sampled.D, dt)
 
@@ -149,8 +151,9 @@ class LinearFilter(ABC):
         elif schedule is None:
             schedule = self.schedule(start, len(y))
         elif schedule.steps != len(y):
-            raise ShapeError(f"The schedule is for {schedule.steps} samples but the record has {len(y)}; make one "
-                             "for this record.")
+            raise ShapeError("The schedule is for {steps} samples but the record has {count}; make one for this "
+                             "record.",
+                             steps=schedule.steps, count=len(y))
         return Track(*means_along(self.A, self.C, schedule, self._fitting(start).mean, known, push), schedule)
 
     def _goal(self) -> tuple[np.ndarray, np.ndarray] | None:
@@ -165,14 +168,16 @@ class LinearFilter(ABC):
 
     def _fitting(self, belief: Belief) -> Belief:
         if belief.mean.size != self.n:
-            raise ShapeError(f"The belief is about {belief.mean.size} states but the filter has {self.n}; give both "
-                             "the same number.")
+            raise ShapeError("The belief is about {mean_size} states but the filter has {n}; give both the same "
+                             "number.",
+                             mean_size=belief.mean.size, n=self.n)
         return belief
 
     def _vector(self, value: object, name: str, size: int) -> np.ndarray:
         vector = np.asarray(value, dtype=float).reshape(-1)
         if vector.size != size:
-            raise ShapeError(f"{name} must hold {size} numbers; it holds {vector.size}.")
+            raise ShapeError("{name} must hold {size} numbers; it holds {vector_size}.",
+                             name=name, size=size, vector_size=vector.size)
         return vector
 
     def _input(self, u: object) -> np.ndarray:

@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from ..systems.arrays import as_covariance
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.flow import Flow, slopes
 from .sigma_points import centred, check_spread, sigma_points, sigma_weights
 
@@ -37,7 +37,7 @@ class Beliefs:
     def alike(cls, mean: object, covariance: object, runs: int) -> Beliefs:
         """The same belief, mean (n,) and covariance (n×n), in every run."""
         mean = np.asarray(mean, dtype=float)
-        P = as_covariance(covariance, "The covariance", mean.size)
+        P = as_covariance(covariance, phrase("The covariance"), mean.size)
         return cls(np.repeat(mean[:, None], runs, axis=1), np.repeat(P[None], runs, axis=0))
 
 
@@ -82,18 +82,19 @@ class ManyFilters(ABC):
 
     def predicted(self, beliefs: Beliefs, images: np.ndarray) -> Beliefs:
         """The beliefs one step later from the images (n, s, N) of the points wanted."""
-        raise EngineError(f"{type(self).__name__} needs more than the images of points; call predict.")
+        raise EngineError("{name} needs more than the images of points; call predict.", name=type(self).__name__)
 
     def _fitting(self, beliefs: Beliefs) -> Beliefs:
         if len(beliefs.mean) != len(self.Q):
-            raise ShapeError(f"The beliefs are about {len(beliefs.mean)} states but Q is "
-                             f"{len(self.Q)}×{len(self.Q)}; they must agree.")
+            raise ShapeError("The beliefs are about {count} states but Q is {count2}×{count2}; they must agree.",
+                             count=len(beliefs.mean), count2=len(self.Q))
         return beliefs
 
     def _innovation(self, y: np.ndarray, expected: np.ndarray) -> np.ndarray:
         if y.shape != expected.shape or len(y) != len(self.R):
-            raise ShapeError(f"y must be {expected.shape[0]}×{expected.shape[1]}, a row for each output of h and a column for "
-                             f"each run; it is {y.shape}, and R is for {len(self.R)} outputs.")
+            raise ShapeError("y must be {rows}×{columns}, a row for each output of h and a column for each run; "
+                             "it is {y_shape}, and R is for {count} outputs.",
+                             rows=expected.shape[0], columns=expected.shape[1], y_shape=y.shape, count=len(self.R))
         return y - expected
 
 

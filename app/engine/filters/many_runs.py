@@ -69,7 +69,8 @@ def march_many(e: Experiment, rng: np.random.Generator) -> Iterator[Sample]:
     """
     n, N = e.x0.shape
     if e.start.mean.shape != (n, N):
-        raise ShapeError(f"The start is about {e.start.mean.shape} states and runs; the true states are {(n, N)}.")
+        raise ShapeError("The start is about {mean_shape} states and runs; the true states are {value}.",
+                         mean_shape=e.start.mean.shape, value=(n, N))
     shake, blur, kicks = root(e.Q), root(e.R), dict(e.kicks)
     x = e.x0
     priors: dict[str, Beliefs] = dict.fromkeys(e.filters, e.start)
@@ -95,7 +96,8 @@ def march_many(e: Experiment, rng: np.random.Generator) -> Iterator[Sample]:
             x, priors = _ahead(e, x, u, steps)
             x = x + w
         if not (np.abs(x) < FAR).all():
-            raise EngineError("A true state has left the region where the plant's equations hold; start it nearer to rest.")
+            raise EngineError("A true state has left the region where the plant's equations hold; start it nearer "
+                              "to rest.")
 
 
 def _ahead(e: Experiment, x: np.ndarray, u: np.ndarray,

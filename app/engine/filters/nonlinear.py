@@ -68,7 +68,7 @@ class NonlinearFilter(ABC):
         """The measurement y (p,) taken in: x̂ + M (y − ŷ), M = P_xy S⁻¹."""
         belief, u, y = self._fitting(belief), as_input(u), np.asarray(y, dtype=float).reshape(-1)
         if y.size != self.p:
-            raise ShapeError(f"y must hold {self.p} numbers; it holds {y.size}.")
+            raise ShapeError("y must hold {p} numbers; it holds {y_size}.", p=self.p, y_size=y.size)
         expected, S, across = self.expected(belief, u)
         nu = y - expected
         if np.isinf(nu).any():
@@ -104,7 +104,8 @@ class NonlinearFilter(ABC):
 
     def _fitting(self, belief: Belief) -> Belief:
         if belief.mean.size != self.n:
-            raise ShapeError(f"The belief is about {belief.mean.size} states but Q is {self.n}×{self.n}; they must agree.")
+            raise ShapeError("The belief is about {mean_size} states but Q is {n}×{n}; they must agree.",
+                             mean_size=belief.mean.size, n=self.n)
         return belief
 
 

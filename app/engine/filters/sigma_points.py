@@ -12,8 +12,9 @@ SMALLEST_ALPHA = 0.1
 def check_spread(n: int, alpha: float, beta: float, kappa: float) -> None:
     """Raises EngineError for α outside [0.1, 1], κ ≤ −n, or a number that is not finite."""
     if not SMALLEST_ALPHA <= alpha <= 1:
-        raise EngineError(f"α must lie between {SMALLEST_ALPHA} and 1; smaller ones give weights that only magnify "
-                          "rounding.")
+        raise EngineError("α must lie between {smallest_alpha} and 1; smaller ones give weights that only magnify "
+                          "rounding.",
+                          smallest_alpha=SMALLEST_ALPHA)
     if not (np.isfinite(beta) and np.isfinite(kappa) and n + kappa > 0):
         raise EngineError("β and κ must be finite numbers, and κ larger than −n.")
 

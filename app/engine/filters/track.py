@@ -97,13 +97,14 @@ def as_record(value: object, name: str, columns: int, rows: int | None = None) -
     try:
         array = np.array(value, dtype=float)
     except (TypeError, ValueError) as problem:
-        raise EngineError(f"{name} must be an array of real numbers.") from problem
+        raise EngineError("{name} must be an array of real numbers.", name=name) from problem
     if array.ndim == 1 and columns == 1:
         array = array[:, None]
     if array.ndim != 2 or array.shape[1] != columns or len(array) == 0 or len(array) != (rows or len(array)):
-        raise ShapeError(f"{name} must be {rows or 'n_t'}×{columns}, one row a sample; its shape is {array.shape}.")
+        raise ShapeError("{name} must be {value}×{columns}, one row a sample; its shape is {array_shape}.",
+                         name=name, value=rows or "n_t", columns=columns, array_shape=array.shape)
     if np.isinf(array).any():
-        raise EngineError(f"{name} holds infinity; cut the record where it diverged.")
+        raise EngineError("{name} holds infinity; cut the record where it diverged.", name=name)
     return array
 
 

@@ -51,13 +51,14 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
     """
     L, G = _gain(plant, L), as_matrix(G, "G")
     if G.shape[0] != plant.n:
-        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     W, V = as_covariance(W, "W", G.shape[1]), as_covariance(V, "V", plant.p)
     F = plant.A - L @ plant.C
     poles = np.linalg.eigvals(F)
     worst = float((np.abs(poles) - 1 if plant.dt else np.real(poles)).max())
     if worst >= -SLOWEST * max(float(np.abs(poles).max()), 1e-300):
-        raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move its poles.")
+        raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move "
+                          "its poles.")
     pushes = (G @ W @ G.T, L @ V @ L.T)
     found = [_summed(F, Q) if plant.dt else solve_continuous_lyapunov(F, -Q) for Q in pushes]
     return ErrorParts(*((P + P.T) / 2 for P in found))
@@ -66,7 +67,8 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
 def _gain(plant: Plant, L: object) -> np.ndarray:
     L = as_matrix(L, "L")
     if L.shape != (plant.n, plant.p):
-        raise ShapeError(f"L must be {plant.n}×{plant.p}; it is {L.shape[0]}×{L.shape[1]}.")
+        raise ShapeError("L must be {n}×{p}; it is {rows}×{columns}.",
+                         n=plant.n, p=plant.p, rows=L.shape[0], columns=L.shape[1])
     return L
 
 
@@ -91,7 +93,8 @@ def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: flo
     """
     L, V, C = _gain(plant, L), as_covariance(V, "V", plant.p), as_matrix(rows, "rows")
     if C.shape[1] != plant.n:
-        raise ShapeError(f"rows must have {plant.n} columns, one for each state; it has {C.shape[1]}.")
+        raise ShapeError("rows must have {n} columns, one for each state; it has {columns}.",
+                         n=plant.n, columns=C.shape[1])
     F = plant.A - L @ plant.C
     if plant.dt:
         Phi, limit = F, parts.total

@@ -37,7 +37,6 @@ RANK = 1e-9  # relative singular value below which a sensor counts as blind
 SETTLED = 1e-13
 MOST_STEPS = 20_000
 HOPELESS = 1e100  # times Q
-SINGULAR = "The covariance S of the innovation is singular: give every sensor some noise R."
 
 
 @dataclass(frozen=True)
@@ -73,7 +72,7 @@ def measured(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, n
             raise np.linalg.LinAlgError
         M = np.swapaxes(CP / S if len(C) == 1 else np.linalg.solve(S, CP), -1, -2)
     except np.linalg.LinAlgError:
-        raise EngineError(SINGULAR) from None
+        raise EngineError("The covariance S of the innovation is singular: give every sensor some noise R.") from None
     keep = np.eye(P.shape[-1]) - M @ C
     return keep @ P @ np.swapaxes(keep, -1, -2) + M @ R @ np.swapaxes(M, -1, -2), M
 
@@ -135,7 +134,7 @@ def mean_lower_limit(A: object, Q: object, loss: float) -> np.ndarray:
     """S = loss A S Aᵀ + Q, n×n: below the mean covariance after many steps. Raises RiccatiError where there is none."""
     A = as_matrix(A, "A")
     if A.shape[0] != A.shape[1]:
-        raise ShapeError(f"A must be square; it is {A.shape[0]}×{A.shape[1]}.")
+        raise ShapeError("A must be square; it is {rows}×{columns}.", rows=A.shape[0], columns=A.shape[1])
     p = float(_probability(loss))
     if p * spectral_radius(A) ** 2 >= 1:
         raise RiccatiError("More packets are lost than the critical share, so the mean covariance has no limit; "
@@ -152,7 +151,7 @@ def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:
     A, C, Q, R = _model(A, C, Q, R)
     p = float(_probability(loss))
     if p > critical_loss(A, C).lost:
-        raise RiccatiError(NO_LIMIT)
+        raise _no_limit()
     X, look = Q, 16  # g(0)
     for k in range(MOST_STEPS):
         new = riccati_step(X, A, C, Q, R, 1 - p)
@@ -167,10 +166,11 @@ def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:
             found = _newton(X, A, C, Q, R, p)
             if found is not None:
                 return found
-    raise RiccatiError(NO_LIMIT)
+    raise _no_limit()
 
 
-NO_LIMIT = "So many packets are lost that the modified Riccati equation has no solution; lose fewer packets."
+def _no_limit() -> RiccatiError:
+    return RiccatiError("So many packets are lost that the modified Riccati equation has no solution; lose fewer packets.")
 
 
 def _newton(X: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray, p: float) -> np.ndarray | None:
@@ -209,7 +209,8 @@ def critical_loss(A: object, C: object) -> CriticalLoss:
     for _ in range(n - 1):
         seen.append(seen[-1] @ Au)
     if _rank(np.vstack(seen)) < n:
-        raise EngineError("An unstable mode is hidden from the sensors, so no share of packets is enough; move a sensor.")
+        raise EngineError("An unstable mode is hidden from the sensors, so no share of packets is enough; move a "
+                          "sensor.")
     moduli = np.abs(np.linalg.eigvals(Au))
     lost, rank = float(1 / moduli.max() ** 2), _rank(Cu)
     if n == 1 or rank == n:
@@ -280,7 +281,8 @@ def _probability(loss: object) -> np.ndarray:
 def _pair(A: object, C: object) -> tuple[np.ndarray, np.ndarray]:
     A, C = as_matrix(A, "A"), as_matrix(C, "C")
     if A.shape[0] != A.shape[1] or C.shape[1] != len(A):
-        raise ShapeError(f"A must be square and C as wide; A is {A.shape[0]}×{A.shape[1]}, C {C.shape[0]}×{C.shape[1]}.")
+        raise ShapeError("A must be square and C as wide; A is {rows}×{columns}, C {rows2}×{columns2}.",
+                         rows=A.shape[0], columns=A.shape[1], rows2=C.shape[0], columns2=C.shape[1])
     return A, C
 
 

@@ -23,12 +23,13 @@ def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, told: L
     A, B, C, K, M = plant.A, plant.B, plant.C, as_matrix(K, "K"), as_matrix(M, "M")
     n, m = B.shape
     if K.shape != (m, n) or M.shape != (n, plant.p):
-        raise ShapeError(f"K must be {m}×{n} and M {n}×{plant.p}; they are {K.shape} and {M.shape}.")
+        raise ShapeError("K must be {m}×{n} and M {n}×{p}; they are {k_shape} and {m_shape}.",
+                         m=m, n=n, p=plant.p, k_shape=K.shape, m_shape=M.shape)
     N = n + delay * m
     E = np.eye(n) - M @ C
     if ahead > delay:
-        raise EngineError("The controller cannot predict farther than the delay, where no input asked for is under "
-                          "way; predict less far.")
+        raise EngineError("The controller cannot predict farther than the delay, where no input asked for is "
+                          "under way; predict less far.")
     u = np.zeros((m, N + n))
     step = np.linalg.matrix_power(A, ahead)
     u[:, :n], u[:, N:] = -K @ step, K @ step @ E
@@ -59,7 +60,7 @@ def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Litera
     if not 0 <= loss <= 1:
         raise EngineError("A loss is a probability: choose it within 0 … 1.")
     if on_loss not in ("hold", "zero"):
-        raise EngineError('on_loss must be "hold" or "zero".')
+        raise EngineError("on_loss must be \"hold\" or \"zero\".")
     A, B = plant.A, plant.B
     n, m = B.shape
     if on_loss == "zero":

@@ -58,20 +58,23 @@ class NetworkScenario:
         if not plant.dt or np.any(plant.D):
             raise EngineError("A loop over packets needs a sampled plant (dt > 0) without direct feedthrough D.")
         if any(not isinstance(count, (int, np.integer)) for count in (self.steps, self.ahead)) or self.steps < 1 or self.ahead < 0:
-            raise EngineError("A run needs a whole number of samples, at least one, and the controller cannot look back.")
+            raise EngineError("A run needs a whole number of samples, at least one, and the controller cannot "
+                              "look back.")
         if self.ahead > self.actuator.latest:
-            raise EngineError("The controller cannot predict farther than the delay, where no input asked for is under "
-                              "way; predict less far.")
+            raise EngineError("The controller cannot predict farther than the delay, where no input asked for is "
+                              "under way; predict less far.")
         for name, value, allowed in (("on_loss", self.on_loss, ("hold", "zero")), ("told", self.told, ("asked", "applied")),
                                      ("order", self.order, ("stamped", "arrival"))):
             if value not in allowed:
-                raise EngineError(f'{name} must be "{allowed[0]}" or "{allowed[1]}".')
+                raise EngineError("{name} must be \"{allowed}\" or \"{allowed2}\".",
+                                  name=name, allowed=allowed[0], allowed2=allowed[1])
         n, m = plant.n, plant.m
         K = as_matrix(self.K, "K")
         x0 = as_matrix(self.x0, "x0").ravel()
         jumps = np.zeros((self.steps, n)) if self.jumps is None else as_matrix(self.jumps, "jumps")
         if K.shape != (m, n) or x0.shape != (n,) or jumps.shape != (self.steps, n):
-            raise ShapeError(f"K must be {m}×{n}, x0 must have {n} entries, jumps must be {self.steps}×{n}.")
+            raise ShapeError("K must be {m}×{n}, x0 must have {n} entries, jumps must be {steps}×{n}.",
+                             m=m, n=n, steps=self.steps)
         values = {"K": K, "x0": x0, "jumps": jumps, "Q": as_covariance(self.Q, "Q", n),
                   "R": as_covariance(self.R, "R", plant.p), "P0": as_covariance(self.P0, "P0", n)}
         for name, value in values.items():

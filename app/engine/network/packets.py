@@ -29,7 +29,8 @@ class Link:
         if not 0 <= self.loss <= 1:
             raise EngineError("A loss is a probability: choose it within 0 … 1.")
         if not all(isinstance(late, (int, np.integer)) and late >= 0 for late in (self.delay, self.jitter)) or self.latest > LATEST:
-            raise EngineError(f"Delay and jitter are whole numbers of samples ≥ 0, together at most {LATEST}.")
+            raise EngineError("Delay and jitter are whole numbers of samples ≥ 0, together at most {latest}.",
+                              latest=LATEST)
 
     @property
     def latest(self) -> int:

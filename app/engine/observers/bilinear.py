@@ -43,9 +43,13 @@ class BilinearPlant:
         B = as_matrix(B.T, "B") if B.shape == (1, n) else B
         for name, matrix, shape in (("A", A, (n, n)), ("F", F, (n, n)), ("B", B, (n, 1)), ("C", C, (C.shape[0], n))):
             if matrix.shape != shape:
-                raise ShapeError(f"{name} must be {shape[0]}×{shape[1]}; it is {matrix.shape[0]}×{matrix.shape[1]}.")
+                raise ShapeError("{name} must be {shape}×{shape2}; it is {rows}×{columns}.",
+                                 name=name, shape=shape[0], shape2=shape[1], rows=matrix.shape[0],
+                                 columns=matrix.shape[1])
         if C.shape[0] >= n:
-            raise EngineError(f"C measures {C.shape[0]} values of {n} states, so nothing is left to observe; measure fewer.")
+            raise EngineError("C measures {rows} values of {n} states, so nothing is left to observe; measure "
+                              "fewer.",
+                              rows=C.shape[0], n=n)
         if canonise(C).rank < C.shape[0]:
             raise EngineError("Rows of C depend on each other; leave out the outputs that repeat others.")
         for key, value in (("A", A), ("B", B), ("F", F), ("C", C)):
@@ -150,7 +154,8 @@ class BilinearObserver:
         """
         gain, shape = as_matrix(L, "L"), (self.order, self.plant.m)
         if gain.shape != shape:
-            raise ShapeError(f"L must be {shape[0]}×{shape[1]}; it is {gain.shape[0]}×{gain.shape[1]}.")
+            raise ShapeError("L must be {shape}×{shape2}; it is {rows}×{columns}.",
+                             shape=shape[0], shape2=shape[1], rows=gain.shape[0], columns=gain.shape[1])
         return _forms(self.plant, self.K, self.canonical_C.summary, self.readout, self.T, self.V, gain)
 
     def residuals(self) -> tuple[float, float, float]:
@@ -199,7 +204,8 @@ def bilinear_functional_observer(
     plant = BilinearPlant(*(as_matrix(M, k) for M, k in ((A, "A"), (B, "B"), (F, "F"), (C, "C"))))
     wanted = as_matrix(K, "K")
     if wanted.shape[1] != plant.n:
-        raise ShapeError(f"K must have {plant.n} columns, one for each state; it has {wanted.shape[1]}.")
+        raise ShapeError("K must have {n} columns, one for each state; it has {columns}.",
+                         n=plant.n, columns=wanted.shape[1])
     if not np.any(wanted):
         raise EngineError("K is zero, so g = K x is known without an observer; choose another K.")
     at = _coordinates(plant, wanted)

@@ -56,12 +56,15 @@ def simulate_bilinear(
     """
     x0, z0 = (as_matrix(v, name).ravel() for v, name in ((x0, "x0"), (z0, "z0")))
     if x0.size != plant.n or z0.size != form.A.shape[0]:
-        raise ShapeError(f"x0 must have {plant.n} entries and z0 {form.A.shape[0]}; they have {x0.size} and {z0.size}.")
+        raise ShapeError("x0 must have {n} entries and z0 {rows}; they have {x0_size} and {z0_size}.",
+                         n=plant.n, rows=form.A.shape[0], x0_size=x0.size, z0_size=z0.size)
     K = as_matrix(K, "K")
     if K.shape[1] != plant.n:
-        raise ShapeError(f"K must have {plant.n} columns, one for each state; it has {K.shape[1]}.")
+        raise ShapeError("K must have {n} columns, one for each state; it has {columns}.",
+                         n=plant.n, columns=K.shape[1])
     if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MOST_STEPS):
-        raise EngineError(f"The horizon must be positive and hold between 1 and {MOST_STEPS} steps dt.")
+        raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",
+                          most_steps=MOST_STEPS)
     t = np.arange(round(horizon / dt) + 1) * dt
     states = np.empty((t.size, x0.size + z0.size + 1))
     states[0] = z = np.concatenate([x0, z0, [1.0]])

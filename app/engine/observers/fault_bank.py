@@ -74,7 +74,7 @@ def residual_generator(model: LinearFilter, name: str = "", outputs: Sequence[in
     n, p = model.n, len(model.C)
     chosen = list(range(p)) if outputs is None else [int(i) for i in outputs]
     if not chosen or len(set(chosen)) < len(chosen) or not all(0 <= i < p for i in chosen):
-        raise ShapeError(f"Outputs must be different numbers from 0 to {p - 1}, at least one of them.")
+        raise ShapeError("Outputs must be different numbers from 0 to {p}, at least one of them.", p=p - 1)
     pick = np.eye(p)[chosen]
     C, R = model.C[chosen], model.R[np.ix_(chosen, chosen)]
     H, T, N = np.zeros((n, len(chosen))), np.eye(n), np.eye(len(chosen))
@@ -153,7 +153,7 @@ class FaultBank:
         """
         x = as_matrix(x0, "x0").ravel()
         if x.size != self.model.n:
-            raise ShapeError(f"x0 must have {self.model.n} entries; it has {x.size}.")
+            raise ShapeError("x0 must have {n} entries; it has {x_size}.", n=self.model.n, x_size=x.size)
         xi = np.zeros(self.model.n) if rng is None else rng.standard_normal(self.model.n)
         return np.concatenate([m.project @ x - root(m.P) @ xi[:m.size] for m in self.members])
 
@@ -165,7 +165,7 @@ class FaultBank:
         s, y = self.system, as_record(y, "y", len(self.model.C))
         known = np.hstack([as_record(u, "u", self.model.B.shape[1], len(y)), y])
         if np.size(start) != s.n:
-            raise ShapeError(f"The start must have {s.n} entries; it has {np.size(start)}.")
+            raise ShapeError("The start must have {n} entries; it has {start}.", n=s.n, start=np.size(start))
         states = held_scan(s.A, s.B, known[:-1], start)
         residuals = states @ s.C.T + known @ np.asarray(s.D).T
         return residuals.reshape(len(known), len(self.members), self.dof), states
@@ -177,8 +177,9 @@ class FaultBank:
         """
         s, m, p = self.system, self.model.B.shape[1], len(self.model.C)
         if min(np.abs(z - poles).min(initial=np.inf) for poles in (s.poles, np.linalg.eigvals(self.model.A))) < 1e-12:
-            raise EngineError(f"z = {pole_text(z)} is a pole of the plant or of the bank, where there is no response; "
-                              "take another.")
+            raise EngineError("z = {z} is a pole of the plant or of the bank, where there is no response; take "
+                              "another.",
+                              z=pole_text(z))
         of_y = s.C @ np.linalg.solve(z * np.eye(s.n) - s.A, s.B[:, m:]) + np.asarray(s.D)[:, m:]
         plant = self.model.C @ np.linalg.solve(z * np.eye(self.model.n) - self.model.A, self.model.B) + self.model.D
         return np.hstack([of_y, -of_y @ plant]).reshape(len(self.members), self.dof, p + m)
@@ -197,8 +198,9 @@ def isolate(alarms: object, signature: object) -> np.ndarray:
     """
     alarms, signature = np.asarray(alarms, dtype=bool), np.asarray(signature, dtype=bool)
     if alarms.ndim != 2 or signature.ndim != 2 or alarms.shape[1] != len(signature):
-        raise ShapeError(f"Alarms must be (n_t, members) and signatures (members, faults); they are {alarms.shape} and "
-                         f"{signature.shape}.")
+        raise ShapeError("Alarms must be (n_t, members) and signatures (members, faults); they are {alarms_shape} "
+                         "and {signature_shape}.",
+                         alarms_shape=alarms.shape, signature_shape=signature.shape)
     fits = (alarms[:, :, None] == signature[None]).all(axis=1)
     single = fits.sum(axis=1) == 1
     return np.where(single, fits.argmax(axis=1), np.where(alarms.any(axis=1), UNCLEAR, NOTHING))

@@ -96,7 +96,8 @@ def functional_observer(
     """
     wanted = check_functional(plant, K)
     if not 1 <= int(order) <= plant.n:
-        raise EngineError(f"The order of the observer must lie between 1 and {plant.n}; it is {order}.")
+        raise EngineError("The order of the observer must lie between 1 and {n}; it is {order}.",
+                          n=plant.n, order=order)
     asked = check_poles(_default_poles(plant, int(order)) if poles is None else poles, int(order))
     check_stable(plant, asked)
     factors = coprime_factors(plant)
@@ -106,8 +107,9 @@ def functional_observer(
     observer = assemble(plant, wanted, factors, asked, g, W, None if free is None else as_matrix(free, "free"),
                         every_entry(plant) if wrong is None else wrong, check_norm(norm))
     if not exists(observer):
-        raise EngineError(f"With these poles no observer of order {order} gives K x (K is missed by "
-                          f"{observer.output_residual:.2g}); raise the order or move the poles.")
+        raise EngineError("With these poles no observer of order {order} gives K x (K is missed by "
+                          "{output_residual:.2g}); raise the order or move the poles.",
+                          order=order, output_residual=observer.output_residual)
     return observer
 
 
@@ -122,7 +124,8 @@ def check_functional(plant: Plant, K: object) -> np.ndarray:
     """K as a matrix r×n; ShapeError or EngineError where it cannot be."""
     wanted = as_matrix(K, "K")
     if wanted.shape[1] != plant.n:
-        raise ShapeError(f"K must have {plant.n} columns, one for each state; it has {wanted.shape[1]}.")
+        raise ShapeError("K must have {n} columns, one for each state; it has {columns}.",
+                         n=plant.n, columns=wanted.shape[1])
     if not np.any(wanted):
         raise EngineError("K is zero, so K x is known without an observer; choose another K.")
     return wanted
@@ -132,8 +135,9 @@ def check_stable(plant: Plant, poles: Poles) -> None:
     """PoleError unless every pole is stable: Re s < 0, or |s| < 1 for dt > 0 (condition (2a))."""
     for pole in poles:
         if not (abs(pole) < 1 if plant.dt else pole.real < 0):
-            raise PoleError(f"The observer pole {pole_text(pole)} is not stable, so its error would not decay; "
-                            "choose a stable one.")
+            raise PoleError("The observer pole {pole} is not stable, so its error would not decay; choose a "
+                            "stable one.",
+                            pole=pole_text(pole))
 
 
 def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles, g: np.ndarray, W: object,
@@ -148,7 +152,8 @@ def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles,
     q = poles.size
     turn = np.eye(q) if W is None else as_matrix(W, "W")
     if turn.shape != (q, q):
-        raise ShapeError(f"W must be {q}×{q}; it is {turn.shape[0]}×{turn.shape[1]}.")
+        raise ShapeError("W must be {q}×{q}; it is {rows}×{columns}.",
+                         q=q, rows=turn.shape[0], columns=turn.shape[1])
     if np.linalg.cond(turn) > 1e12:
         raise EngineError("W is singular, so it gives no coordinates; change a row of it.")
     N, M = _outputs(K, T, plant.C, free, start)
@@ -202,7 +207,8 @@ def _outputs(K: np.ndarray, T: np.ndarray, C: np.ndarray, free: np.ndarray | Non
     if free is not None:
         room = len(rows) - rank
         if free.shape != (len(K), room):
-            raise ShapeError(f"free must be {len(K)}×{room} here; it is {free.shape[0]}×{free.shape[1]}.")
+            raise ShapeError("free must be {count}×{room} here; it is {rows}×{columns}.",
+                             count=len(K), room=room, rows=free.shape[0], columns=free.shape[1])
         both = both + free @ U[:, rank:].T
     both = both / length
     return both[:, :q], both[:, q:]
@@ -218,9 +224,9 @@ def _given_directions(directions: Any, poles: Poles, p: int) -> np.ndarray:
     try:
         g = np.array(directions, dtype=complex).reshape(poles.size, -1)
     except (TypeError, ValueError) as problem:
-        raise ShapeError(f"There must be {poles.size} directions, one for each pole.") from problem
+        raise ShapeError("There must be {poles_size} directions, one for each pole.", poles_size=poles.size) from problem
     if g.shape[1] != p or not np.isfinite(g).all():
-        raise ShapeError(f"Every direction must hold {p} finite numbers, one for each output.")
+        raise ShapeError("Every direction must hold {p} finite numbers, one for each output.", p=p)
     heads, spare = upper(poles), list(range(poles.size))
     chosen = []
     for s in heads:
@@ -234,7 +240,8 @@ def _given_directions(directions: Any, poles: Poles, p: int) -> np.ndarray:
         if np.max(np.abs(mirrored - g[here].conj())) > MET * np.max(np.abs(g[here])):
             raise EngineError("Directions must be real for real poles and conjugate for conjugate poles.")
         if not np.any(g[here]):
-            raise EngineError("A direction is zero, so its pole would not belong to the observer; give one that is not zero.")
+            raise EngineError("A direction is zero, so its pole would not belong to the observer; give one that "
+                              "is not zero.")
     return np.array(chosen)
 
 

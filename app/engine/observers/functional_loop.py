@@ -45,7 +45,8 @@ class FunctionalRun:
 def _error(value: Any, name: str, shape: tuple[int, int]) -> np.ndarray:
     matrix = np.zeros(shape) if value is None else as_matrix(value, name)
     if matrix.shape != shape:
-        raise ShapeError(f"{name} must be {shape[0]}×{shape[1]}; it is {matrix.shape[0]}×{matrix.shape[1]}.")
+        raise ShapeError("{name} must be {shape}×{shape2}; it is {rows}×{columns}.",
+                         name=name, shape=shape[0], shape2=shape[1], rows=matrix.shape[0], columns=matrix.shape[1])
     return matrix
 
 
@@ -57,7 +58,8 @@ def perturbed_loop(observer: FunctionalObserver, dA: Any = None, dB: Any = None,
     """
     o, p = observer, observer.plant
     if len(o.K) != p.m:
-        raise ShapeError(f"To close the loop K must have {p.m} rows, one for each input; it has {len(o.K)}.")
+        raise ShapeError("To close the loop K must have {m} rows, one for each input; it has {count}.",
+                         m=p.m, count=len(o.K))
     A, B, C = (p.A + _error(dA, "dA", p.A.shape), p.B + _error(dB, "dB", p.B.shape), p.C + _error(dC, "dC", p.C.shape))
     whole = np.block([[A - B @ o.M @ C, -B @ o.N], [o.L @ C - o.TB @ o.M @ C, o.F - o.TB @ o.N]])
     inputs, outputs = (tuple(f"{name}{i + 1}" for i in range(p.m)) for name in ("v", "e_u"))
@@ -166,7 +168,8 @@ def run_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], Any] 
     loop = perturbed_loop(o, dA, dB, dC)
     dt = p.dt or float(dt)
     if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MOST_STEPS):
-        raise EngineError(f"The horizon must be positive and hold between 1 and {MOST_STEPS} steps dt.")
+        raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",
+                          most_steps=MOST_STEPS)
     start = np.concatenate([_start(x0, "x0", p.n), _start(z0, "z0", o.order)])
     t = np.arange(round(horizon / dt) + 1) * dt
     if p.dt:
@@ -190,7 +193,8 @@ def run_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], Any] 
 def _start(value: Any, name: str, length: int) -> np.ndarray:
     start = np.zeros(length) if value is None else as_matrix(value, name).ravel()
     if start.size != length:
-        raise ShapeError(f"{name} must have {length} entries; it has {start.size}.")
+        raise ShapeError("{name} must have {length} entries; it has {start_size}.",
+                         name=name, length=length, start_size=start.size)
     return start
 
 
@@ -200,7 +204,7 @@ def _input(v: Callable[[np.ndarray], Any] | None, t: np.ndarray, m: int) -> np.n
     try:
         values = np.array(np.broadcast_to(values, (t.size, m)))
     except ValueError as problem:
-        raise ShapeError(f"v(t) must give {m} numbers for each time.") from problem
+        raise ShapeError("v(t) must give {m} numbers for each time.", m=m) from problem
     if not np.isfinite(values).all():
         raise EngineError("The input v(t) must be a finite number at all times of the run.")
     return values

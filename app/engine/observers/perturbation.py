@@ -57,11 +57,13 @@ def _stack(given: Any, name: str, shape: tuple[int, int]) -> np.ndarray:
     try:
         stack = np.array(given, dtype=float) if len(given) else np.zeros((0, *shape))
     except (TypeError, ValueError) as problem:
-        raise ShapeError(f"Every direction of Δ{name} must be a matrix {shape[0]}×{shape[1]}.") from problem
+        raise ShapeError("Every direction of Δ{name} must be a matrix {shape}×{shape2}.",
+                         name=name, shape=shape[0], shape2=shape[1]) from problem
     if stack.ndim != 3 or stack.shape[1:] != shape:
-        raise ShapeError(f"Every direction of Δ{name} must be a matrix {shape[0]}×{shape[1]}.")
+        raise ShapeError("Every direction of Δ{name} must be a matrix {shape}×{shape2}.",
+                         name=name, shape=shape[0], shape2=shape[1])
     if not np.isfinite(stack).all():
-        raise EngineError(f"A direction of Δ{name} holds NaN or infinity.")
+        raise EngineError("A direction of Δ{name} holds NaN or infinity.", name=name)
     stack.setflags(write=False)
     return stack
 
@@ -70,9 +72,10 @@ def _weights(given: Any, name: str, count: int) -> np.ndarray:
     try:
         weights = np.array(np.broadcast_to(np.asarray(given, dtype=float), (count,)))
     except (TypeError, ValueError) as problem:
-        raise ShapeError(f"{name} must be one number or {count} numbers, one for each direction.") from problem
+        raise ShapeError("{name} must be one number or {count} numbers, one for each direction.",
+                         name=name, count=count) from problem
     if not np.isfinite(weights).all() or np.any(weights < 0):
-        raise EngineError(f"{name} must hold finite numbers that are not negative.")
+        raise EngineError("{name} must hold finite numbers that are not negative.", name=name)
     weights.setflags(write=False)
     return weights
 
@@ -94,7 +97,7 @@ def check_norm(norm: Any) -> Norm:
         return "inf"
     if norm in (1, 2):
         return 1 if norm == 1 else 2
-    raise EngineError('norm must be 1, 2 or "inf".')
+    raise EngineError("norm must be 1, 2 or \"inf\".")
 
 
 def criterion(T: np.ndarray, L: np.ndarray, M: np.ndarray, wrong: Perturbations, norm: Norm = 2) -> float:
@@ -114,7 +117,7 @@ def vertices(wrong: Perturbations, delta_A: Any, delta_C: Any) -> tuple[tuple[np
     """
     a, c = _weights(np.abs(delta_A), "delta_A", len(wrong.A)), _weights(np.abs(delta_C), "delta_C", len(wrong.C))
     if 2 ** (a.size + c.size) > MOST_VERTICES:
-        raise EngineError(f"{a.size + c.size} perturbations have too many sign patterns; keep to 12.")
+        raise EngineError("{a_size} perturbations have too many sign patterns; keep to 12.", a_size=a.size + c.size)
     signs = itertools.product((1.0, -1.0), repeat=a.size + c.size)
     return tuple((np.tensordot(a * s[:a.size], wrong.A, 1), np.tensordot(c * s[a.size:], wrong.C, 1)) for s in
                  map(np.array, signs))

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.special import chndtr, chndtrinc
 from scipy.stats import binom, chi2
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 
 __all__ = ["alarm_probability", "binomial_band", "needed_noncentrality", "residual_threshold", "window_energy", "window_mean"]
 
@@ -51,7 +51,7 @@ def residual_threshold(dof: float, false_alarm: float) -> float:
 
     Raises EngineError for a rate outside (0, 1) or no degree of freedom.
     """
-    _check(dof, false_alarm, "The false-alarm rate")
+    _check(dof, false_alarm, phrase("The false-alarm rate"))
     return float(chi2.isf(false_alarm, dof))
 
 
@@ -71,7 +71,7 @@ def alarm_probability(noncentrality: object, dof: float, false_alarm: float) -> 
 def needed_noncentrality(dof: float, false_alarm: float, power: float) -> float:
     """The least λ with which the threshold is passed with probability `power`. Raises EngineError unless power > rate."""
     threshold = residual_threshold(dof, false_alarm)
-    _check(dof, power, "The power")
+    _check(dof, power, phrase("The power"))
     if power <= false_alarm:
         raise EngineError("The power must be larger than the false-alarm rate; without a fault it is that rate.")
     return float(chndtrinc(threshold, dof, 1.0 - power))
@@ -84,8 +84,8 @@ def binomial_band(count: int, rate: float, level: float = 0.99) -> tuple[float, 
     """
     if count < 1:
         raise EngineError("A share needs at least one window.")
-    _check(1, rate, "The rate")
-    _check(1, level, "The level")
+    _check(1, rate, phrase("The rate"))
+    _check(1, level, phrase("The level"))
     low, high = binom.ppf([(1 - level) / 2, (1 + level) / 2], count, rate)
     return float(low / count), float(high / count)
 
@@ -94,11 +94,13 @@ def _check(dof: float, share: float, name: str) -> None:
     if not dof > 0:
         raise EngineError("A χ² statistic needs at least one degree of freedom.")
     if not 0 < share < 1:
-        raise EngineError(f"{name} must lie between 0 and 1, for example 0.01.")
+        raise EngineError("{name} must lie between 0 and 1, for example 0.01.", name=name)
 
 
 def _record(residual: object, window: int) -> np.ndarray:
     rho = np.asarray(residual, dtype=float)
     if rho.ndim < 2 or not 1 <= window <= len(rho):
-        raise ShapeError(f"A residual must be (n_t, …, q) with at least one window of {window} samples; it is {rho.shape}.")
+        raise ShapeError("A residual must be (n_t, …, q) with at least one window of {window} samples; it is "
+                         "{rho_shape}.",
+                         window=window, rho_shape=rho.shape)
     return rho

@@ -82,7 +82,7 @@ def rlo_steps(plant: Plant, K: object, wrong: Perturbations | None = None, norm:
     regions = _regions(plant, region)
     highest = max(1, plant.n - len(seen_rows(plant.A, plant.C)[0])) if max_order is None else int(max_order)
     if not 1 <= highest <= plant.n:
-        raise EngineError(f"max_order must lie between 1 and {plant.n}; it is {highest}.")
+        raise EngineError("max_order must lie between 1 and {n}; it is {highest}.", n=plant.n, highest=highest)
     task = _Task(plant, wanted, coprime_factors(plant), every_entry(plant) if wrong is None else wrong,
                  check_norm(norm), regions, measure, seed, worst_condition)
     attempts: list[Attempt] = []
@@ -106,10 +106,13 @@ def rlo_steps(plant: Plant, K: object, wrong: Perturbations | None = None, norm:
             return
     missed = min((a.gap for a in attempts), default=np.inf)
     if missed < 1e-9:
-        raise EngineError(f"Observers of K x exist up to order {highest} in this region, but the condition number of "
-                          f"[T; C] is beyond {worst_condition:g} in all that were tried; allow more or widen the region.")
-    raise EngineError(f"No observer of K x up to order {highest} has its poles in this region (K is missed by "
-                      f"{missed:.2g} at best); allow a higher order or a wider region.")
+        raise EngineError("Observers of K x exist up to order {highest} in this region, but the condition number "
+                          "of [T; C] is beyond {worst_condition:g} in all that were tried; allow more or widen "
+                          "the region.",
+                          highest=highest, worst_condition=worst_condition)
+    raise EngineError("No observer of K x up to order {highest} has its poles in this region (K is missed by "
+                      "{missed:.2g} at best); allow a higher order or a wider region.",
+                      highest=highest, missed=missed)
 
 
 @dataclass(frozen=True, eq=False)

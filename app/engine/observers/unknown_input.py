@@ -9,13 +9,15 @@ import numpy as np
 
 from ..design.placement import observer_gain
 from ..structure.decomposition import unobservable_subspace
-from ..systems.errors import EngineError, PoleError, ShapeError
+from ..systems.errors import EngineError, Phrase, PoleError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
 
 __all__ = ["Decoupling", "UnknownInputObserver", "decoupling", "unknown_input_observer"]
 
 RANK = 1e-9  # singular values below this, of columns of length one, count as zero
+
+NO_REASON = Phrase("")
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +37,7 @@ class Decoupling:
     A1: np.ndarray | None
     zeros: Poles | None
     unstable: Poles
-    reason: str
+    reason: Phrase
 
     @property
     def exists(self) -> bool:
@@ -86,15 +88,17 @@ def decoupling(plant: Plant, E: object, weight: object | None = None) -> Decoupl
     C, q = plant.C, E.shape[1]
     V = np.eye(plant.p) if weight is None else as_matrix(weight, "weight")
     if V.shape != (plant.p, plant.p):
-        raise ShapeError(f"weight must be {plant.p}×{plant.p}, a row for each output; it is {V.shape[0]}×{V.shape[1]}.")
+        raise ShapeError("weight must be {p}×{p}, a row for each output; it is {rows}×{columns}.",
+                         p=plant.p, rows=V.shape[0], columns=V.shape[1])
     if np.abs(V - V.T).max() > RANK * np.abs(V).max() or np.linalg.eigvalsh(V)[0] <= 0:
-        raise EngineError("The weight must be symmetric and positive definite, as the covariance of noise on every sensor is.")
+        raise EngineError("The weight must be symmetric and positive definite, as the covariance of noise on "
+                          "every sensor is.")
     size = np.linalg.norm(C, axis=1, keepdims=True)
     rank = int(np.count_nonzero(np.linalg.svd(C / np.where(size > 0, size, 1.0) @ E, compute_uv=False) > RANK))
     if rank < q:
         return Decoupling(rank, q, None, None, None, None, np.empty(0, dtype=complex),
-                          f"rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not reach the outputs "
-                          "at once; measure nearer to where it enters.")
+                          phrase("rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not reach the outputs "
+                                 "at once; measure nearer to where it enters.", rank=rank, q=q))
     CE = C @ E
     weighted = np.linalg.solve(V, CE).T
     H = E @ np.linalg.solve(weighted @ CE, weighted)
@@ -102,9 +106,9 @@ def decoupling(plant: Plant, E: object, weight: object | None = None) -> Decoupl
     A1 = T @ plant.A
     zeros = _hidden(A1, C)
     bad = _unstable(zeros, plant)
-    reason = "" if not len(bad) else (
-        f"(A, E, C) has an invariant zero at {pole_text(bad[-1])}, which is not stable: the unknown input can move the "
-        "state along it without any output noticing; measure something more.")
+    reason = NO_REASON if not len(bad) else phrase(
+        "(A, E, C) has an invariant zero at {zero}, which is not stable: the unknown input can move the state along it "
+        "without any output noticing; measure something more.", zero=pole_text(bad[-1]))
     return Decoupling(rank, q, _frozen(H), _frozen(T), _frozen(A1), zeros, bad, reason)
 
 
@@ -120,8 +124,9 @@ def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) ->
         raise EngineError(known.reason)
     wanted, free = list(poles), plant.n - len(known.zeros)
     if len(wanted) != free:
-        raise PoleError(f"Give {free} poles: this observer has {plant.n}, and {len(known.zeros)} stay at the invariant "
-                        f"zeros of (A, E, C); you gave {len(wanted)}.")
+        raise PoleError("Give {free} poles: this observer has {n}, and {count} stay at the invariant zeros of (A, "
+                        "E, C); you gave {count2}.",
+                        free=free, n=plant.n, count=len(known.zeros), count2=len(wanted))
     rows = _range(plant.C)
     K1 = observer_gain(known.A1, rows.T @ plant.C, [*wanted, *known.zeros]).gain @ rows.T
     F = known.A1 - K1 @ plant.C
@@ -136,7 +141,7 @@ def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) ->
 def _unknown(plant: Plant, E: object) -> np.ndarray:
     E = as_matrix(E, "E")
     if E.shape[0] != plant.n:
-        raise ShapeError(f"E must have {plant.n} rows, one for each state; it has {E.shape[0]}.")
+        raise ShapeError("E must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=E.shape[0])
     if not np.any(E):
         raise EngineError("E is zero: there is no unknown input to ignore.")
     return E

@@ -98,9 +98,11 @@ class SampledLqg:
         p, n, steps = self.plant, self.plant.n, len(v)
         real = p if truth is None else truth
         if (real.n, real.m, real.p, real.dt) != (n, p.m, p.p, p.dt):
-            raise ShapeError("The true plant must have the states, inputs, outputs and period of the one designed for.")
+            raise ShapeError("The true plant must have the states, inputs, outputs and period of the one designed "
+                             "for.")
         if w.shape != (steps, n) or v.shape != (steps, p.p):
-            raise ShapeError(f"Noise must be of shapes (n_t, {n}) and (n_t, {p.p}); it is {w.shape} and {v.shape}.")
+            raise ShapeError("Noise must be of shapes (n_t, {n}) and (n_t, {p}); it is {w_shape} and {v_shape}.",
+                             n=n, p=p.p, w_shape=w.shape, v_shape=v.shape)
         z = np.concatenate([_vector(x0, "x0", n), _vector(np.zeros(n) if xhat0 is None else xhat0, "xhat0", n)])
         early, M = (0, self.filter.steady.filter_gain) if gains is None else (min(steps, len(gains.gains)), gains.gains[-1])
         path = np.empty((steps, 2 * n))
@@ -161,12 +163,13 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
         raise EngineError("The plant is sampled already; give the continuous one.")
     G = plant.B if G is None else as_matrix(G, "G")
     if G.shape[0] != plant.n:
-        raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+        raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     kf = KalmanFilter.from_plant(plant, W, V, dt, G)
     sampled = Plant(kf.A, kf.B, kf.C, kf.D, dt, plant.state_names, plant.input_names, plant.output_names, plant.units,
                     plant.name)
     if np.any(sampled.D):
-        raise EngineError("A sampled loop that answers in the same sample needs a plant without a direct path (D = 0).")
+        raise EngineError("A sampled loop that answers in the same sample needs a plant without a direct path (D "
+                          "= 0).")
     Qd, Rd, Nd = sampled_cost(plant, Q, R, dt)
     regulator = dlqr(sampled.A, sampled.B, Qd, Rd, Nd)
     return SampledLqg(sampled, regulator.gain, regulator, kf)
@@ -175,5 +178,5 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
 def _vector(value: object, name: str, length: int) -> np.ndarray:
     vector = np.asarray(value, dtype=float).ravel()
     if vector.size != length or not np.isfinite(vector).all():
-        raise ShapeError(f"{name} must have {length} finite entries.")
+        raise ShapeError("{name} must have {length} finite entries.", name=name, length=length)
     return vector

@@ -61,7 +61,8 @@ def monte_carlo(loop: SampledLoop, runs: int, seconds: float, seed: int, segment
     steps = round(seconds / loop.dt) if np.isfinite(seconds) else 0
     length = 2 ** int(np.log2(max(steps // 2, 8))) if segment is None else int(segment)
     if not 8 <= length <= steps or runs < 1 or together < 1:
-        raise EngineError("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer than a run.")
+        raise EngineError("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer "
+                          "than a run.")
     signals = len(loop.outputs) + loop.U.shape[1]
     if min(together, runs) * steps * signals > MOST:
         together = max(1, MOST // (steps * signals))

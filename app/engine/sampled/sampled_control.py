@@ -59,8 +59,9 @@ def sampled_controller(controller: Plant, dt: float, method: Method = "tustin") 
     """
     if controller.dt:
         if abs(controller.dt - dt) > 1e-9 * dt:
-            raise EngineError(f"The controller runs every {controller.dt:g} s but the loop every {dt:g} s; give both "
-                              "the same period.")
+            raise EngineError("The controller runs every {dt:g} s but the loop every {dt2:g} s; give both the "
+                              "same period.",
+                              dt=controller.dt, dt2=dt)
         return _steady(controller.A, controller.B, controller.C, np.asarray(controller.D), dt)
     if not (np.isfinite(dt) and dt > 0):
         raise EngineError("A sampled controller needs a period dt > 0 in seconds.")
@@ -69,8 +70,9 @@ def sampled_controller(controller: Plant, dt: float, method: Method = "tustin") 
         try:
             solve = np.linalg.inv(np.eye(len(A)) - A * (dt / 2))
         except np.linalg.LinAlgError:
-            raise EngineError(f"The controller has a pole at 2/dt = {2 / dt:g} rad/s, which Tustin's rule sends to infinity; "
-                              "choose another period.") from None
+            raise EngineError("The controller has a pole at 2/dt = {dt:g} rad/s, which Tustin's rule sends to "
+                              "infinity; choose another period.",
+                              dt=2 / dt) from None
         return _steady(solve @ (np.eye(len(A)) + A * (dt / 2)), solve @ B * dt, C @ solve, D + C @ solve @ B * (dt / 2), dt)
     Phi, Phi1 = step_matrices(A, dt)
     return _steady(Phi, Phi1 @ B, C, D, dt)
@@ -90,11 +92,13 @@ def recursive_controller(estimator: LinearFilter, K: object, start: Belief, step
     """
     K = as_matrix(K, "K")
     if K.shape != (estimator.B.shape[1], estimator.n):
-        raise ShapeError(f"K must be {estimator.B.shape[1]}×{estimator.n}; it is {K.shape[0]}×{K.shape[1]}.")
+        raise ShapeError("K must be {columns}×{n}; it is {rows}×{columns2}.",
+                         columns=estimator.B.shape[1], n=estimator.n, rows=K.shape[0], columns2=K.shape[1])
     if not estimator.dt:
         raise EngineError("The filter must say its period: make it with from_plant, or give dt.")
     if np.any(estimator.D):
-        raise EngineError("A filter whose outputs feel the input at once (D ≠ 0) cannot be closed through u = −K x̂[k|k].")
+        raise EngineError("A filter whose outputs feel the input at once (D ≠ 0) cannot be closed through u = −K "
+                          "x̂[k|k].")
     if steps < 1:
         raise EngineError("The gain must be computed for at least one sample.")
     A, C, M = estimator.A, estimator.C, estimator.schedule(start, steps).gains

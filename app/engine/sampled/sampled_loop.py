@@ -12,7 +12,7 @@ from scipy.linalg import solve_discrete_lyapunov
 
 from ..feedback.loop_spectrum import NoisyLoop
 from ..systems.arrays import as_covariance
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.scan import step_matrices
@@ -147,7 +147,7 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     """
     chosen = [int(i) for i in controls]
     if len(set(chosen)) < len(chosen) or not all(0 <= i < plant.m for i in chosen):
-        raise ShapeError(f"The controlled inputs must be different numbers from 0 to {plant.m - 1}.")
+        raise ShapeError("The controlled inputs must be different numbers from 0 to {m}.", m=plant.m - 1)
     others = [i for i in range(plant.m) if i not in chosen]
     p, m, dt = plant.p, len(chosen), controller.dt
     if plant.dt:
@@ -155,13 +155,15 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     if np.any(np.asarray(plant.D)):
         raise EngineError("A plant whose outputs feel an input at once (D ≠ 0) is not simulated here.")
     if controller.B.shape[2] != p or controller.C.shape[1] != m:
-        raise ShapeError(f"The controller must take {p} outputs and drive {m} inputs; it takes {controller.B.shape[2]} and "
-                         f"drives {controller.C.shape[1]}.")
+        raise ShapeError("The controller must take {p} outputs and drive {m} inputs; it takes {b_shape} and "
+                         "drives {columns}.",
+                         p=p, m=m, b_shape=controller.B.shape[2], columns=controller.C.shape[1])
     if hardware.delay > MOST_DELAY * dt:
-        raise EngineError(f"The delay is longer than {MOST_DELAY} samples; shorten it.")
-    rows = as_matrix(plant.C if outputs is None else outputs, "The outputs")
+        raise EngineError("The delay is longer than {most_delay} samples; shorten it.", most_delay=MOST_DELAY)
+    rows = as_matrix(plant.C if outputs is None else outputs, phrase("The outputs"))
     if rows.shape[1] != plant.n:
-        raise ShapeError(f"The outputs must have {plant.n} columns, one for each state; they have {rows.shape[1]}.")
+        raise ShapeError("The outputs must have {n} columns, one for each state; they have {columns}.",
+                         n=plant.n, columns=rows.shape[1])
     mechanics = _Mechanics(plant, chosen, others, hardware, shaping, W, disturbances)
     return _assembled(mechanics, controller, hardware, V, rows, p, m)
 
@@ -175,7 +177,9 @@ class _Mechanics:
         driver, ground = coil_driver(hardware, m), plant.B[:, others]
         first, last = driver.n if driver else 0, shaping.n if shaping else 0
         if shaping is not None and (shaping.p != ground.shape[1] or np.any(np.asarray(shaping.D))):
-            raise ShapeError(f"The shaping filter must have {ground.shape[1]} outputs, one for each ground motion, and D = 0.")
+            raise ShapeError("The shaping filter must have {columns} outputs, one for each ground motion, and D = "
+                             "0.",
+                             columns=ground.shape[1])
         if shaping is not None and shaping.dt:
             raise EngineError("The shaping filter must be continuous, as the plant is.")
         N, self.x = first + n + last, slice(first, first + n)
@@ -193,9 +197,10 @@ class _Mechanics:
             self.A[first + n:, first + n:] = shaping.A
             self.A[self.x, first + n:] = ground @ shaping.C
             enter[first + n:] = shaping.B
-        known = ground if disturbances is None else as_matrix(disturbances, "The disturbances")
+        known = ground if disturbances is None else as_matrix(disturbances, phrase("The disturbances"))
         if known.shape[0] != n:
-            raise ShapeError(f"The disturbances must enter {n} states; their matrix has {known.shape[0]} rows.")
+            raise ShapeError("The disturbances must enter {n} states; their matrix has {rows} rows.",
+                             n=n, rows=known.shape[0])
         self.known = np.zeros((N, known.shape[1]))
         self.known[self.x] = known
         self.C = np.zeros((plant.p, N))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import as_matrix
 from ..systems.scan import affine_scan
 from .sampled_loop import SampledLoop
@@ -70,9 +70,9 @@ def run_trial(loop: SampledLoop, steps: int, seed: int | None = None, *, start: 
     if steps < 1 or steps * loop.n > MOST_NUMBERS:
         raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
     push, v = _forcing(loop, steps, seed, disturbance, kicks)
-    w0 = np.zeros(loop.n) if start is None else as_matrix(start, "The start").ravel().copy()
+    w0 = np.zeros(loop.n) if start is None else as_matrix(start, phrase("The start")).ravel().copy()
     if w0.size != loop.n:
-        raise ShapeError(f"The start must have {loop.n} entries; it has {w0.size}.")
+        raise ShapeError("The start must have {n} entries; it has {w0_size}.", n=loop.n, w0_size=w0.size)
     for k, jump in kicks:
         if k == 0:
             w0[loop.x] += jump
@@ -86,9 +86,9 @@ def run_trial(loop: SampledLoop, steps: int, seed: int | None = None, *, start: 
 
 def _jump(loop: SampledLoop, jump: object) -> np.ndarray:
     """The jump (n,) of a kick."""
-    jump, n = as_matrix(jump, "The jump of a kick").ravel(), loop.x.stop - loop.x.start
+    jump, n = as_matrix(jump, phrase("The jump of a kick")).ravel(), loop.x.stop - loop.x.start
     if jump.size != n:
-        raise ShapeError(f"The jump of a kick must have {n} entries; it has {jump.size}.")
+        raise ShapeError("The jump of a kick must have {n} entries; it has {jump_size}.", n=n, jump_size=jump.size)
     return jump
 
 
@@ -107,9 +107,10 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
     if loop.hardware.ramp:
         push[:, loop.bias] += loop.hardware.ramp * loop.dt
     if disturbance is not None:
-        given = as_matrix(disturbance, "The disturbance")
+        given = as_matrix(disturbance, phrase("The disturbance"))
         if given.shape != (steps, loop.Gamma.shape[1]):
-            raise ShapeError(f"The disturbance must be {steps}×{loop.Gamma.shape[1]}; its shape is {given.shape}.")
+            raise ShapeError("The disturbance must be {steps}×{columns}; its shape is {given_shape}.",
+                             steps=steps, columns=loop.Gamma.shape[1], given_shape=given.shape)
         push += given @ loop.Gamma.T
     for k, jump in kicks:
         if not 0 <= k < steps:
@@ -281,8 +282,9 @@ def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, 
     t, y, u = (np.asarray(value, dtype=float) for value in (t, y, u))
     if y.ndim != 1 or not y.size or t.shape != y.shape or u.ndim != 2 or len(u) != len(y) \
             or not all(np.isfinite(value).all() for value in (t, y, u)):
-        raise ShapeError(f"A response needs finite t and y (n_t,) and u (n_t, m), at least one sample; they are {t.shape}, "
-                         f"{y.shape} and {u.shape}.")
+        raise ShapeError("A response needs finite t and y (n_t,) and u (n_t, m), at least one sample; they are "
+                         "{t_shape}, {y_shape} and {u_shape}.",
+                         t_shape=t.shape, y_shape=y.shape, u_shape=u.shape)
     gap = y - final
     outside = np.flatnonzero(~(np.abs(gap) <= band))
     side = float(np.sign(gap[outside[0]])) if len(outside) else float(np.sign(gap[np.argmax(np.abs(gap))]))

@@ -46,7 +46,8 @@ def emulated_gain(plant: Plant, L: np.ndarray, dt: float) -> np.ndarray:
     e^{λ dt} of the continuous ones.
     """
     if L.shape != (plant.n, plant.p):
-        raise ShapeError(f"L must be {plant.n}×{plant.p}; it is {L.shape[0]}×{L.shape[1]}.")
+        raise ShapeError("L must be {n}×{p}; it is {rows}×{columns}.",
+                         n=plant.n, p=plant.p, rows=L.shape[0], columns=L.shape[1])
     return step_matrices(plant.A - L @ plant.C, dt)[1] @ L
 
 

@@ -39,7 +39,7 @@ class RecoveryMap:
 def _axis(values: object, name: str) -> np.ndarray:
     axis = np.atleast_1d(np.asarray(values, dtype=float))
     if axis.ndim != 1 or not axis.size or not np.isfinite(axis).all():
-        raise EngineError(f"{name} must be a list of finite numbers.")
+        raise EngineError("{name} must be a list of finite numbers.", name=name)
     return axis
 
 
@@ -49,9 +49,10 @@ def starts_of(s: Scenario, x_index: int, x_values: np.ndarray, e_index: int, e_v
     if s.model.n != n:
         raise ShapeError("A map over e(0) needs a model of the plant's own order.")
     if not (0 <= x_index < n and 0 <= e_index < n):
-        raise EngineError(f"The state indices of the map must lie between 0 and {n - 1}.")
+        raise EngineError("The state indices of the map must lie between 0 and {n}.", n=n - 1)
     if len(x_values) * len(e_values) > MOST_STARTS:
-        raise EngineError(f"A map of {len(x_values) * len(e_values)} starts is too large; keep it to {MOST_STARTS}.")
+        raise EngineError("A map of {count} starts is too large; keep it to {most_starts}.",
+                          count=len(x_values) * len(e_values), most_starts=MOST_STARTS)
     x = np.tile(s.x0, (len(x_values), len(e_values), 1))
     e = np.tile(s.x0 - s.xhat0, (len(x_values), len(e_values), 1))
     x[:, :, x_index] = x_values[:, None]

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 
 __all__ = ["Run", "Scenario"]
@@ -19,14 +19,17 @@ MOST_NUMBERS = 40_000_000  # state numbers in one run; 320 MB
 def _matrix(value: object, name: str, shape: tuple[int, int], what: str) -> np.ndarray:
     matrix = as_matrix(value, name)
     if matrix.shape != shape:
-        raise ShapeError(f"{name} must be {shape[0]}×{shape[1]} ({what}); it is {matrix.shape[0]}×{matrix.shape[1]}.")
+        raise ShapeError("{name} must be {shape}×{shape2} ({what}); it is {rows}×{columns}.",
+                         name=name, shape=shape[0], shape2=shape[1], what=what, rows=matrix.shape[0],
+                         columns=matrix.shape[1])
     return matrix
 
 
 def _vector(value: object, name: str, length: int) -> np.ndarray:
     vector = as_matrix(np.zeros(length) if value is None else value, name).ravel()
     if vector.size != length:
-        raise ShapeError(f"{name} must have {length} entries; it has {vector.size}.")
+        raise ShapeError("{name} must have {length} entries; it has {vector_size}.",
+                         name=name, length=length, vector_size=vector.size)
     return vector
 
 
@@ -34,9 +37,9 @@ def _limit(value: Any, name: str, m: int, none: float) -> np.ndarray:
     try:
         limit = np.array(np.broadcast_to(np.asarray(none if value is None else value, dtype=float), (m,)))
     except (TypeError, ValueError) as problem:
-        raise ShapeError(f"{name} must be one number or {m} numbers, one for each input.") from problem
+        raise ShapeError("{name} must be one number or {m} numbers, one for each input.", name=name, m=m) from problem
     if np.any(np.isnan(limit)):
-        raise EngineError(f"{name} holds NaN; give a number, or leave the limit out.")
+        raise EngineError("{name} holds NaN; give a number, or leave the limit out.", name=name)
     limit.setflags(write=False)
     return limit
 
@@ -45,9 +48,11 @@ def _positive(value: Any, name: str, zero_allowed: bool = False) -> float:
     try:
         number = float(value)
     except (TypeError, ValueError) as problem:
-        raise EngineError(f"{name} must be a number of seconds.") from problem
+        raise EngineError("{name} must be a number of seconds.", name=name) from problem
     if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
-        raise EngineError(f"{name} must be a {'non-negative' if zero_allowed else 'positive'} number of seconds.")
+        if zero_allowed:
+            raise EngineError("{name} must be a non-negative number of seconds.", name=name)
+        raise EngineError("{name} must be a positive number of seconds.", name=name)
     return number
 
 
@@ -58,10 +63,12 @@ def _intensity(value: object, name: str, size: int) -> np.ndarray | None:
     if matrix.shape == (1, 1) and size > 1:
         matrix = matrix[0, 0] * np.eye(size)
     if matrix.shape != (size, size):
-        raise ShapeError(f"{name} must be {size}×{size}; it is {matrix.shape[0]}×{matrix.shape[1]}.")
+        raise ShapeError("{name} must be {size}×{size}; it is {rows}×{columns}.",
+                         name=name, size=size, rows=matrix.shape[0], columns=matrix.shape[1])
     scale = float(np.max(np.abs(matrix)))
     if np.max(np.abs(matrix - matrix.T)) > 1e-9 * scale or np.linalg.eigvalsh(matrix)[0] < -1e-9 * scale:
-        raise EngineError(f"{name} must be symmetric with no negative eigenvalue, as every covariance is.")
+        raise EngineError("{name} must be symmetric with no negative eigenvalue, as every covariance is.",
+                          name=name)
     return matrix
 
 
@@ -109,28 +116,33 @@ class Scenario:
         plant = self.plant
         model = plant if self.model is None else self.model
         if (model.m, model.p) != (plant.m, plant.p):
-            raise ShapeError(f"The model has {model.m} inputs and {model.p} outputs but the plant has {plant.m} and "
-                             f"{plant.p}; they must agree.")
+            raise ShapeError("The model has {m} inputs and {p} outputs but the plant has {m2} and {p2}; they must "
+                             "agree.",
+                             m=model.m, p=model.p, m2=plant.m, p2=plant.p)
         if model.dt != plant.dt:
             raise EngineError("Model and plant must both be continuous, or share one sampling period.")
-        dt, horizon = _positive(self.dt, "dt"), _positive(self.horizon, "The horizon")
+        dt, horizon = _positive(self.dt, "dt"), _positive(self.horizon, phrase("The horizon"))
         if plant.dt and abs(dt - plant.dt) > 1e-9 * dt:
-            raise EngineError(f"This plant is sampled every {plant.dt:g} s; the scenario's dt must be the same.")
+            raise EngineError("This plant is sampled every {dt:g} s; the scenario's dt must be the same.",
+                              dt=plant.dt)
         if horizon < dt * (1 - 1e-9):
-            raise EngineError(f"The horizon ({horizon:g} s) is shorter than one step of {dt:g} s; make it longer.")
+            raise EngineError("The horizon ({horizon:g} s) is shorter than one step of {dt:g} s; make it longer.",
+                              horizon=horizon, dt=dt)
         if horizon / dt * (plant.n + model.n) > MOST_NUMBERS:
-            raise EngineError(f"{horizon / dt:.3g} steps are too many for one run; lengthen dt or shorten the horizon.")
+            raise EngineError("{horizon:.3g} steps are too many for one run; lengthen dt or shorten the horizon.",
+                              horizon=horizon / dt)
         if self.fed not in ("applied", "commanded"):
-            raise EngineError('fed must be "applied" or "commanded".')
+            raise EngineError("fed must be \"applied\" or \"commanded\".")
         if self.state_feedback and model.n != plant.n:
-            raise ShapeError("State feedback needs a gain for the plant's own states: model and plant differ in order.")
+            raise ShapeError("State feedback needs a gain for the plant's own states: model and plant differ in "
+                             "order.")
         n_t = round(horizon / dt) + 1
         u_min, u_max = _limit(self.u_min, "u_min", plant.m, -np.inf), _limit(self.u_max, "u_max", plant.m, np.inf)
         if np.any(u_min >= u_max):
             raise EngineError("u_min must lie below u_max for every input.")
         values = {
             "model": model, "horizon": horizon, "dt": dt, "n_t": n_t, "u_min": u_min, "u_max": u_max,
-            "delay": _positive(self.delay, "The delay", zero_allowed=True),
+            "delay": _positive(self.delay, phrase("The delay"), zero_allowed=True),
             "K": _matrix(np.zeros((plant.m, model.n)) if self.K is None else self.K, "K", (plant.m, model.n), "m×n"),
             "L": _matrix(np.zeros((model.n, plant.p)) if self.L is None else self.L, "L", (model.n, plant.p), "n×p"),
             "x0": _vector(self.x0, "x0", plant.n), "xhat0": _vector(self.xhat0, "xhat0", model.n),
@@ -142,27 +154,28 @@ class Scenario:
     def _reference(self, n_t: int) -> np.ndarray | None:
         if self.reference is None:
             return None
-        given = as_matrix(self.reference, "The reference")
+        given = as_matrix(self.reference, phrase("The reference"))
         m = self.plant.m
         if given.shape == (1, m):
-            return as_matrix(np.broadcast_to(given, (n_t, m)), "The reference")
+            return as_matrix(np.broadcast_to(given, (n_t, m)), phrase("The reference"))
         if given.shape == (1, n_t) and m == 1:
-            return as_matrix(given.T, "The reference")
+            return as_matrix(given.T, phrase("The reference"))
         if given.shape != (n_t, m):
-            raise ShapeError(f"The reference must be {n_t}×{m}, a row for every grid point; it is "
-                             f"{given.shape[0]}×{given.shape[1]}.")
+            raise ShapeError("The reference must be {n_t}×{m}, a row for every grid point; it is {rows}×{columns}.",
+                             n_t=n_t, m=m, rows=given.shape[0], columns=given.shape[1])
         return given
 
     def _impulses(self) -> tuple[tuple[float, np.ndarray], ...]:
-        return tuple((_positive(time, "The time of an impulse", zero_allowed=True),
-                      _vector(jump, "The jump of an impulse", self.plant.n)) for time, jump in self.impulses)
+        return tuple((_positive(time, phrase("The time of an impulse"), zero_allowed=True),
+                      _vector(jump, phrase("The jump of an impulse"), self.plant.n)) for time, jump in self.impulses)
 
     def _noise(self) -> dict[str, np.ndarray | None]:
         plant, W, G = self.plant, self.W, self.G
         if G is not None:
             G = as_matrix(G, "G")
             if G.shape[0] != plant.n:
-                raise ShapeError(f"G must have {plant.n} rows, one for each state; it has {G.shape[0]}.")
+                raise ShapeError("G must have {n} rows, one for each state; it has {rows}.",
+                                 n=plant.n, rows=G.shape[0])
         elif W is not None:
             G = np.eye(plant.n) if as_matrix(W, "W").shape[0] == plant.n != plant.m else plant.B
         return {"G": G, "W": None if G is None else _intensity(W, "W", G.shape[1]),

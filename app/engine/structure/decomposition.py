@@ -25,7 +25,7 @@ def tolerance(rtol: float | None) -> float:
     """The relative tolerance asked for, or the default; EngineError unless 0 ≤ rtol < 1."""
     value = DEFAULT_RTOL if rtol is None else float(rtol)
     if not 0 <= value < 1:
-        raise EngineError(f"rtol must be at least 0 and below 1; it is {value:g}.")
+        raise EngineError("rtol must be at least 0 and below 1; it is {value:g}.", value=value)
     return value
 
 
@@ -149,7 +149,8 @@ def _subspaces(plant: Plant, rtol: float) -> tuple[np.ndarray, np.ndarray, np.nd
     neither = min(max(N.shape[1] - both.shape[1], 0), plant.n - r)
     _, sines, V = np.linalg.svd(N - R @ (R.T @ N), full_matrices=True)
     if neither and sines[neither - 1] < 1e-9:
-        raise EngineError("Reachable and hidden states nearly coincide here; choose a larger rtol to tell them apart.")
+        raise EngineError("Reachable and hidden states nearly coincide here; choose a larger rtol to tell them "
+                          "apart.")
     return scale[:, None] * both, scale[:, None] * reached, scale[:, None] * (N @ V[:neither].T)
 
 

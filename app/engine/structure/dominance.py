@@ -53,7 +53,7 @@ def dominance(plant: Plant, omega: object) -> Dominance:
     Raises ShapeError for a plant that is not square, EngineError exactly on a pole.
     """
     if plant.m != plant.p:
-        raise ShapeError(f"Dominance is about a square transfer matrix; this one is {plant.p}×{plant.m}.")
+        raise ShapeError("Dominance is about a square transfer matrix; this one is {p}×{m}.", p=plant.p, m=plant.m)
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     return dominance_of(w, frequency_response(plant.A, plant.B, plant.C, plant.D, w, plant.dt))
 
@@ -62,7 +62,9 @@ def dominance_of(omega: np.ndarray, response: np.ndarray) -> Dominance:
     """The same from a response (n_ω, k, k) that is known already."""
     G = np.asarray(response)
     if G.ndim != 3 or G.shape[1] != G.shape[2] or len(G) != len(omega):
-        raise ShapeError(f"A response must be n×k×k with one k×k matrix for each of the n frequencies; it is {G.shape}.")
+        raise ShapeError("A response must be n×k×k with one k×k matrix for each of the n frequencies; it is "
+                         "{g_shape}.",
+                         g_shape=G.shape)
     if not np.isfinite(G).all():
         raise EngineError("The response is not finite; leave out frequencies that lie on a pole.")
     size = np.abs(G)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm, qr, schur, solve_sylvester
 
-from ..systems.errors import EngineError
+from ..systems.errors import EngineError, phrase
 from ..systems.plant import Plant
 from .analysis import stability_slack
 from .decomposition import in_new_states, state_scale
@@ -75,7 +75,8 @@ def _require_stable(plant: Plant, advice: str) -> None:
     pole = _unstable_pole(plant.A, plant.dt)
     if pole is not None:
         shown = f"{pole.real:.4g}" if pole.imag == 0 else f"{pole.real:.4g} {pole.imag:+.4g}j"
-        raise EngineError(f"The pole at {shown} is not stable, so the integral to infinity diverges; {advice}.")
+        raise EngineError("The pole at {shown} is not stable, so the integral to infinity diverges; {advice}.",
+                          shown=shown, advice=advice)
 
 
 def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -121,7 +122,7 @@ def gramians(plant: Plant) -> Gramians:
     Raises EngineError when a pole is not stable.
     Source: Smith, "Matrix equation XA + BX = C" (1968), the doubling, here on square-root factors.
     """
-    _require_stable(plant, "use observability_gramian or reachability_gramian with a finite horizon")
+    _require_stable(plant, phrase("use observability_gramian or reachability_gramian with a finite horizon"))
     Rc, Ro = _factors(plant)
     return Gramians(_frozen(Rc @ Rc.T), _frozen(Ro @ Ro.T))
 
@@ -133,7 +134,7 @@ def hankel_singular_values(plant: Plant) -> np.ndarray:
     Raises EngineError when a pole is not stable; `split_stable` gives the part that has them.
     Source: Tombs and Postlethwaite, "Truncated balanced realization of a stable non-minimal system" (1987).
     """
-    _require_stable(plant, "take the Hankel values of split_stable(plant).stable")
+    _require_stable(plant, phrase("take the Hankel values of split_stable(plant).stable"))
     Rc, Ro = _factors(plant)
     return np.linalg.svd(Ro.T @ Rc, compute_uv=False)
 
@@ -169,7 +170,8 @@ def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     bound = 10 * plant.n * _EPS * (np.linalg.norm(Ro, 2) * np.linalg.norm(Rc, 2) if plant.n else 0.0)
     real = int(np.count_nonzero(sigma > bound))
     if order > real:
-        raise EngineError(f"Only {real} stable states take part between u and y; ask for that many at most.")
+        raise EngineError("Only {real} stable states take part between u and y; ask for that many at most.",
+                          real=real)
     root = np.sqrt(sigma[:order])
     return sigma, Rc @ Vt[:order].T / root, (Ro @ U[:, :order] / root).T
 
@@ -183,11 +185,11 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     Source: Glover, "All optimal Hankel-norm approximations" (1984), theorem 9.6; Enns (1984) for the bound.
     """
     if isinstance(order, bool) or int(order) != order or not 0 <= order <= plant.n:
-        raise EngineError(f"The order must be a whole number from 0 to {plant.n}; it is {order}.")
+        raise EngineError("The order must be a whole number from 0 to {n}; it is {order}.", n=plant.n, order=order)
     split = split_stable(plant)
     kept = plant.n - split.stable.n if plant.n else 0
     if order < kept:
-        raise EngineError(f"{kept} unstable states must stay; ask for an order of at least {kept}.")
+        raise EngineError("{kept} unstable states must stay; ask for an order of at least {kept}.", kept=kept)
     r = int(order) - kept
     sigma, right, left = _balance(split.stable, r)
     k = split.stable.n
@@ -235,7 +237,7 @@ def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
             W = _accumulate(*_one_step(A, B @ B.T, t / 2**doublings), 2**doublings)
         W = scale[:, None] * (W + W.T) / 2 * scale
     if not np.all(np.isfinite(W)):
-        raise EngineError(f"The state grows beyond every number within {t:g} s; shorten the horizon.")
+        raise EngineError("The state grows beyond every number within {t:g} s; shorten the horizon.", t=t)
     return W
 
 

@@ -95,11 +95,12 @@ def mixing_matrix(a: float, b: float, size: int = 2, channels: tuple[int, int] =
     Raises EngineError where 1 − ab is nearly zero: the two mixed inputs would then be one.
     """
     if not (np.isfinite(a) and np.isfinite(b)) or abs(1 - a * b) < NEAR_SINGULAR:
-        raise EngineError(f"With a = {a:.4g} and b = {b:.4g} the mixing is singular, 1 − ab = {1 - a * b:.2g}; "
-                          "keep ab away from 1.")
+        raise EngineError("With a = {a:.4g} and b = {b:.4g} the mixing is singular, 1 − ab = {a2:.2g}; keep ab "
+                          "away from 1.",
+                          a=a, b=b, a2=1 - a * b)
     i, j = channels
     if i == j or not (0 <= i < size and 0 <= j < size):
-        raise ShapeError(f"Mixing needs two different channels from 0 to {size - 1}.")
+        raise ShapeError("Mixing needs two different channels from 0 to {size}.", size=size - 1)
     S = np.eye(size)
     S[i, j], S[j, i] = b, a
     return S
@@ -110,10 +111,12 @@ def coupling(response: object, channels: tuple[int, int] = (0, 1)) -> Coupling:
     G = np.asarray(response)
     if (G.ndim != 3 or G.shape[1] != G.shape[2] or not len(G) or not all(0 <= i < G.shape[1] for i in channels)
             or channels[0] == channels[1]):
-        raise ShapeError("The index needs a response of at least one frequency, n×k×k, and two different channels of it.")
+        raise ShapeError("The index needs a response of at least one frequency, n×k×k, and two different channels "
+                         "of it.")
     block = G[:, channels][:, :, channels]
     if not np.isfinite(block).all() or not (np.abs(np.diagonal(block, axis1=1, axis2=2)) > 0).all():
-        raise EngineError("The index divides by the diagonal entries: they must be finite and not zero in the whole band.")
+        raise EngineError("The index divides by the diagonal entries: they must be finite and not zero in the "
+                          "whole band.")
     return Coupling(np.ascontiguousarray(block) / np.abs(block).max())  # J has no unit, and squares stay in range
 
 

@@ -27,14 +27,16 @@ def as_covariance(value: object, name: str, size: int) -> np.ndarray:
     if matrix.shape == (1, 1) and size != 1:
         matrix = matrix.item() * np.eye(size)
     if matrix.shape != (size, size):
-        raise ShapeError(f"{name} must be {size}×{size}; it is {matrix.shape[0]}×{matrix.shape[1]}.")
+        raise ShapeError("{name} must be {size}×{size}; it is {rows}×{columns}.",
+                         name=name, size=size, rows=matrix.shape[0], columns=matrix.shape[1])
     if np.abs(matrix - matrix.T).max(initial=0.0) > ASYMMETRY * np.abs(matrix).max(initial=0.0):
-        raise EngineError(f"{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.")
+        raise EngineError("{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.", name=name)
     matrix = symmetric(matrix)
     spread = np.sqrt(np.abs(np.diag(matrix)))
     divisor = np.where(spread > 0, spread, 1.0)
     if size and (np.diag(matrix).min() < 0
                  or np.linalg.eigvalsh(matrix / np.outer(divisor, divisor))[0] < -NEGATIVE * size):
-        raise EngineError(f"{name} has a negative eigenvalue; a covariance must be positive semidefinite.")
+        raise EngineError("{name} has a negative eigenvalue; a covariance must be positive semidefinite.",
+                          name=name)
     matrix.setflags(write=False)
     return matrix

@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from scipy.io import savemat
 
-from .errors import EngineError
+from .errors import EngineError, phrase
 from .matfile import read_mat
 from .plant import Plant
 
@@ -32,9 +32,11 @@ _NAMES = ("states", "inputs", "outputs")
 
 def _bounded(plant: Plant) -> Plant:
     if not 1 <= plant.n <= MAX_STATES:
-        raise EngineError(f"A plant needs 1 to {MAX_STATES} states; this one has {plant.n}.")
+        raise EngineError("A plant needs 1 to {max_states} states; this one has {n}.",
+                          max_states=MAX_STATES, n=plant.n)
     if not (1 <= plant.m <= MAX_SIGNALS and 1 <= plant.p <= MAX_SIGNALS):
-        raise EngineError(f"A plant needs 1 to {MAX_SIGNALS} inputs and outputs; this one has {plant.m} and {plant.p}.")
+        raise EngineError("A plant needs 1 to {max_signals} inputs and outputs; this one has {m} and {p}.",
+                          max_signals=MAX_SIGNALS, m=plant.m, p=plant.p)
     return plant
 
 
@@ -45,37 +47,40 @@ def _check_size(count: int) -> None:
 
 def _word(value: object, what: str) -> str:
     if not isinstance(value, str) or len(value) > MAX_NAME or not value.isprintable():
-        raise EngineError(f"{what} must be plain text of at most {MAX_NAME} characters.")
+        raise EngineError("{what} must be plain text of at most {max_name} characters.",
+                          what=what, max_name=MAX_NAME)
     return value
 
 
 def _words(value: object, what: str) -> tuple[str, ...]:
     if not isinstance(value, list) or len(value) > MAX_STATES:
-        raise EngineError(f"{what} must be a list of at most {MAX_STATES} names.")
-    return tuple(_word(item, f"Each name in {what}") for item in value)
+        raise EngineError("{what} must be a list of at most {max_states} names.", what=what, max_states=MAX_STATES)
+    return tuple(_word(item, phrase("Each name in {what}", what=what)) for item in value)
 
 
 def _units(value: object) -> tuple[tuple[str, str], ...]:
     if not isinstance(value, dict) or len(value) > MAX_STATES + 2 * MAX_SIGNALS:
         raise EngineError("units must be an object that maps a signal name to its unit.")
-    return tuple((_word(k, "A unit's signal"), _word(v, "A unit")) for k, v in value.items())
+    return tuple((_word(k, phrase("A unit's signal")), _word(v, phrase("A unit"))) for k, v in value.items())
 
 
 def _number(value: object, what: str) -> float:
     if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise EngineError(f"{what} must hold real numbers only.")
+        raise EngineError("{what} must hold real numbers only.", what=what)
     try:
         return float(value)
     except OverflowError as problem:
-        raise EngineError(f"{what} holds a number too large to store.") from problem
+        raise EngineError("{what} holds a number too large to store.", what=what) from problem
 
 
 def _rows(value: object, what: str) -> list[list[float]]:
     rows = value if isinstance(value, list) else None
     if not rows or len(rows) > MAX_STATES or not all(isinstance(row, list) for row in rows):
-        raise EngineError(f"{what} must be a list of 1 to {MAX_STATES} rows, each a list of numbers.")
+        raise EngineError("{what} must be a list of 1 to {max_states} rows, each a list of numbers.",
+                          what=what, max_states=MAX_STATES)
     if len({len(row) for row in rows}) != 1 or not 1 <= len(rows[0]) <= MAX_STATES:
-        raise EngineError(f"The rows of {what} must be equally long, with 1 to {MAX_STATES} numbers each.")
+        raise EngineError("The rows of {what} must be equally long, with 1 to {max_states} numbers each.",
+                          what=what, max_states=MAX_STATES)
     return [[_number(entry, what) for entry in row] for row in rows]
 
 
@@ -87,7 +92,8 @@ def _labels(plant: Plant) -> dict[str, Any]:
 def _build(matrices: dict[str, Any], dt: float, labels: dict[str, Any]) -> Plant:
     missing = [key for key in "ABC" if matrices.get(key) is None]
     if missing:
-        raise EngineError(f"The file has no matrix {missing[0]}; a plant needs A, B and C (D may be left out).")
+        raise EngineError("The file has no matrix {missing}; a plant needs A, B and C (D may be left out).",
+                          missing=missing[0])
     states, inputs, outputs = (_words(labels.get(key, []), key) for key in _NAMES)
     name, units = _word(labels.get("name", ""), "name"), _units(labels.get("units", {}))
     matrix = [matrices.get(key) for key in _MATRICES]
@@ -107,7 +113,7 @@ def to_json(plant: Plant) -> str:
 
 
 def _constant(word: str) -> float:
-    raise EngineError(f"The file holds {word}; every number must be finite.")
+    raise EngineError("The file holds {word}; every number must be finite.", word=word)
 
 
 def _parse(text: str) -> dict[str, Any]:
@@ -152,7 +158,8 @@ def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
 def _full(found: dict[str, Any], key: str) -> np.ndarray:
     value = found[key]
     if not isinstance(value, np.ndarray) or max(value.shape) > MAX_STATES:
-        raise EngineError(f"{key} must be a full real matrix of at most {MAX_STATES}×{MAX_STATES} numbers.")
+        raise EngineError("{key} must be a full real matrix of at most {max_states}×{max_states} numbers.",
+                          key=key, max_states=MAX_STATES)
     return value
 
 
@@ -164,7 +171,7 @@ def _bytes_of(source: str | os.PathLike[str] | bytes) -> bytes:
         with open(source, "rb") as file:
             data = file.read(MAX_BYTES + 1)
     except (OSError, ValueError) as problem:
-        raise EngineError(f"The file {Path(source).name} cannot be read; check its name and place.") from problem
+        raise EngineError("The file {name} cannot be read; check its name and place.", name=Path(source).name) from problem
     _check_size(len(data))
     return data
 
@@ -220,7 +227,7 @@ def to_control(plant: Plant) -> control.StateSpace:
     for names in (plant.state_names, plant.input_names, plant.output_names):
         twice = [name for name, count in Counter(names).items() if count > 1]
         if twice:
-            raise EngineError(f"Two signals are called {twice[0]}; give each its own name.")
+            raise EngineError("Two signals are called {twice}; give each its own name.", twice=twice[0])
     system = StateSpace(plant.A, plant.B, plant.C, plant.D, plant.dt, states=list(plant.state_names),
                         inputs=list(plant.input_names), outputs=list(plant.output_names),
                         name=plant.name.replace(".", "_") or None)

@@ -83,9 +83,12 @@ def slopes(f: Map, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray
     many = (x[:, None, :] + 1j * STEP * np.eye(n)[:, :, None]).reshape(n, n * N)
     values = np.asarray(f(many, np.tile(u, (1, n)) if u.shape[1] == N and N > 1 else u))
     if values.ndim != 2 or values.shape[1] != n * N:
-        raise ShapeError(f"The map must return a column for each of {n * N} states; its result has the shape {values.shape}.")
+        raise ShapeError("The map must return a column for each of {n} states; its result has the shape "
+                         "{values_shape}.",
+                         n=n * N, values_shape=values.shape)
     if not np.iscomplexobj(values):
-        raise EngineError("The map loses the imaginary part, so a complex step cannot differentiate it; give its slope.")
+        raise EngineError("The map loses the imaginary part, so a complex step cannot differentiate it; give its "
+                          "slope.")
     values = values.reshape(len(values), n, N)
     return np.real(values[:, 0]).copy(), (np.imag(values) / STEP).transpose(2, 0, 1)
 

@@ -27,10 +27,12 @@ def columns(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int) -> np.nd
     """f at the states in the columns of x (n, N): (rows, N). Raises ShapeError, EngineError with `name` in it."""
     values = np.asarray(f(x, u[:, None]))
     if values.shape != (rows, x.shape[1]):
-        raise ShapeError(f"{name} must return {rows} rows and a column for each state; for {x.shape[1]} states its result "
-                         f"has the shape {values.shape}. each_column wraps a function of one state.")
+        raise ShapeError("{name} must return {rows} rows and a column for each state; for {columns} states its "
+                         "result has the shape {values_shape}. each_column wraps a function of one state.",
+                         name=name, rows=rows, columns=x.shape[1], values_shape=values.shape)
     if not np.isfinite(values).all():
-        raise EngineError(f"{name} gave NaN or infinity: the estimate has left the region where the model holds.")
+        raise EngineError("{name} gave NaN or infinity: the estimate has left the region where the model holds.",
+                          name=name)
     return values
 
 
@@ -39,15 +41,15 @@ def jacobian(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int) -> tupl
 
     Squire and Trapp (1998). Raises EngineError where f cannot be called with complex states.
     """
-    message = f"{name} cannot be differentiated by a complex step; give its Jacobian."
+    unfit = EngineError("{name} cannot be differentiated by a complex step; give its Jacobian.", name=name)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", np.exceptions.ComplexWarning)
             values = columns(f, x[:, None] + 1j * STEP * np.eye(x.size), u, name, rows)
     except (TypeError, np.exceptions.ComplexWarning) as problem:
-        raise EngineError(message) from problem
+        raise unfit from problem
     if not np.iscomplexobj(values):
-        raise EngineError(message)
+        raise unfit
     return np.real(values[:, 0]).copy(), np.imag(values) / STEP
 
 
@@ -58,5 +60,6 @@ def expand(f: Map, derivative: Map | None, x: np.ndarray, u: np.ndarray, name: s
         return jacobian(f, x, u, name, rows)
     slope = np.asarray(derivative(x, u), dtype=float)
     if slope.shape != (rows, x.size):
-        raise ShapeError(f"The Jacobian of {name} must be {rows}×{x.size}; its shape is {slope.shape}.")
+        raise ShapeError("The Jacobian of {name} must be {rows}×{x_size}; its shape is {slope_shape}.",
+                         name=name, rows=rows, x_size=x.size, slope_shape=slope.shape)
     return columns(f, x[:, None], u, name, rows)[:, 0], slope

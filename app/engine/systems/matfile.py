@@ -21,7 +21,9 @@ _NUMBERS = MappingProxyType({1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4
 _TEXTS = MappingProxyType({1: "utf-8", 2: "utf-8", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"})
 _MATRIX, _COMPRESSED, _CHAR, _COMPLEX = 14, 15, 4, 0x0800
 _FULL = range(6, 16)  # double, single, int8 … uint64
-_UNREADABLE = "This is not a readable .mat file; save A, B, C, D with MATLAB's save -v7."
+
+def _unreadable() -> EngineError:
+    return EngineError("This is not a readable .mat file; save A, B, C, D with MATLAB's save -v7.")
 
 
 def _elements(data: bytes, order: str, start: int = 0) -> Iterator[tuple[int, bytes]]:
@@ -35,9 +37,9 @@ def _elements(data: bytes, order: str, start: int = 0) -> Iterator[tuple[int, by
             size, body = int.from_bytes(data[place + 4:place + 8], word), place + 8
             step = 8 + size + (0 if kind == _COMPRESSED else -size % 8)
         elif size > 4:
-            raise EngineError(_UNREADABLE)
+            raise _unreadable()
         if body + size > len(data):
-            raise EngineError(_UNREADABLE)
+            raise _unreadable()
         yield kind, data[body:body + size]
         place += step
 
@@ -70,7 +72,8 @@ def _unpacked(data: bytes, order: str, limit: int) -> Iterator[bytes]:
             inside = zlib.decompressobj().decompress(payload, limit + 1)
             total += len(inside)
             if total > limit:
-                raise EngineError(f"The file unpacks to more than {limit / 1e6:g} MB; a plant needs far less.")
+                raise EngineError("The file unpacks to more than {limit:g} MB; a plant needs far less.",
+                                  limit=limit / 1000000.0)
             kind, payload = next(_elements(inside, order), (0, b""))
         if kind == _MATRIX and payload:
             yield payload
@@ -87,10 +90,10 @@ def read_mat(data: bytes, limit: int) -> dict[str, np.ndarray | str | None]:
     if order and version == b"\x02\x00":
         raise EngineError("This .mat file is of version 7.3; save it in MATLAB with the option -v7.")
     if order is None or version != b"\x01\x00":
-        raise EngineError(_UNREADABLE)
+        raise _unreadable()
     try:
         return dict(_variable(payload, order) for payload in _unpacked(data, order, limit))
     except (ValueError, IndexError, RuntimeError, StopIteration, OverflowError, zlib.error) as problem:
         if isinstance(problem, EngineError):
             raise
-        raise EngineError(_UNREADABLE) from problem
+        raise _unreadable() from problem

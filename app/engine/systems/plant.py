@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from .errors import EngineError, ShapeError
+from .errors import EngineError, ShapeError, phrase
 from .pole_sets import sorted_poles
 
 
@@ -20,11 +20,11 @@ def as_matrix(value: object, name: str) -> np.ndarray:
             value = value.tolist()  # NumPy drops the imaginary parts of an array, but not those of a list
         matrix = np.array(value, dtype=float, ndmin=2)
     except (TypeError, ValueError) as problem:
-        raise EngineError(f"{name} must be a matrix of real numbers.") from problem
+        raise EngineError("{name} must be a matrix of real numbers.", name=name) from problem
     if matrix.ndim != 2:
-        raise ShapeError(f"{name} must have two dimensions, not {matrix.ndim}.")
+        raise ShapeError("{name} must have two dimensions, not {ndim}.", name=name, ndim=matrix.ndim)
     if not np.all(np.isfinite(matrix)):
-        raise EngineError(f"{name} holds NaN or infinity; every entry must be a finite number.")
+        raise EngineError("{name} holds NaN or infinity; every entry must be a finite number.", name=name)
     matrix.setflags(write=False)
     return matrix
 
@@ -33,7 +33,8 @@ def _names(given: Sequence[str] | None, letter: str, count: int, what: str) -> t
     if not given:
         return tuple(f"{letter}{i + 1}" for i in range(count))
     if len(given) != count:
-        raise ShapeError(f"There are {count} {what}s but {len(given)} {what} names; give one name each.")
+        raise ShapeError("There are {count} {what}s but {count2} {what} names; give one name each.",
+                         count=count, what=what, count2=len(given))
     return tuple(str(name) for name in given)
 
 
@@ -60,23 +61,26 @@ class Plant:
         A, B, C = (as_matrix(getattr(self, k), k) for k in "ABC")
         n = A.shape[0]
         if A.shape[1] != n:
-            raise ShapeError(f"A must be square; it is {A.shape[0]}×{A.shape[1]}.")
+            raise ShapeError("A must be square; it is {rows}×{columns}.", rows=A.shape[0], columns=A.shape[1])
         if B.shape[0] != n:
-            raise ShapeError(f"B must have {n} rows, as A has; it is {B.shape[0]}×{B.shape[1]}.")
+            raise ShapeError("B must have {n} rows, as A has; it is {rows}×{columns}.",
+                             n=n, rows=B.shape[0], columns=B.shape[1])
         if C.shape[1] != n:
-            raise ShapeError(f"C must have {n} columns, as A has; it is {C.shape[0]}×{C.shape[1]}.")
+            raise ShapeError("C must have {n} columns, as A has; it is {rows}×{columns}.",
+                             n=n, rows=C.shape[0], columns=C.shape[1])
         D = as_matrix(np.zeros((C.shape[0], B.shape[1])) if self.D is None else self.D, "D")
         if D.shape != (C.shape[0], B.shape[1]):
-            raise ShapeError(f"D must be {C.shape[0]}×{B.shape[1]}; it is {D.shape[0]}×{D.shape[1]}.")
+            raise ShapeError("D must be {rows}×{columns}; it is {rows2}×{columns2}.",
+                             rows=C.shape[0], columns=B.shape[1], rows2=D.shape[0], columns2=D.shape[1])
         dt = float(self.dt)
         if not np.isfinite(dt) or dt < 0:
             raise EngineError("dt must be 0 (continuous time) or a positive sampling period in seconds.")
         units = self.units.items() if isinstance(self.units, dict) else self.units
         for key, value in {
             "A": A, "B": B, "C": C, "D": D, "dt": dt,
-            "state_names": _names(self.state_names, "x", n, "state"),
-            "input_names": _names(self.input_names, "u", B.shape[1], "input"),
-            "output_names": _names(self.output_names, "y", C.shape[0], "output"),
+            "state_names": _names(self.state_names, "x", n, phrase("state")),
+            "input_names": _names(self.input_names, "u", B.shape[1], phrase("input")),
+            "output_names": _names(self.output_names, "y", C.shape[0], phrase("output")),
             "units": tuple((str(k), str(v)) for k, v in units),
         }.items():
             object.__setattr__(self, key, value)

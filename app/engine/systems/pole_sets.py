@@ -48,11 +48,12 @@ def check_poles(poles: Iterable[complex], count: int) -> Poles:
     except (TypeError, ValueError) as problem:
         raise PoleError("The poles must be numbers, real or complex.") from problem
     if asked.size != count:
-        raise PoleError(f"{count} poles are needed, one for each state, but {asked.size} were asked for.")
+        raise PoleError("{count} poles are needed, one for each state, but {asked_size} were asked for.",
+                        count=count, asked_size=asked.size)
     if not np.all(np.isfinite(asked)):
         raise PoleError("A requested pole is NaN or infinite; every pole must be a finite number.")
     if asked.size and np.abs(asked).max() > LARGEST:
-        raise PoleError(f"A requested pole is larger than {LARGEST:g}; ask for slower poles.")
+        raise PoleError("A requested pole is larger than {largest:g}; ask for slower poles.", largest=LARGEST)
     return _pair_up(asked.copy())
 
 
@@ -74,10 +75,9 @@ def _pair_up(asked: Poles) -> Poles:
 
 
 def _unpaired(pole: complex) -> PoleError:
-    return PoleError(
-        f"The complex pole {pole_text(pole)} lacks its conjugate {pole_text(pole.conjugate())}: "
-        "a real gain moves complex poles in pairs, so ask for both."
-    )
+    return PoleError("The complex pole {pole} lacks its conjugate {pole2}: a real gain moves complex poles in "
+                     "pairs, so ask for both.",
+                     pole=pole_text(pole), pole2=pole_text(pole.conjugate()))
 
 
 def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.ndarray) -> tuple[np.ndarray, float]:
@@ -89,7 +89,9 @@ def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.nda
     """
     first, second = np.asarray(a, dtype=complex).ravel(), np.asarray(b, dtype=complex).ravel()
     if first.size != second.size:
-        raise PoleError(f"A set of {first.size} poles cannot be matched with a set of {second.size}; give equally many.")
+        raise PoleError("A set of {first_size} poles cannot be matched with a set of {second_size}; give equally "
+                        "many.",
+                        first_size=first.size, second_size=second.size)
     if first.size == 0:
         return np.empty(0, dtype=int), 0.0
     distance = np.abs(first[:, None] - second[None, :])
@@ -109,7 +111,7 @@ def move_pole(
     moved = [complex(pole) for pole in poles]
     to = complex(to)
     if not 0 <= index < len(moved):
-        raise PoleError(f"There is no pole number {index}; the set has {len(moved)}.")
+        raise PoleError("There is no pole number {index}; the set has {count}.", index=index, count=len(moved))
     if not np.isfinite(to):
         raise PoleError("A pole can only be moved to a finite place.")
     partner = _partner(moved, index)

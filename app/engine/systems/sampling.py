@@ -37,8 +37,9 @@ def continuous_of(plant: Plant) -> Plant:
         if abs(pole) < 1e-9 * size:
             raise EngineError("This sampled plant has a pole at zero (a delay), which no continuous plant has.")
         if pole.real < 0 and abs(pole.imag) < 1e-9 * size:
-            raise EngineError(f"This sampled plant has a pole at {pole.real:.4g}: on the negative real axis no pole comes "
-                              "from a continuous plant of the same order.")
+            raise EngineError("This sampled plant has a pole at {pole_real:.4g}: on the negative real axis no "
+                              "pole comes from a continuous plant of the same order.",
+                              pole_real=pole.real)
     wide = np.eye(n + m)
     wide[:n, :n], wide[:n, n:] = plant.A, plant.B
     with warnings.catch_warnings(), np.errstate(all="ignore"):
@@ -47,7 +48,8 @@ def continuous_of(plant: Plant) -> Plant:
     scale = max(float(np.abs(root).max()), 1e-300) if np.all(np.isfinite(root)) else np.inf
     M = np.real(root)
     if not np.isfinite(scale) or np.abs(np.imag(root)).max() > 1e-8 * scale or _miss(M, wide, dt) > ROUND_TRIP:
-        raise EngineError("No continuous plant could be found behind this sampled one: its logarithm is lost in rounding.")
+        raise EngineError("No continuous plant could be found behind this sampled one: its logarithm is lost in "
+                          "rounding.")
     return Plant(M[:n, :n], M[:n, n:], plant.C, plant.D, 0.0, plant.state_names, plant.input_names, plant.output_names,
                  plant.units, plant.name)
 

@@ -49,7 +49,8 @@ def psd(series: object, fs: float, segment: int | None = None, window: str = "ha
         raise EngineError("fs must be a positive sampling frequency in Hz.")
     length = min(len(data), max(256, len(data) // 8)) if segment is None else int(segment)
     if not 8 <= length <= len(data):
-        raise EngineError(f"A segment must hold between 8 and {len(data)} samples; it holds {length}.")
+        raise EngineError("A segment must hold between 8 and {count} samples; it holds {length}.",
+                          count=len(data), length=length)
     frequency, density = signal.welch(data, fs, window=window, nperseg=length, detrend="constant",
                                       scaling="density", axis=0)
     return Spectrum(frequency, density)
@@ -78,7 +79,9 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
     a, b, c, d = (as_matrix(value, name) for value, name in ((A, "A"), (B, "B"), (C, "C"), (D, "D")))
     n = len(a)
     if a.shape != (n, n) or len(b) != n or c.shape[1] != n or d.shape != (len(c), b.shape[1]):
-        raise ShapeError(f"A n×n, B n×m, C p×n and D p×m must fit together; they are {a.shape}, {b.shape}, {c.shape}, {d.shape}.")
+        raise ShapeError("A n×n, B n×m, C p×n and D p×m must fit together; they are {a_shape}, {b_shape}, "
+                         "{c_shape}, {d_shape}.",
+                         a_shape=a.shape, b_shape=b.shape, c_shape=c.shape, d_shape=d.shape)
     w = np.atleast_1d(np.asarray(omega, dtype=float))
     if n == 0:
         return np.tile(d.astype(complex), (len(w), 1, 1))

@@ -1,0 +1,126 @@
+"""A message: its English, which is its id, and the values that stand in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import reduce
+
+from .languages import closed_up, translated
+from .numbers import Written, written
+
+
+@dataclass(frozen=True)
+class Text:
+    """A message and its values, turned into a sentence by `message(language)`.
+
+    `id` is the English template with {named:format} places; `context` tells apart two meanings of one English word.
+    A value may be a number (written as the language writes numbers), a Text or an error of the engine (said in the
+    language), or a string, which carries over as it is.
+    """
+
+    id: str
+    values: tuple[tuple[str, object], ...] | str = ()
+    context: str = ""
+
+    @property
+    def en(self) -> str:
+        """LEGACY: the English sentence."""
+        return self("en")
+
+    @property
+    def zh(self) -> str:
+        """LEGACY: the Chinese sentence."""
+        return self("zh")
+
+    def __call__(self, language: str = "en") -> str:
+        if isinstance(self.values, str):  # LEGACY: Text(en, zh)
+            chosen = self.values if language == "zh" else self.id
+            return chosen.replace("\N{IDEOGRAPHIC FULL STOP} ", "\N{IDEOGRAPHIC FULL STOP}")
+        template = translated(self.id, self.context, language)
+        if not self.values:
+            return template
+        return closed_up(template.format_map({name: _Place(value, language) for name, value in self.values}), language)
+
+    def __str__(self) -> str:
+        return self("en")
+
+    def format(self, *old: object, **values: object) -> Text:
+        """The same message with these values besides those that it has."""
+        if isinstance(self.values, str):  # LEGACY
+            def filled(words: str, language: str) -> str:
+                return words.format(*(v(language) if isinstance(v, Text) else v for v in old),
+                                    **{k: v(language) if isinstance(v, Text) else v for k, v in values.items()})
+            return Text(filled(self.id, "en"), filled(self.values, "zh"))
+        return Text(self.id, (*self.values, *values.items()), self.context)
+
+
+class _Place:
+    """A value on its way into a sentence: its format is applied in the language of the sentence."""
+
+    def __init__(self, value: object, language: str) -> None:
+        self._value, self._language = value, language
+
+    def __format__(self, spec: str) -> str:
+        value, language = self._value, self._language
+        if isinstance(value, Text):
+            return value(language)
+        if hasattr(value, "message") and hasattr(value, "values"):
+            return told(value)(language)
+        if isinstance(value, Written):
+            return written(value, spec, language)
+        return format(value, spec)
+
+
+def text(message: str, /, **values: object) -> Text:
+    """A message with its values by name."""
+    return Text(message, tuple(values.items()))
+
+
+def text_in(context: str, message: str, /, **values: object) -> Text:
+    """A message whose English alone does not say what is meant: the context, such as "axis", tells translators."""
+    return Text(message, tuple(values.items()), context)
+
+
+SAME = "{words}"
+NO_WORDS = Text("")
+
+
+def same(words: str) -> Text:
+    """A name, a symbol or a number that reads the same in every language."""
+    return Text(SAME, (("words", words),)) if words else NO_WORDS
+
+
+def joined(*texts: Text) -> Text:
+    """Sentences one after the other, as a language joins them; empty ones are left out."""
+    return _folded(lambda first, second: text("{first} {second}", first=first, second=second), texts)
+
+
+def listed(texts: Iterable[Text]) -> Text:
+    """Words in a row, as a language lists them: a, b, c."""
+    return _folded(lambda first, second: text("{first}, {second}", first=first, second=second), texts)
+
+
+def _folded(join: Callable[[Text, Text], Text], texts: Iterable[Text]) -> Text:
+    said = [one for one in texts if one.id]
+    return reduce(join, said) if said else NO_WORDS
+
+
+def wording(words: Text | str, language: str) -> str:
+    """A label in one language; a plain string, such as a symbol with its unit, reads the same in all."""
+    return words if isinstance(words, str) else words(language)
+
+
+def told(problem: object) -> Text:
+    """What an error says, in every language: one of the engine carries its message and values, one of ours its text.
+
+    Any other error is an English sentence that nobody translated.
+    """
+    own = getattr(problem, "text", None)
+    if isinstance(own, Text):
+        return own
+    message, values = getattr(problem, "message", None), getattr(problem, "values", None)
+    if isinstance(message, str) and isinstance(values, Mapping):
+        return Text(message, tuple(values.items()))
+    return same(str(problem))
+

@@ -1,0 +1,105 @@
+"""Words: every message has its translation, with the same places; numbers are written as a language writes them."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+from catalogues import places, said, unreadable
+
+from app.engine import EngineError, Plant, RiccatiError, lqr
+from app.text import NO_WORDS, Text, joined, languages, listed, name_of, raised, same, text, text_in, told, written
+from app.text.languages import catalogue, decimal_sign
+
+OTHERS = [code for code in languages() if code != "en"]
+HAN = re.compile(r"[\u4e00-\u9fff]")
+
+
+def translations(language: str) -> dict[tuple[str, str], str]:
+    return {(m.context or "", str(m.id)): str(m.string) for m in catalogue(language) if m.id}
+
+
+def test_every_message_is_written_out_where_it_is_said() -> None:
+    assert not list(unreadable())
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_every_message_is_translated_and_no_translation_is_left_over(language: str) -> None:
+    known, needed = translations(language), said()
+    assert len(needed) > 500
+    missing = [f"{needed[key]}: {key}" for key in sorted(set(needed) - set(known))]
+    left = sorted(set(known) - set(needed))
+    assert not missing, "\n".join(missing)
+    assert not left, "\n".join(map(str, left))
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_a_translation_has_the_places_of_its_message_and_no_others(language: str) -> None:
+    """A place may be left out where only English needs it (the s of a plural); none may be added."""
+    wrong = []
+    for (_, english), other in translations(language).items():
+        if (places(english) or "{" in other.replace("{{", "")) and not places(other) <= places(english):
+            wrong.append(f"{english!r}: {places(other) - places(english)}")
+        lost = {name for name in places(english) - places(other) if name not in ("s", "es", "ies")}
+        if lost:
+            wrong.append(f"{english!r} loses {lost}")
+    assert not wrong, "\n".join(wrong)
+
+
+def test_a_message_is_a_record_of_its_id_and_values() -> None:
+    message = text("{name} has {n:d} states, gain {k:.3g}.", name=same("P"), n=3, k=-1.25e-7)
+    assert message == text("{name} has {n:d} states, gain {k:.3g}.", name=same("P"), n=3, k=-1.25e-7)
+    assert hash(message) == hash(Text(message.id, message.values))
+    assert message("en") == "P has 3 states, gain −1.25·10⁻⁷."
+
+
+def test_one_english_word_with_two_meanings_has_a_context() -> None:
+    assert text_in("axis", "rank").context == "axis" and text_in("axis", "rank") != text("rank")
+
+
+@pytest.mark.parametrize("value, spec, words", [
+    (-2.5, "g", "−2.5"), (1200.0, ".2g", "1200"), (3e-6, ".3g", "3·10⁻⁶"), (1e-15, ".0e", "10⁻¹⁵"), (np.inf, "g", "∞"),
+    (-np.inf, "g", "−∞"), (7, "", "7"), (np.float64(0.25), ".2f", "0.25"), (-1 - 2j, ".3g", "−1−2j"), (1e6, ".3g", "10⁶"),
+    (0.5, ".0%", "50%"), (-0.0014, ".2g", "−0.0014"),
+])
+def test_one_formatter_writes_numbers(value: complex, spec: str, words: str) -> None:
+    assert written(value, spec) == words
+
+
+def test_the_decimal_sign_is_the_languages() -> None:
+    assert decimal_sign("de") == "," and written(1234.5, ",.1f", "de") == "1\N{NARROW NO-BREAK SPACE}234,5"
+    assert decimal_sign("en") == decimal_sign("zh") == decimal_sign("xx-none") == "."
+
+
+def test_a_language_names_itself() -> None:
+    assert (name_of("en"), name_of("zh"), name_of("de")) == ("English", "中文", "Deutsch")
+
+
+def test_sentences_are_joined_as_a_language_joins_them() -> None:
+    both = joined(text("Nothing to undo."), NO_WORDS, text("Nothing to redo."))
+    assert both("en") == "Nothing to undo. Nothing to redo." and " " not in both("zh")
+    assert joined() == NO_WORDS and NO_WORDS("zh") == ""
+    assert listed([same("a"), same("b"), same("c")])("en") == "a, b, c" and listed([same("a"), same("b")])("zh") == "a、b"
+
+
+def test_an_error_of_the_engine_carries_its_message_and_values() -> None:
+    with pytest.raises(EngineError) as caught:
+        Plant([[1.0, 2.0]], [[1.0]], [[1.0]])
+    assert str(caught.value) == "A must be square; it is 1×2."
+    assert told(caught.value)("zh") == "A 必须是方阵，现为 1×2。"
+    with pytest.raises(RiccatiError) as deep:
+        lqr([[1, 0], [0, 2]], [[0], [1]], np.eye(2), [[1]])
+    assert HAN.search(told(deep.value)("zh")) and "unc" not in told(deep.value)("zh")
+
+
+def test_an_error_survives_a_copy_between_processes() -> None:
+    import pickle
+
+    problem = EngineError("{name} must be a list of numbers.", name="A")
+    again = pickle.loads(pickle.dumps(problem))
+    assert (str(again), again.message, dict(again.values)) == (str(problem), problem.message, {"name": "A"})
+
+
+def test_raised_digits() -> None:
+    assert raised(-15) == "⁻¹⁵"
