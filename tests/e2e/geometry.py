@@ -38,11 +38,11 @@ def drag(tab: Tab, start: tuple[float, float], by: tuple[float, float], steps: i
     """Press at a pixel, move by pixels, release, as a hand would."""
     mouse = tab.page.mouse
     mouse.move(*start)
-    tab.pause(2)
+    tab.answered()
     mouse.down()
-    tab.pause(2)
+    tab.answered()
     for i in range(1, steps + 1):
         mouse.move(start[0] + by[0] * i / steps, start[1] + by[1] * i / steps)
-        tab.pause()
+        tab.answered()
     mouse.up()
-    tab.pause(2)
+    tab.answered()

@@ -13,7 +13,6 @@ FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-backgrou
          "--disable-component-update", "--disable-sync",
          "--enable-unsafe-swiftshader"]
 PATIENCE = 60.0  # s: software rendering on a busy machine is slow, and a test that waits is not a test that fails
-PAUSE = 120  # ms between two actions: the page keeps only the last of several changes within 50 ms
 HARMLESS = (
     "GPU stall", "GroupMarkerNotSet",  # said by software rendering
     "passive event listener",  # said by the page's own sliders whatever they show
@@ -24,6 +23,34 @@ CURVES = """() => Object.values(window.__viserTestpoints?.uplots ?? {})
   .filter(u => u.chart.root.isConnected)
   .map(u => [u.chart.root.querySelector('.u-title')?.textContent ?? '', Array.from(u.chart.data, row => Array.from(row))])"""
 DRAWINGS = "() => Array.from(document.querySelectorAll('.ol-figure'), f => f.innerHTML)"
+ANSWERED = """async rests => {
+  const wait = ms => new Promise(done => setTimeout(done, ms)), end = performance.now() + 2000;
+  const question = window.observerLabQuestion = (window.observerLabQuestion ?? 0) + 1;
+  await wait(60);  // the page keeps back what is done within 50 ms of the last message; timers of one page run in order
+  for (let asked = ''; performance.now() < end; await wait(10)) {
+    const mark = document.querySelector('.ol-mark')?.dataset;
+    if (!mark) continue;
+    if (mark.ask !== asked) {  // also where the page was laid out anew, and the question went with the old one
+      asked = mark.ask;
+      window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: asked, updates: {value: question}});
+    }
+    if (Number(mark.answer) < question || (rests && mark.rests !== '1')) continue;
+    await new Promise(done => requestAnimationFrame(() => setTimeout(done)));  // what React does after it has drawn
+    return true;
+  }
+  return false;
+}"""
+DRAWN = """() => new Promise(done => {
+  const page = window.__viserMutable, seen = page.scene.onAfterRender;
+  page.scene.onAfterRender = (...all) => {
+    seen(...all);
+    if (page.scene.__r3f.root.getState().viewport.dpr < devicePixelRatio) return;
+    page.scene.onAfterRender = seen;
+    done();
+  };
+  page.requestRender();
+})"""
+HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
 
 
@@ -64,19 +91,28 @@ class Tab:
         self.close_any_notices()
 
     def settle(self) -> None:
-        """Wait until the question and at least one figure are there."""
+        """Wait until the question and at least one figure are there and all is answered and at rest."""
         self.page.wait_for_selector(".ol-question")
+        self.answered(rests=True)
         eventually(self.shown, lambda shown: shown != "[[], []]", "a figure")
-        self.pause(3)
 
     def close_any_notices(self) -> None:
         """Dismiss the notifications that are there, that of software rendering among them."""
         self.page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())")
         eventually(lambda: self.page.locator(".mantine-Notification-root").count(), lambda n: n == 0, "notices closed")
 
-    def pause(self, times: int = 1) -> None:
-        """Leave the page time to send what was done."""
-        self.page.wait_for_timeout(PAUSE * times)
+    # --- waiting ---------------------------------------------------------------------------------------------------
+    def answered(self, rests: bool = False) -> None:
+        """Wait until the page has sent what was done and shows the server's answer to it; its final picture, if asked."""
+        eventually(lambda: self.page.evaluate(ANSWERED, rests), bool, "an answer to what was done")
+
+    def sent(self) -> None:
+        """Wait until the page has sent what was done, no longer."""
+        self.page.evaluate(HELD_BACK)
+
+    def drawn(self) -> None:
+        """Wait until the scene, at rest, has been drawn with all its pixels."""
+        self.page.evaluate(DRAWN)
 
     # --- reading ---------------------------------------------------------------------------------------------------
     def question(self) -> str:
@@ -112,13 +148,19 @@ class Tab:
     def press(self, words: str) -> None:
         """Click a button."""
         self.button(words).first.click()
-        self.pause()
+        self.answered()
 
     def key(self, key: str, times: int = 1) -> None:
-        """Type a key."""
+        """Type a key, and again once it is answered."""
         for _ in range(times):
             self.page.keyboard.press(key)
-            self.pause()
+            self.answered()
+
+    def quick_keys(self, key: str, times: int) -> None:
+        """Type a key as quickly as the page sends what it does, whatever the server is about."""
+        for _ in range(times):
+            self.page.keyboard.press(key)
+            self.sent()
 
     def choose_lesson(self, title: str, question: str) -> None:
         """Open a lesson from the list."""
@@ -126,8 +168,7 @@ class Tab:
             self.row("lesson").locator("input").first.click()
             self.page.get_by_role("option", name=title, exact=True).click()
         eventually(self.question, lambda words: words == question, f"the question of {title}")
-        eventually(self.shown, lambda shown: shown != "[[], []]", "a figure")
-        self.pause(2)
+        self.settle()
 
     def predict(self, letter: str = "A") -> None:
         """Choose a prediction."""
@@ -154,11 +195,12 @@ class Tab:
     def type_number(self, label: str, words: str) -> None:
         """Type into a slider's number field, without leaving it."""
         self.row(label).locator("input").last.fill(words)
-        self.pause(2)
+        self.answered()
 
     def picture(self, path: Any) -> None:
-        """Keep a screenshot, with time for the 3-D view to draw the last change without a graphics card."""
-        self.pause(25)
+        """Keep a screenshot of all that was done, the scene drawn sharp."""
+        self.answered(rests=True)
+        self.drawn()
         try:
             self.page.screenshot(path=path, timeout=PATIENCE * 1000)
         except Error as problem:

@@ -33,6 +33,6 @@ def test_undo_takes_a_drag_back(new_tab: Callable[..., Tab]) -> None:
     before = eventually(tab.equations, lambda words: len(words) == 3 and all(words), "the live equations")
     drag(tab, on_screen(tab, "/board/controller/pole0"), (-15.0, 10.0), steps=3)
     eventually(tab.equations, lambda words: words != before, "the gain follows the pole")
-    tab.pause(4)
+    tab.answered(rests=True)
     tab.key("z")
     eventually(tab.equations, lambda words: words == before, "one undo takes the whole drag back")

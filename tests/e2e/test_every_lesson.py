@@ -47,7 +47,7 @@ def move_a_slider(tab: Tab, lesson: Lesson) -> None:
         if isinstance(knob, Number) and lesson.shown(knob, start):
             tab.slide(slider_label(knob, start[knob.name], "en"), "ArrowLeft" if start[knob.name] >= knob.high else "ArrowRight", 4)
             moved.append(knob.name)
-            tab.pause(4)
+            tab.answered(rests=True)
             if tab.shown() != before:
                 return
     eventually(tab.shown, lambda shown: shown != before, f"a figure follows one of the sliders {moved}")
@@ -57,7 +57,7 @@ def look_at(tab: Tab, lesson: Lesson, language: str, path: Path) -> None:
     """Keep a picture of the whole screen, on which nothing spills and every equation is drawn."""
     words: Any = lesson.words[language]
     eventually(tab.question, lambda seen: seen == words.question, f"the question in {language}")
-    tab.pause(10)
+    tab.answered(rests=True)
     tab.close_any_notices()
     tab.picture(path)
     assert tab.page.evaluate(SPILT) == []

@@ -29,7 +29,6 @@ def test_large_print_enlarges_the_whole_frame(new_tab: Callable[..., Tab], artef
     before = tab.page.evaluate(SIZE)
     tab.press("large print")
     eventually(lambda: tab.page.evaluate(SIZE), lambda size: size > 1.4 * before, "large print")
-    tab.pause(8)
     tab.picture(artefacts / "lecture.png")
     tab.press("large print")
     eventually(lambda: tab.page.evaluate(SIZE), lambda size: size == before, "normal print")
@@ -39,7 +38,6 @@ def test_the_page_opens_on_a_phone(new_tab: Callable[..., Tab], artefacts: Path)
     tab = new_tab(390, 844)
     assert tab.page.evaluate("document.documentElement.scrollWidth") <= 390
     assert tab.page.locator(".ol-question").is_visible()
-    tab.pause(5)
     tab.picture(artefacts / "phone.png")
 
 
@@ -76,14 +74,17 @@ def test_an_answer_costs_one_frame_of_the_scene(tab: Tab) -> None:
     """viser alone draws two: one for what moved, one for what React changed after that."""
     tab.predict("skip")
     tab.press("‖ pause")
-    tab.pause(10)
+    tab.answered(rests=True)
+    tab.drawn()
     tab.page.evaluate("""() => { const page = window.__viserMutable, state = page.scene.__r3f.root.getState();
         const seen = page.scene.onAfterRender, ask = page.requestRender, draw = state.setDpr;
         window.counted = {drawn: 0, asked: 0, rested: 0, begun: performance.now()};
         page.scene.onAfterRender = (...all) => { counted.drawn += 1; seen(...all); };
         page.requestRender = () => { counted.asked += page.messageQueue.length > 0; ask(); };
         state.setDpr = dpr => { counted.rested += dpr >= devicePixelRatio; draw(dpr); }; }""")
-    tab.slide(SLIDER, "ArrowRight", 9)
+    tab.thumb(SLIDER).focus()
+    tab.quick_keys("ArrowRight", 9)
+    tab.answered(rests=True)
     drawn, asked, rested, seconds = tab.page.evaluate(
         "() => [counted.drawn, counted.asked, counted.rested, (performance.now() - counted.begun) / 1000]")
     beats = seconds + 1  # viser draws once a second whatever happens

@@ -28,6 +28,7 @@ IN_ROW = """label => {
   return rows.some(row => Array.from(row.querySelectorAll('label')).some(l => l.textContent === label)
     && row.querySelectorAll('label').length === 1 && row.querySelectorAll('input').length <= 2);
 }"""
+EXPANDED = "() => document.activeElement?.getAttribute('aria-expanded')"
 ON_PAGE = "() => document.activeElement?.blur()"
 REACH = 80  # presses of Tab within which everything in the left column must be reachable
 
@@ -66,9 +67,9 @@ def test_playing_by_keys(tab: Tab) -> None:
     tab.page.evaluate(ON_PAGE)
     tab.key("Space")
     eventually(lambda: tab.button("▶ play").count(), lambda n: n == 1, "space pauses")
-    tab.pause(4)
     still = tab.clock()
-    tab.pause(4)
+    tab.answered()
+    tab.drawn()
     assert tab.clock() == still
     tab.key("0")
     eventually(tab.clock, lambda t: t == 0.0, "0 goes back to the start")
@@ -89,7 +90,7 @@ def open_folder(tab: Tab, head: str) -> None:
     """Walk to the head of a folder and open it."""
     walk_to(tab, FOCUS, wanted=head)
     tab.key("Enter")
-    tab.pause(4)
+    eventually(lambda: tab.page.evaluate(EXPANDED), lambda state: state == "true", f"{head} opens")
 
 
 def enter(tab: Tab, label: str, words: str) -> None:
@@ -101,7 +102,7 @@ def enter(tab: Tab, label: str, words: str) -> None:
             if tab.page.evaluate(field, label):
                 tab.page.keyboard.press("Control+a")
                 tab.page.keyboard.type(words)
-                tab.pause(4)
+                tab.answered(rests=True)
                 return
     raise AssertionError(f"the field of {label} is not reached")
 
@@ -109,7 +110,6 @@ def enter(tab: Tab, label: str, words: str) -> None:
 def checked(tab: Tab, task: str) -> None:
     """Have the first unsolved task checked, away from any field, and see it solved."""
     tab.page.evaluate(ON_PAGE)
-    tab.pause(4)
     solved = tab.page.locator(".ol-right").count()
     tab.key("t")
     eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == solved + 1, f"task {task} solved by keys")
@@ -156,18 +156,18 @@ def choose(tab: Tab, label: str, option: str) -> None:
             return
         for key in ("ArrowDown", "ArrowDown", "Enter"):
             tab.key(key)
-        tab.pause(4)
+        tab.answered(rests=True)
     raise AssertionError(f"{option} is not among the choices of {label}")
 
 
 def test_the_keys_of_a_slider_and_of_a_command_leave_the_camera_alone(tab: Tab) -> None:
     where = "() => window.__viserMutable.camera.position.toArray().map(v => v.toFixed(6)).join()"
-    tab.pause(5)
+    tab.drawn()
     still = tab.page.evaluate(where)
     tab.slide(SLIDER, "ArrowRight", 3)
     tab.page.evaluate("document.activeElement.blur()")
     tab.key("s")
-    tab.pause(5)
+    tab.drawn()
     assert tab.page.evaluate(where) == still
     tab.page.keyboard.down("ArrowRight")
     eventually(lambda: tab.page.evaluate(where), lambda at: at != still, "with nothing in focus the arrows turn the view")

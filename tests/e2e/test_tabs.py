@@ -17,7 +17,7 @@ def test_two_tabs_do_not_mix(new_tab: Callable[..., Tab]) -> None:
     eventually(one.shown, lambda shown: shown != before, "the tab's own curves follow its slider")
     one.press("中文")
     eventually(one.question, lambda words: not words.isascii(), "the tab's own language")
-    other.pause(5)
+    other.answered()
     assert other.shown() == quiet
     assert other.question().isascii()
     assert other.value(SLIDER) == 0.0
