@@ -63,3 +63,6 @@ PROBLEMS: Mapping[str, Problem] = MappingProxyType({p.id: p for p in (
 def nearest_gain(observer: BilinearObserver) -> np.ndarray:
     """L of least squares: what comes nearest to condition (20) where no L meets it."""
     return observer.right @ np.linalg.pinv(observer.Q)
+
+
+COMPUTED, PRINTED, TYPED, ROUNDED = "computed", "printed", "typed", "rounded"

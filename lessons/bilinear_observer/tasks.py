@@ -8,17 +8,15 @@ from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from .page import FATAL, NONE
-from .problems import PAPER
-from .runs import FILTERED
-
-COMPUTED, PRINTED, TYPED, ROUNDED = "computed", "printed", "typed", "rounded"
+from .problems import PAPER, PRINTED
+from .study import FILTERED, Study
 
 
 def _number(value: float) -> str:
     return f"{value:.3g}".replace("-", "−")
 
 
-def _slip(outcome: Outcome) -> Verdict:
+def _slip(outcome: Outcome[Study]) -> Verdict:
     line, pole = outcome.design["line"], outcome.metrics["pole"]
     if line == NONE:
         return Verdict(False, Text("No line is in doubt yet; walk through the steps and compare.",
@@ -35,7 +33,7 @@ def _slip(outcome: Outcome) -> Verdict:
                               f"{outcome.metrics['late_error']:.1e}。"))
 
 
-def _runaway(outcome: Outcome) -> Verdict:
+def _runaway(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     peak, late = m["late_g"], m["late_error"]
     if peak < 1000:
@@ -49,7 +47,7 @@ def _runaway(outcome: Outcome) -> Verdict:
                               f"|g| 达到 {_number(peak)}，而 ε 已降到 {late:.0e}：观测器丝毫不受影响。"))
 
 
-def _lag(outcome: Outcome) -> Verdict:
+def _lag(outcome: Outcome[Study]) -> Verdict:
     late = outcome.metrics["half_error"]
     if outcome.design["form"] != FILTERED:
         return Verdict(False, Text("The ghost does not use the differentiator yet; choose that form.",
@@ -64,8 +62,8 @@ def _lag(outcome: Outcome) -> Verdict:
                               f"|ε| 不超过 {_number(late)}。而不用 ẏ 时，无须调节便是 {outcome.metrics['plain_half']:.0e}。"))
 
 
-def _three(outcome: Outcome) -> Verdict:
-    observer, m = outcome.study[0], outcome.metrics
+def _three(outcome: Outcome[Study]) -> Verdict:
+    observer, m = outcome.study.observer, outcome.metrics
     if observer.plant.m > 3:
         return Verdict(False, Text("Four sensors are still in use; the task allows three.", "现在还用着四个传感器，本题只许用三个。"))
     if not observer.solved:
@@ -91,6 +89,3 @@ def exam(seed: int) -> ExamItem:
     rng = np.random.default_rng(seed)
     a, b, p = -float(rng.integers(10, 90)) / 10, float(rng.integers(11, 49)) / 10, -float(rng.integers(12, 45))
     return ExamItem({"a": f"{a:g}", "b": f"{b:g}", "p": f"{p:g}"}, (a - p) / b, 0.006)
-
-
-__all__ = ["COMPUTED", "PRINTED", "ROUNDED", "TASKS", "TYPED", "exam"]

@@ -1,13 +1,16 @@
-"""Tasks of the lesson: what C_v really is, a mixing that works, the claim about pitch, and how to live with pitch closed."""
+"""Tasks of the lesson: what C_v really is, a mixing that works, the claim about pitch, living with pitch closed; the exam item."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.lesson.lesson import Outcome, Task, Verdict
+import numpy as np
+
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from .loops import BEST, NONE, POLES, SHAPED
+from .study import Study
 
 AS_WELL = (93.0, 94.0)  # dB: the published C_v gives 93.5
 TENFOLD = 10.0
@@ -15,7 +18,7 @@ CLAIMED = 0.5  # rad/s
 WIDE, LEAST_ROTATION, LEAST_HORIZONTAL = 1.0, 25.0, 15.0
 
 
-def _constant(outcome: Outcome) -> Verdict:
+def _constant(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     got = m["vertical"]
     if d["vertical"] != SHAPED:
@@ -30,7 +33,7 @@ def _constant(outcome: Outcome) -> Verdict:
                               "on the right.", f"仅用增益 {d['gain_v']:.0f} N·s/m 就使峰值降低 {got:.1f} dB，且没有右半平面极点。"))
 
 
-def _mixing(outcome: Outcome) -> Verdict:
+def _mixing(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     factor = m["J_plain"] / max(m["J"], 1e-300)
     band = Text(f"{d['f_low']:g} to {d['f_high']:g} Hz", f"{d['f_low']:g} 至 {d['f_high']:g} Hz")
@@ -45,7 +48,7 @@ def _mixing(outcome: Outcome) -> Verdict:
                               f"在 {band.zh} 内 J 降为不混合时的 1/{factor:.3g}。"))
 
 
-def _claim(outcome: Outcome) -> Verdict:
+def _claim(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     if not d["pitch"] or d["bandwidth"] > CLAIMED * (1 + 1e-9):
         return Verdict(False, Text("Close the pitch loop with a bandwidth of at most 0.5 rad/s.",
@@ -62,7 +65,7 @@ def _claim(outcome: Outcome) -> Verdict:
                               f"{m['rightmost']:+.2g} rad/s。对这个 C_h，结论成立。"))
 
 
-def _close(outcome: Outcome) -> Verdict:
+def _close(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     if d["horizontal"] != POLES or not d["pitch"] or d["bandwidth"] < WIDE:
         return Verdict(False, Text("Place the horizontal poles yourself and close pitch at 1 rad/s or more.",
@@ -87,3 +90,10 @@ TASKS = (
         "horizontal": POLES, "pitch": True, "bandwidth": 5.0, "control_poles": (-20 + 15j, -20 - 15j, *NEAR_THE_ZEROS),
         "observer_poles": (-60 + 45j, -60 - 45j, *NEAR_THE_ZEROS)})),
 )
+
+
+def exam(seed: int) -> ExamItem:
+    """A = s − a, B = k, Φ = (s + c)²: E = s + a + 2c and F = (c + a)²/k."""
+    rng = np.random.default_rng(seed)
+    a, c, k = int(rng.integers(1, 6)), int(rng.integers(2, 9)), int(rng.integers(2, 6))
+    return ExamItem({"a": str(a), "c": str(c), "k": str(k)}, (c + a) ** 2 / k, 1e-3 * (c + a) ** 2 / k)

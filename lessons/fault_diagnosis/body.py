@@ -69,5 +69,3 @@ BODY = Body(
     _parts(), _pose, lambda x, u, gain: BASE.arrows(x[:6], u, gain), lambda x, gain: BASE.anchors(x[:6], gain), BASE.gain,
     Text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: what is accused",
          "蓝色为传感器：VL、VR 靠近中间，HL、HR 带指针。粉色为真正失效的部件，小旗为诊断指认的部件"))
-
-__all__ = ["BODY"]

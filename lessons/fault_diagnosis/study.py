@@ -1,21 +1,23 @@
-"""Everything that one design leads to: the run, the verdict, what was to be expected, and what many runs found."""
+"""What a design leads to: the run, the verdict, what was to be expected, and what is said of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from app.engine.observers import Decoupling, binomial_band, decoupling
-from app.lesson.lesson import Design
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
+from app.text.words import Text
 
-from .bank import DT, MODEL, NAMES, PLACES
-from .diagnosis import Forecast, Rule, Verdict, forecast, judge
-from .runs import BIAS, BLIND, NONE, SWITCH, Case, Record, draw, drawn, quiet, simulate, switched
+from ..toolkit.boards import listed
+from ..toolkit.latex import matrix, number
+from .bank import COUNT, DT, MODEL, PLACES, guard
+from .body import BODY
+from .diagnosis import ENERGY, Forecast, Rule, Verdict, forecast, judge
+from .runs import BIAS, NONE, SWITCH, Case, Record, drawn, quiet, simulate, switched
 
-RUNS, AT_ONCE = 400, 4
 LEVEL = 0.99  # of the binomial band
 
 
@@ -123,28 +125,117 @@ def unknown_coil(coil: int) -> Decoupling:
     return decoupling(MODEL.plant, MODEL.plant.B[:, [coil]])
 
 
-# --- many runs ----------------------------------------------------------------------------------------------------------
-def try_often(s: Study, seed: int) -> Iterator[tuple[float, Study]]:
-    """Healthy runs for the false alarms and, where there is a fault, faulty ones for the verdicts."""
-    healthy, faulty = healthy_case(s.case), replace(s.case, kick=-1.0, loop=BLIND if s.case.loop == SWITCH else s.case.loop)
-    alarms, some, windows, right, wrong = np.zeros(len(NAMES), dtype=int), 0, 0, 0, 0
-    delays: list[float] = []
-    for count, drawn_seed in enumerate(np.random.SeedSequence([seed, 5]).generate_state(RUNS), start=1):
-        noise = draw(int(drawn_seed))
-        over = s.test.values(simulate(healthy, noise).residuals)[s.test.window - 1::s.test.window] > s.test.threshold
-        alarms, some, windows = alarms + over.sum(axis=0), some + int(over.any(axis=1).sum()), windows + len(over)
-        if s.column is not None:
-            v = judge(s.test, simulate(faulty, noise))
-            if v.who == s.case.place and v.decided is not None and v.decided >= s.case.start:
-                right += 1
-                delays.append(DT * (v.decided - s.case.start))
-            elif v.who is not None:
-                wrong += 1
-        if count % AT_ONCE == 0:
-            s = replace(s, trials=Trials(count, windows, alarms, some, right, wrong, tuple(delays)))
-            yield count / RUNS, s
+def hourly(s: Study) -> float:
+    """Expected false alarms an hour of the whole bank."""
+    return 7 * s.test.rate * 3600 / (s.test.window * DT)
 
 
-def healthy_case(case: Case) -> Case:
-    """The same loop without fault or kick: all that false alarms depend on."""
-    return Case(force=case.force, tone=case.tone, loop=BLIND if case.loop == SWITCH else case.loop, stiffer=case.stiffer)
+def compute(design: Design) -> Outcome[Study]:
+    """The run with its fault, the bank, the verdict, and what it does to the loop."""
+    s = study(design)
+    return _outcome(design, s)
+
+
+def _outcome(design: Design, s: Study) -> Outcome[Study]:
+    members = guard().bank.members
+    coil = s.case.coil or 0
+    return Outcome(design, {"L": guard().whole.K}, {m.name: m.poles for m in members}, metrics_of(s), _checks(s), None, _boards(s),
+                   _stage(s), _formulas(s, coil), _live(s), s)
+
+
+def metrics_of(s: Study) -> dict[str, float]:
+    """The numbers of a study by name."""
+    v, t = s.verdict, s.trials
+    found = {"trials": float(t.runs), "windows": float(t.windows), "worst_share": float(t.alarms.max()) / t.windows,
+             "right": float(t.right), "wrong": float(t.wrong)} if t is not None else {}
+    return {
+        "threshold": s.test.threshold, "dof": float(s.test.dof), "needed": s.test.needed, "hourly": hourly(s),
+        "accused": -1.0 if v.who is None else float(PLACES.index(v.who)), "right_verdict": float(s.right),
+        "delay": -1.0 if s.delay is None else s.delay,
+        "expected_delay": -1.0 if s.forecast.delay is None else DT * s.forecast.delay,
+        "pitch": s.calm, **found,
+    }
+
+
+def _checks(s: Study) -> tuple[Check, ...]:
+    signature = guard().bank.signature
+    single = len({tuple(column) for column in signature.T}) == len(PLACES)
+    early = s.verdict.decided is not None and s.verdict.decided < s.case.start
+    conditions = [unknown_coil(j) for j in range(3)]
+    return (
+        Check("signatures", Text("every fault has a signature of its own", "每个故障都有独特的特征"), single, float(single)),
+        Check("rank", Text("rank(CE) = rank(E) for every coil", "每个线圈都满足 rank(CE) = rank(E)"),
+              all(c.rank_CE == c.rank_E for c in conditions), float(min(c.rank_CE for c in conditions))),
+        Check("right", Text("the right part is accused", "指认正确") if s.case.place != NONE else
+              Text("nobody is accused", "无人被指认"), s.right if s.case.place != NONE else s.verdict.who is None,
+              -1.0 if s.delay is None else s.delay),
+        Check("patient", Text("nobody is accused before the fault", "故障之前无人被指认"), not early, float(early)),
+        Check("expected", Text("the fault is large enough to count on that", "故障足够大，可以指望检出"),
+              s.forecast.delay is not None, -1.0 if s.forecast.delay is None else DT * s.forecast.delay),
+    )
+
+
+def _boards(s: Study) -> tuple[Board, Board]:
+    zeros = unknown_coil(s.case.coil or 0).zeros
+    poles = guard().bank.members[_ignoring(s)].poles
+    lively = np.log(poles[np.abs(poles) > 1e-6].astype(complex)) / DT
+    w = MODEL.observer_window
+    return (
+        Board("deck", Text("deck: poles ×, zero ○", "平台：极点 ×，零点 ○"), tuple(MODEL.plant.poles),
+              zeros=() if zeros is None else tuple(complex(z) for z in zeros), side="left", re_low=-6.0, re_high=2.0, im_high=12.0),
+        Board("member", Text("poles of the quiet member", "安静成员的极点"), listed(lively),
+              role="estimate", side="right", re_low=w.re_low, re_high=w.re_high, im_high=w.im_high),
+    )
+
+
+def _ignoring(s: Study) -> int:
+    """The member that ignores the true fault; the first one if there is none."""
+    return 0 if s.column is None else s.column
+
+
+def _stage(s: Study) -> Stage:
+    fails, accused = np.zeros((COUNT, 7)), np.zeros((COUNT, 7))
+    if s.column is not None:
+        fails[s.case.start:, s.column] = 1.0
+    if s.verdict.who is not None:
+        accused[s.verdict.decided:, PLACES.index(s.verdict.who)] = 1.0
+    t = DT * np.arange(COUNT)
+    return Stage(BODY, t, np.hstack([s.record.x, fails, accused]), np.hstack([s.record.xhat, np.zeros((COUNT, 14))]),
+                 s.record.applied)
+
+
+def _formulas(s: Study, coil: int) -> tuple[Formula, ...]:
+    quiet = guard().bank.members[_ignoring(s)]
+    name = quiet.name.replace("−", "-")
+    total = (rf"T = \sum_{{i=0}}^{{{s.test.window - 1}}} \nu_{{k-i}}^{{\mathsf T}} S^{{-1}} \nu_{{k-i}}" if s.test.statistic == ENERGY
+             else rf"T = \tfrac{{1}}{{{s.test.window}}} \| \sum_i S^{{-1/2}} \nu_{{k-i}} \|^2")
+    zeros = unknown_coil(coil).zeros
+    return (
+        Formula("statistic", total, Text("of each member", "每个成员的统计量")),
+        Formula("threshold", rf"\chi^2_{{{s.test.dof},\,1-\alpha}} = {number(s.test.threshold, 4)}, "
+                             rf"\quad \alpha = {number(s.test.rate, 2)}",
+                Text("threshold", "阈值")),
+        Formula("S", rf"S_{{{name}}} = {matrix(1e6 * quiet.S)}", Text("covariance of its innovation in mm²/s²", "新息协方差，单位 mm²/s²")),
+        Formula("coil", rf"\mathrm{{rank}}\, C b_{{{coil + 1}}} = \mathrm{{rank}}\, b_{{{coil + 1}}} = 1, \quad "
+                        rf"s_0 = {number(0.0 if zeros is None else float(abs(zeros[0])) if abs(zeros[0]) > 1e-9 else 0.0)}",
+                Text("a coil as unknown input: its zero", "线圈作为未知输入：其零点")),
+    )
+
+
+def _live(s: Study) -> Text:
+    v, place = s.verdict, s.case.place
+    if v.who is None:
+        alarms = "" if v.first is None else f" First alarm at {DT * v.first:.2f} s."
+        alarms_zh = "" if v.first is None else f"首次报警在 {DT * v.first:.2f} s。"
+        healthy = Text("Nothing fails and nobody is accused.", "没有故障，也无人被指认。")
+        missed = Text(f"{place} fails at {DT * s.case.start:.1f} s and nobody is accused.",
+                      f"{place} 在 {DT * s.case.start:.1f} s 失效，但无人被指认。")
+        said = healthy if place == NONE else missed
+        return Text(said.en + alarms, said.zh + alarms_zh)
+    at = DT * (v.decided or 0)
+    if place == NONE or not s.right:
+        return Text(f"{v.who} is accused at {at:.2f} s, wrongly.", f"{at:.2f} s 时指认 {v.who}，指认错误。")
+    due = Text("", "") if s.forecast.delay is None else Text(f" The design promises it within {DT * s.forecast.delay:.2f} s.",
+                                                         f"按设计应在 {DT * s.forecast.delay:.2f} s 内判出。")
+    return Text(f"{v.who} is accused {s.delay:.2f} s after it failed, rightly.{due.en}",
+                f"{v.who} 失效 {s.delay:.2f} s 后被正确指认。{due.zh}")

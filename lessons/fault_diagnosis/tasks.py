@@ -10,18 +10,13 @@ from app.text.words import Text
 from .bank import DT, PLACES
 from .diagnosis import MEAN
 from .runs import OPEN, SWITCH
-from .study import Study
+from .study import Study, hourly
 
 HOURLY, SOONEST, CALM = 1.0, 3.0, 1.5  # alarms an hour, s, mrad
 HALF, MOST = 0.5, 1.0  # share lost, N
 
 
-def hourly(s: Study) -> float:
-    """Expected false alarms an hour of the whole bank."""
-    return 7 * s.test.rate * 3600 / (s.test.window * DT)
-
-
-def _rare(o: Outcome) -> Verdict:
+def _rare(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "VL" or s.case.kind != "bias" or s.case.size > 3:
         return Verdict(False, Text("Let VL have a bias of at most 3 mm/s.", "请令 VL 有不超过 3 mm/s 的恒定偏差。"))
@@ -36,7 +31,7 @@ def _rare(o: Outcome) -> Verdict:
     return Verdict(solved, Text(said.en + tail.en, said.zh + tail.zh))
 
 
-def _weak(o: Outcome) -> Verdict:
+def _weak(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "u1" or s.case.size > HALF or s.case.force > MOST:
         return Verdict(False, Text(f"Let u1 lose at most {100 * HALF:.0f} % and keep the known force at or below {MOST:.0f} N.",
@@ -50,7 +45,7 @@ def _weak(o: Outcome) -> Verdict:
     return Verdict(True, Text(f"All six see it with 99 % after {DT * delay:.2f} s.", f"{DT * delay:.2f} s 后六个成员都以 99 % 概率察觉。"))
 
 
-def _unseen(o: Outcome) -> Verdict:
+def _unseen(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.coil is None or s.case.size < 1:
         return Verdict(False, Text("Let a coil lose everything.", "请令某个线圈完全失效。"))
@@ -62,7 +57,7 @@ def _unseen(o: Outcome) -> Verdict:
                               "没有指令就没有缺失：残差与健康平台完全相同。"))
 
 
-def _limp(o: Outcome) -> Verdict:
+def _limp(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "VR" or s.case.kind != "drift" or s.case.size < 4 or s.case.start * DT > 4.01 or s.case.loop == OPEN:
         return Verdict(False, Text("Let VR drift by at least 4 mm/s² from 4 s or before, the loop closed.",

@@ -10,12 +10,10 @@ from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from .cases import CART, SCALAR, TWO
-from .runs import AHEAD
-
-HELD = 1e-6
+from .study import AHEAD, HELD, Study
 
 
-def _edge(outcome: Outcome) -> Verdict:
+def _edge(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
     if d["case"] != SCALAR or d["a"] < 1.3:
         return Verdict(False, Text("This task is about the scalar plant with a of at least 1.3.", "本题针对标量对象，a 不小于 1.3。"))
@@ -28,7 +26,7 @@ def _edge(outcome: Outcome) -> Verdict:
     return Verdict(True, Text(f"{now.en}: bounded, and close.", f"{now.zh}：有界，而且贴近边缘。"))
 
 
-def _faster(outcome: Outcome) -> Verdict:
+def _faster(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
     if d["case"] != CART or d["loss"] < 0.8:
         return Verdict(False, Text(f"{100 * d['loss']:.0f} % lost; take the pole on a cart and lose at least 80 %.",
@@ -40,7 +38,7 @@ def _faster(outcome: Outcome) -> Verdict:
                               f"采样周期 {1e3 * m['period']:.0f} ms 时可以丢 {100 * m['safe']:.1f} %。"))
 
 
-def _gap(outcome: Outcome) -> Verdict:
+def _gap(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
     if d["case"] != TWO:
         return Verdict(False, Text("Choose the plant with two unstable modes.", "请选有两个不稳定模态的对象。"))
@@ -51,7 +49,7 @@ def _gap(outcome: Outcome) -> Verdict:
                               f"丢包率 {100 * d['loss']:.1f} % 时下界有极限，上界没有。"))
 
 
-def _wall(outcome: Outcome) -> Verdict:
+def _wall(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
     if d["case"] != CART or d["delay"] < 2:
         return Verdict(False, Text("Take the pole on a cart and a delay of at least 2 samples.", "请选小车倒立摆，时延不少于 2 个周期。"))

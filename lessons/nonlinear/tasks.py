@@ -9,6 +9,7 @@ from app.text.words import Text
 
 from .cases import FALL, PLATFORM
 from .report import NONE, REDRAW, SLIPS
+from .runs import Study
 
 ROUNDING = 1e-6  # in standard deviations
 
@@ -17,7 +18,7 @@ def _no(en: str, zh: str) -> Verdict:
     return Verdict(False, Text(en, zh))
 
 
-def _linear(o: Outcome) -> Verdict:
+def _linear(o: Outcome[Study]) -> Verdict:
     m = o.metrics
     if o.design["case"] != PLATFORM:
         return _no("This task is about the platform.", "本题针对隔振平台。")
@@ -28,7 +29,7 @@ def _linear(o: Outcome) -> Verdict:
     return Verdict(True, Text(f"{said[0]}: three names, one filter.", f"{said[1]}：三个名字，一个滤波器。"))
 
 
-def _small(o: Outcome) -> Verdict:
+def _small(o: Outcome[Study]) -> Verdict:
     m = o.metrics
     said = (f"NEES per state: KF {m['nees_kf']:.3g}, EKF {m['nees_ekf']:.3g}",
             f"每个状态的 NEES：KF {m['nees_kf']:.3g}，EKF {m['nees_ekf']:.3g}")
@@ -41,7 +42,7 @@ def _small(o: Outcome) -> Verdict:
     return Verdict(True, Text(f"{said[0]}: bent springs, an honest EKF.", f"{said[1]}：弹簧是弯的，EKF 却是诚实的。"))
 
 
-def _deceived(o: Outcome) -> Verdict:
+def _deceived(o: Outcome[Study]) -> Verdict:
     m = o.metrics
     said = (f"NEES per state: EKF {m['nees_ekf']:.3g}, UKF {m['nees_ukf']:.3g}",
             f"每个状态的 NEES：EKF {m['nees_ekf']:.3g}，UKF {m['nees_ukf']:.3g}")
@@ -55,7 +56,7 @@ def _deceived(o: Outcome) -> Verdict:
     return Verdict(True, Text(f"{said[0]}: a better start has not helped the EKF.", f"{said[1]}：初值更准并没有帮到 EKF。"))
 
 
-def _report(o: Outcome) -> Verdict:
+def _report(o: Outcome[Study]) -> Verdict:
     line, m = o.design["line"], o.metrics
     if line == NONE:
         return _no("Choose a line of the report.", "请选择报告中的一行。")
@@ -85,4 +86,3 @@ TASKS = (
     Task("deceived", _deceived, {"size": 0.5}),
     Task("report", _report, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0, "redraw": False, "line": REDRAW}),
 )
-

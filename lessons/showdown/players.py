@@ -15,9 +15,6 @@ from app.plants import platform_siso as siso
 from app.plants.platform_lqg import GROUND_UNIT, H_MAG, V_MAG, Weights, coils, ground
 from app.text.words import Text
 
-__all__ = ["DECOUPLED", "DT", "LQE", "NAMES", "OPEN", "ORDER", "OWN", "PUBLISHED", "RECURSIVE", "SISO", "Player", "gain_gap",
-           "players", "recursion", "sampled_design"]
-
 DT = 1e-3  # s: the computer's period
 OPEN, SISO, LQE, RECURSIVE, DECOUPLED = ORDER = ("open", "siso", "lqe", "recursive", "decoupled")
 NAMES = (
@@ -137,3 +134,6 @@ def gain_gap(v: float) -> tuple[np.ndarray, np.ndarray]:
         away[i] = np.linalg.norm(np.linalg.solve(CP @ kf.C.T + kf.R, CP).T - goal)
         P = H + A @ P @ np.linalg.solve(eye + G @ P, A.T)
     return DT * STRIDE * np.arange(STRIDES), away / np.linalg.norm(goal)
+
+
+SHORT = (Text("none", "无控制"), Text("SISO", "SISO 回路"), Text("LQE", "LQE"), Text("recursive", "递推"), Text("decoupled", "解耦"))

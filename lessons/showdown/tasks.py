@@ -7,6 +7,8 @@ import numpy as np
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
+from .study import Study
+
 WANTED = 20.0  # dB in every channel
 BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first task
 AHEAD = 10.0  # dB by which the optimum is to be beaten
@@ -14,7 +16,7 @@ KEPT = 12.0  # dB that the full LQG is to keep while the SISO pair is lost
 CHANNELS = ("vertical", "rotation", "horizontal")
 
 
-def _band(outcome: Outcome, player: str) -> list[float]:
+def _band(outcome: Outcome[Study], player: str) -> list[float]:
     return [outcome.metrics[f"{player}_{channel}_band_db"] for channel in CHANNELS]
 
 
@@ -22,7 +24,7 @@ def _words(values: list[float]) -> str:
     return " / ".join(f"{v:.1f}" for v in values).replace("-", "−")
 
 
-def _twenty(outcome: Outcome) -> Verdict:
+def _twenty(outcome: Outcome[Study]) -> Verdict:
     d, m, got = outcome.design, outcome.metrics, _band(outcome, "lqe")
     if d["sensor"] < BEST_SENSOR * (1 - 1e-9) or d["ground"] != "white":
         return Verdict(False, Text(f"V₀ = {d['sensor']:.1e}: no better sensors than 1e-11 are for sale, and the ground is white.",
@@ -34,7 +36,7 @@ def _twenty(outcome: Outcome) -> Verdict:
                               f"{_words(got)} dB：各通道都超过 {WANTED:g} dB。"))
 
 
-def _beaten(outcome: Outcome) -> Verdict:
+def _beaten(outcome: Outcome[Study]) -> Verdict:
     m, siso, lqg = outcome.metrics, _band(outcome, "siso"), _band(outcome, "lqe")
     if not (m["siso_stable"] and m["lqe_stable"]):
         return Verdict(False, Text("Both loops must be stable.", "两个回路都必须稳定。"))
@@ -46,7 +48,7 @@ def _beaten(outcome: Outcome) -> Verdict:
                               f"领先 {_words(ahead)} dB：LQG 是为并不存在的噪声而最优。"))
 
 
-def _late(outcome: Outcome) -> Verdict:
+def _late(outcome: Outcome[Study]) -> Verdict:
     d, m, got = outcome.design, outcome.metrics, _band(outcome, "lqe")
     if d["pair"] != "own" or d["limited"]:
         return Verdict(False, Text("Use our SISO pair, and coils without a limit.", "请采用自行设计的 SISO 回路，线圈不限幅。"))

@@ -23,9 +23,6 @@ from app.plants.platform_channels import T_y
 
 from .players import DT, OPEN, OWN, Player, players
 
-__all__ = ["BAND", "DT", "RUN", "Analysis", "Response", "World", "analyse", "band_rms", "grid", "loop_of", "measures", "respond", "shake",
-           "without_hardware", "world_of"]
-
 BAND = (0.5, 3.0)  # Hz: the main resonance band
 FINE, STRIDE, LAST = 200, 40, 12_000  # samples: one by one at first, then every 40th, up to 12 s
 PART = 500  # samples of a clipped response between two looks whether the rest is linear

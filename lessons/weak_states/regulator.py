@@ -107,4 +107,3 @@ def by_pair(gain: np.ndarray) -> np.ndarray:
 
 def _closed(s: System, controller: Plant, weights: Weights) -> NoisyLoop:
     return noisy_loop(coils(s.plant), controller, ground(s.plant), weights.W, weights.V)
-

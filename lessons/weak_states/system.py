@@ -154,3 +154,11 @@ def _kind(p: Parameters, shape: np.ndarray) -> int:
     if energy[3] + energy[4] > energy[:3].sum():
         return TOGETHER if (moved[3] * moved[4].conj()).real > 0 else AGAINST
     return (ACROSS, VERTICAL, PITCH)[int(energy[:3].argmax())]
+
+
+SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+
+
+def sigmas(pair: int) -> str:
+    """σ₁, σ₂ of the first pair, and so on; pair counts from 0."""
+    return f"σ{2 * pair + 1},\N{NO-BREAK SPACE}σ{2 * pair + 2}".translate(SUBSCRIPTS)

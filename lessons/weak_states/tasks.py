@@ -8,8 +8,8 @@ from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from .body import NOMINAL, share
-from .pictures import show
-from .rank import RELATIVE
+from .figures import show
+from .study import RELATIVE, Study
 from .system import AGAINST, STATES, cut
 
 SMALL = 0.2  # error that the second task allows
@@ -17,7 +17,7 @@ FINE = 1e-6  # least relative tolerance of the third
 WEAKEST = 10 * 8.852673e-05  # ten times the σ9 of the start
 
 
-def _face(outcome: Outcome) -> Verdict:
+def _face(outcome: Outcome[Study]) -> Verdict:
     s, order, pair = outcome.study.system, outcome.study.cut.order, int(outcome.design["pair"]) - 1
     motion = s.motions[pair]
     held = [share(s, m, order) > 0.5 for m in s.motions]
@@ -31,7 +31,7 @@ def _face(outcome: Outcome) -> Verdict:
                               "still.", f"σ = {show(s.hankel[2 * pair])}：测试质量以 {motion.frequency:.3g} Hz 摆动，虚影中的却静止不动。"))
 
 
-def _wider(outcome: Outcome) -> Verdict:
+def _wider(outcome: Outcome[Study]) -> Verdict:
     s, c, compared = outcome.study.system, outcome.study.cut, outcome.study.compared
     if c.peak > SMALL:
         return Verdict(False, Text(f"{c.order} states err by {show(c.peak)}; at most {SMALL} is allowed.",
@@ -47,7 +47,7 @@ def _wider(outcome: Outcome) -> Verdict:
                               f"{c.order} 个状态的误差为 {show(c.peak)}，据此设计的 LQG 代价仅增加 {show(100 * compared.extra, 2)} %。"))
 
 
-def _clock(outcome: Outcome) -> Verdict:
+def _clock(outcome: Outcome[Study]) -> Verdict:
     d, r = outcome.design, outcome.study.ranks
     now = r.at(d["tolerance"], d["measure"])
     said = Text(f"ranks {now[0]} and {now[1]} with time in units of {show(r.clock)} s",
@@ -61,7 +61,7 @@ def _clock(outcome: Outcome) -> Verdict:
                               f"τ = {show(d['tolerance'])} 时，{said.zh}。对象没有变。"))
 
 
-def _geometry(outcome: Outcome) -> Verdict:
+def _geometry(outcome: Outcome[Study]) -> Verdict:
     s = outcome.study.system
     weakest = s.hankel[-2]
     if s.parameters.mu > NOMINAL.mu * (1 + 1e-9):

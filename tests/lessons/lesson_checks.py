@@ -182,3 +182,9 @@ def check_markdown(text: str, where: str) -> None:
     drawn = render(text)
     assert "$" not in drawn and "<code>" not in drawn, f"{where}: {drawn[:120]}"
     assert not re.search(r"\{\w*\}", re.sub(r"<math.*?</math>", "", drawn, flags=re.S)), f"{where}: a placeholder is left"
+
+
+def carried(lesson: Lesson, design: Design, found: Any, after: Outcome) -> Outcome:
+    """What the frame shows for `after` once the job has found this for `design`: results are kept by key."""
+    assert lesson.job is not None
+    return lesson.job.shown(after, found) if lesson.job.key(design) == lesson.job.key(after.design) else after

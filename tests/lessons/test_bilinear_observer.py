@@ -13,7 +13,7 @@ from app.plants.bilinear import K as WANTED
 from lessons.bilinear_observer.lesson import KNOBS, LESSON
 from lessons.bilinear_observer.page import DOUBTED, FATAL, LINES, OPTIONS
 from lessons.bilinear_observer.problems import BLIND, PAPER, PROBLEMS, STUCK, TUNED, nearest_gain
-from lessons.bilinear_observer.runs import KICK, signal
+from lessons.bilinear_observer.study import KICK, signal
 from lessons.bilinear_observer.tasks import exam
 
 HAND = ((0.0, 2.5), (0.31, -4.0), (0.4, 4.0), (0.9, 0.0), (1.2, -3.0))
@@ -54,7 +54,7 @@ def test_pi_by_hand_in_exact_numbers():
 @pytest.mark.parametrize("form", ["plain", "exact"])
 def test_the_error_decays_as_the_pole_says_under_every_input(change, form):
     drawn = outcome(form=form, **change)
-    run = drawn.study[1]
+    run = drawn.study.run
     index = ("plain", "exact").index(form)
     law = -1318 / 85 * np.exp(-30 * run.t)
     np.testing.assert_allclose(run.errors[:, index], law, rtol=0, atol=2e-9)
@@ -64,7 +64,7 @@ def test_the_error_decays_as_the_pole_says_under_every_input(change, form):
 
 @pytest.mark.parametrize("pole", [-60.0, -12.0, -1.0, 2.0])
 def test_the_error_follows_the_pole_that_is_chosen(pole):
-    run = outcome(pole=[pole], input="square").study[1]
+    run = outcome(pole=[pole], input="square").study.run
     law = run.errors[0, 0] * np.exp(pole * run.t)
     np.testing.assert_allclose(run.errors[:, 0], law, rtol=0, atol=1e-7 * np.max(np.abs(law)))
 
@@ -78,7 +78,7 @@ def test_inputs_differ_and_move_the_plant():
 
 
 def test_the_plant_moves_as_an_adaptive_solver_says():
-    run = outcome().study[1]
+    run = outcome().study.run
 
     def rate(t, x):
         return PLANT.A @ x + np.sin(2 * t) * (PLANT.B[:, 0] + PLANT.F @ x)
@@ -127,7 +127,7 @@ def test_the_pole_moves_by_five_for_one_of_l4(l4):
 
 def test_what_is_not_shown_changes_nothing():
     one, two = outcome(problem=TUNED), outcome(problem=TUNED, gain="printed", l4=1.0, pole=[-5.0])
-    np.testing.assert_array_equal(one.study[1].errors, two.study[1].errors)
+    np.testing.assert_array_equal(one.study.run.errors, two.study.run.errors)
 
 
 # --- three cases ---------------------------------------------------------------------------------------------------
@@ -174,7 +174,7 @@ def test_a_family_whose_pole_cannot_be_moved():
 
 # --- forms, kick, exam ---------------------------------------------------------------------------------------------
 def test_the_form_with_the_true_derivative_is_the_same_observer():
-    run = outcome(input="hand", hand=HAND).study[1]
+    run = outcome(input="hand", hand=HAND).study.run
     np.testing.assert_allclose(run.estimates[:, 1], run.estimates[:, 0], atol=1e-9)
 
 
@@ -186,7 +186,7 @@ def test_the_differentiator_leaves_an_error_in_proportion_to_its_lag():
 
 @pytest.mark.parametrize("form", ["plain", "exact"])
 def test_a_kick_is_an_error_that_dies_out_too(form):
-    run = outcome(kick=0.5, form=form).study[1]
+    run = outcome(kick=0.5, form=form).study.run
     index = ("plain", "exact").index(form)
     jump = run.errors[100, index] - run.errors[99, index] * np.exp(-30 * 0.005)
     assert jump == pytest.approx(-WANTED[0] @ KICK, abs=1e-8)

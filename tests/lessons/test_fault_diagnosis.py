@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from lesson_checks import carried
 from scipy.stats import chi2
 
 from app.engine import Plant, observability, residual_generator
@@ -260,10 +261,10 @@ def test_the_exam_answer_is_where_the_pencil_loses_rank(seed):
 
 def test_counts_carry_over_to_another_reaction_only():
     *_, (_, done) = LESSON.job.outcomes(outcome())
-    assert LESSON.carry(done, outcome(loop=SWITCH)).study.trials is done.study.trials
-    assert LESSON.carry(done, outcome(kick=2.0)).study.trials is done.study.trials
+    assert carried(LESSON, done.design, done.study.trials, outcome(loop=SWITCH)).study.trials is done.study.trials
+    assert carried(LESSON, done.design, done.study.trials, outcome(kick=2.0)).study.trials is done.study.trials
     for other in ({"window": 26}, {"bias": 4.0}, {"loop": OPEN}, {"stiffer": 5.0}, {"seed": 2}):
-        assert LESSON.carry(done, outcome(**other)).study.trials is None
+        assert carried(LESSON, done.design, done.study.trials, outcome(**other)).study.trials is None
 
 
 def test_the_stage_marks_the_liar_and_flags_the_accused():

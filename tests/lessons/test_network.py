@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lesson_checks import carried
 from scipy.linalg import expm
 
 from app.engine import critical_loss
@@ -14,9 +15,8 @@ from app.lesson.lesson import Outcome
 from app.plants import MODELS
 from lessons.network.cases import CART, CHIP, DECK, KINDS, SAMPLES, SCALAR, TWO, sampled
 from lessons.network.lesson import LESSON
-from lessons.network.runs import LOSSES, bounds_over_loss, key
+from lessons.network.study import LOSSES, OVER, bounds_over_loss, key
 from lessons.network.tasks import TASKS
-from lessons.network.trials import OVER
 
 SEEDS = range(1, 9)
 
@@ -85,14 +85,13 @@ def test_many_runs_lie_between_the_bounds_below_the_edge_and_their_median_stays_
 
 
 def test_averages_go_over_only_where_they_still_hold() -> None:
-    assert LESSON.carry is not None
     o = finished(outcome())
-    told = LESSON.carry(o, outcome(told="asked", delay=1))
+    told = carried(LESSON, o.design, o.study.trials, outcome(told="asked", delay=1))
     assert told.study.trials is o.study.trials
-    loss = LESSON.carry(o, outcome(loss=0.5))
+    loss = carried(LESSON, o.design, o.study.trials, outcome(loss=0.5))
     assert loss.study.trials.means == o.study.trials.means and not len(loss.study.trials.mean)
     for other in (dict(noise=2.0), dict(a=1.3), dict(case=CHIP), dict(seed=2)):
-        assert LESSON.carry(o, outcome(**other)).study.trials is None
+        assert carried(LESSON, o.design, o.study.trials, outcome(**other)).study.trials is None
 
 
 # --- late, and taken for fresh -------------------------------------------------------------------------------------------

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from lesson_checks import carried
 
 from app.engine import chi2_band
 from lessons.nonlinear.cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF, case_of
 from lessons.nonlinear.lesson import LESSON
-from lessons.nonlinear.pictures import verdict
 from lessons.nonlinear.report import linear_spreads
 from lessons.nonlinear.runs import FILTERS, MANY, Study, studies
+from lessons.nonlinear.study import verdict
 
 SEEDS = range(1, 7)
 LINEAR = {"hardening": 0.0, "weakening": 0.0}
@@ -117,16 +118,16 @@ def test_tasks_hold_for_any_seed(task):
 
 def test_the_job_keeps_what_only_the_view_changes():
     first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL}))
-    assert LESSON.job is not None and LESSON.carry is not None
+    assert LESSON.job is not None
     *_, (_, last) = LESSON.job.outcomes(first)
     assert last.study.runs == MANY
     for values, kept in (({"line": "S"}, True), ({"filter": UKF}, True), ({"size": 0.7}, False), ({"seed": 3}, False)):
         after = LESSON.compute(LESSON.apply(first.design, values))
-        assert (LESSON.carry(last, after).study.runs == MANY) == kept, values
+        assert (carried(LESSON, last.design, last.study, after).study.runs == MANY) == kept, values
     steered = LESSON.compute(LESSON.apply(LESSON.start(), {"case": PENDULUM}))
     *_, (_, done) = LESSON.job.outcomes(steered)
     after = LESSON.compute(LESSON.apply(steered.design, {"filter": UKF}))
-    assert LESSON.carry(done, after) is after  # another filter steers: other runs
+    assert carried(LESSON, done.design, done.study, after) is after  # another filter steers: other runs
 
 
 def test_exam_is_the_second_moment():

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lesson_checks import carried
 
 from app.engine import noisy_loop, sampled_lqg
 from app.engine.sampled import monte_carlo, welch_expectation
@@ -189,8 +190,9 @@ def test_the_job_measures_what_the_tables_show() -> None:
     assert np.isfinite(trials.decks[:, 1:]).all() and np.isfinite(trials.costs[:, 2]).all()
     assert np.all(np.abs(trials.costs[:2, 2]) < 0.3) and np.isnan(trials.costs[:2, 1]).all()  # driver and delay: SISO lost
     moved = LESSON.compute(LESSON.apply(LESSON.start(), {"play": "siso"}))
-    assert LESSON.carry is not None and LESSON.carry(last, moved).study.trials is trials
-    assert LESSON.carry(last, LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-9}))).study.trials is None
+    assert carried(LESSON, last.design, trials, moved).study.trials is trials
+    other = LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-9}))
+    assert carried(LESSON, last.design, trials, other).study.trials is None
 
 
 def test_the_clock_ends_at_a_round_time_and_cells_of_three_numbers_do_not_break() -> None:

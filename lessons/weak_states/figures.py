@@ -11,9 +11,9 @@ from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
 from .body import share
-from .rank import RELATIVE, REPORT
 from .regulator import PAIRS
-from .system import STATES, closed_forms, relative
+from .study import RELATIVE, REPORT, Study
+from .system import STATES, SUBSCRIPTS, closed_forms, relative, sigmas
 
 RANK_TAB, HANKEL_TAB = Text("Rank", "秩"), Text("Hankel values", "Hankel 奇异值")
 MOTION_TAB, LQG_TAB = Text("Motions", "运动"), Text("LQG", "LQG")
@@ -21,18 +21,12 @@ NOTHING_CUT = Text("All ten states are kept: there is only one design. Keep fewe
                    "十个状态全部保留，只有一种设计；减少保留的状态再比较。")
 LEAST = 1e-11  # drawn in place of zero on a logarithmic axis
 TOLERANCES = np.linspace(-18.0, 0.0, 145)  # log₁₀
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     return (_sizes(outcome), _ranks(outcome), _staircase(outcome), _error(outcome), _forms(outcome), _motions(outcome),
             _shapes(outcome), _spectrum(outcome), _gains(outcome), _costs(outcome))
-
-
-def sigmas(pair: int) -> str:
-    """σ₁, σ₂ of the first pair, and so on; pair counts from 0."""
-    return f"σ{2 * pair + 1},\N{NO-BREAK SPACE}σ{2 * pair + 2}".translate(SUBSCRIPTS)
 
 
 def show(value: float, digits: int = 3) -> str:
@@ -41,7 +35,7 @@ def show(value: float, digits: int = 3) -> str:
 
 
 # --- rank --------------------------------------------------------------------------------------------------------------
-def _sizes(outcome: Outcome) -> PlaneFigure:
+def _sizes(outcome: Outcome[Study]) -> PlaneFigure:
     r, d = outcome.study.ranks, outcome.design
     against = d["measure"] == RELATIVE
     reached, seen = (np.log10(np.maximum(v / v[0] if against else v, 1e-40)) for v in (r.reached, r.seen))
@@ -62,7 +56,7 @@ def _sizes(outcome: Outcome) -> PlaneFigure:
                      f"{show(r.seen[-1] / r.seen[0], 2)}。"))
 
 
-def _ranks(outcome: Outcome) -> PlaneFigure:
+def _ranks(outcome: Outcome[Study]) -> PlaneFigure:
     r, d = outcome.study.ranks, outcome.design
     steps = np.array([r.at(10.0**level, d["measure"]) for level in TOLERANCES], dtype=float)
     first, last = np.log10(REPORT)
@@ -88,7 +82,7 @@ def _bars(positions: np.ndarray, levels: np.ndarray, floor: float, half: float) 
     return x, y
 
 
-def _staircase(outcome: Outcome) -> PlaneFigure:
+def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
     s, order = outcome.study.system, int(outcome.design["order"])
     values, floor = np.log10(np.maximum(s.hankel, 1e-12)), -10.0
     index = np.arange(1.0, STATES + 1)
@@ -109,7 +103,7 @@ def _staircase(outcome: Outcome) -> PlaneFigure:
                      f"最大的落差在第 {widest + 1} 个之后，为 {ratio[widest]:.0f} 倍{after.zh}。圆点：场景中的那一对。"))
 
 
-def _error(outcome: Outcome) -> FrequencyFigure:
+def _error(outcome: Outcome[Study]) -> FrequencyFigure:
     c, s = outcome.study.cut, outcome.study.system
     bound = max(c.bound, LEAST)
     said = (Text("Nothing is cut: no error.", "没有截去任何状态：误差为零。") if c.order == STATES else
@@ -125,7 +119,7 @@ def _error(outcome: Outcome) -> FrequencyFigure:
         "σ_max", tab=HANKEL_TAB, window=(1e-8, 1e4), caption=said)
 
 
-def _forms(outcome: Outcome) -> TableFigure:
+def _forms(outcome: Outcome[Study]) -> TableFigure:
     s = outcome.study.system
     rows = tuple((f"σ{k + 1}".translate(SUBSCRIPTS), words, show(s.hankel[k], 4), show(value, 4))
                  for (k, value), words in zip(closed_forms(s.parameters), (
@@ -137,7 +131,7 @@ def _forms(outcome: Outcome) -> TableFigure:
 
 
 # --- motions -----------------------------------------------------------------------------------------------------------
-def _motions(outcome: Outcome) -> TableFigure:
+def _motions(outcome: Outcome[Study]) -> TableFigure:
     s, order, pair = outcome.study.system, int(outcome.design["order"]), int(outcome.design["pair"]) - 1
     rows = []
     for k, motion in enumerate(s.motions):
@@ -154,7 +148,7 @@ def _motions(outcome: Outcome) -> TableFigure:
                      "≈ σ：只由特征向量算出的模态强度 ‖Cv‖ ‖wᴴB‖ / 2|Re λ|。"))
 
 
-def _shapes(outcome: Outcome) -> MatrixFigure:
+def _shapes(outcome: Outcome[Study]) -> MatrixFigure:
     s = outcome.study.system
     shapes = np.stack([np.abs(relative(s.parameters, m.shape)) for m in s.motions], axis=1)
     shapes[2] *= s.parameters.s
@@ -168,7 +162,7 @@ def _shapes(outcome: Outcome) -> MatrixFigure:
 
 
 # --- LQG ---------------------------------------------------------------------------------------------------------------
-def _spectrum(outcome: Outcome) -> FrequencyFigure:
+def _spectrum(outcome: Outcome[Study]) -> FrequencyFigure:
     c, f = outcome.study.compared, outcome.study.system.frequencies
     order = outcome.study.cut.order
     curves = [Curve(Text("without control", "无控制"), 1e12 * c.free[:, 0], "muted", width=1.4)]
@@ -186,7 +180,7 @@ def _spectrum(outcome: Outcome) -> FrequencyFigure:
                            "[(µm/s)²/Hz]", tab=LQG_TAB, window=(1e-6, 1e6), caption=said)
 
 
-def _gains(outcome: Outcome) -> PlaneFigure:
+def _gains(outcome: Outcome[Study]) -> PlaneFigure:
     c, order = outcome.study.compared, outcome.study.cut.order
     index = np.arange(1.0, PAIRS + 1)
     curves, lowest = [], -10.0
@@ -208,7 +202,7 @@ def _gains(outcome: Outcome) -> PlaneFigure:
              f"{show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)}。"))
 
 
-def _costs(outcome: Outcome) -> TableFigure:
+def _costs(outcome: Outcome[Study]) -> TableFigure:
     c, order = outcome.study.compared, outcome.study.cut.order
 
     def cell(value: float | None, digits: int = 5) -> str:

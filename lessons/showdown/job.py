@@ -3,54 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 
-from app.engine.sampled import MonteCarlo, loop_density, mechanics_response, monte_carlo
-from app.lesson.lesson import Outcome
+from app.engine.sampled import loop_density, mechanics_response, monte_carlo
+from app.lesson.lesson import Design, Job, Outcome
 from app.plants import platform
+from app.text.words import Text
 
 from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
+from .study import TOLERANCE, Study, Trials
 from .world import BAND, World, band_rms, grid, loop_of
-
-__all__ = ["COSTS", "Trials", "carry", "try_out"]
 
 RUNS, SECONDS, SEGMENT = 24, 32.0, 16_384
 LEARNING = 30_000  # samples that the recursive filter is followed for
 DECKS = 60
-TOLERANCE = (5.0, 20.0, 5.0)  # %, %, mm where no error knob is turned
 COSTS = ("driver", "delay", "adc", "drift", "stiffness", "damping", "placement")
 
 
-@dataclass(frozen=True, eq=False)
-class Trials:
-    """What was measured. noise: a Monte-Carlo of each player, None where its loop is unstable; learning: how far the
-    recursive filter's run leaves the steady one's, relative (s, n): RMS of each whole second; decks (count, 5, 3): gain in
-    dB over the band of each player on decks within the tolerance, NaN where unstable; costs (switches, 5, 3): change of
-    the gain in dB by one switch alone, NaN where it makes the loop unstable; sizes: how far each was turned.
-    """
-
-    noise: tuple[MonteCarlo | None, ...]
-    learning: np.ndarray | None = None
-    decks: np.ndarray | None = None
-    tolerance: tuple[float, float, float] = TOLERANCE
-    costs: np.ndarray | None = None
-    sizes: tuple[float, ...] = ()
-
-
-def try_out(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
-    """The job: Monte-Carlo of every player, then learning, tolerances and costs."""
-    done, known = 0.0, None
-    for fraction, trials in _all(outcome):
-        if trials is not known:
-            outcome, known = replace(outcome, study=replace(outcome.study, trials=trials)), trials
+def try_out(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
+    """Monte-Carlo of every player, then learning, tolerances and costs."""
+    done = 0.0
+    for fraction, found in _all(outcome):
         done = max(done, fraction)
-        yield done, outcome
+        yield done, found
 
 
-def _all(outcome: Outcome) -> Iterator[tuple[float, Trials]]:
+def _all(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
     found = Trials((None,) * 5)
     match, design = outcome.study, outcome.design
     world, seed = match.world, int(design["seed"])
@@ -68,7 +48,7 @@ def _all(outcome: Outcome) -> Iterator[tuple[float, Trials]]:
             if apart is not None:
                 found = replace(found, learning=apart)
             yield 0.7 + 0.1 * share, found
-    spread = tuple(abs(design[name]) for name in ("stiffness", "damping", "placement"))
+    spread = abs(design["stiffness"]), abs(design["damping"]), abs(design["placement"])
     spread = spread if any(spread) else TOLERANCE
     decks = np.empty((DECKS, 5, 3))
     for share in _decks(world, match.five, spread, seed, decks):
@@ -127,7 +107,7 @@ def _gains(world: World, five: tuple[Player, ...]) -> np.ndarray:
     return 20 * np.log10(rms[0] / np.array(rms))
 
 
-def _decks(world: World, five: tuple[Player, ...], spread: Any, seed: int, found: np.ndarray) -> Iterator[float]:
+def _decks(world: World, five: tuple[Player, ...], spread: tuple[float, float, float], seed: int, found: np.ndarray) -> Iterator[float]:
     """Gains on decks whose stiffness, damping and sensor places lie anywhere within ±spread of the nominal ones."""
     rng, p = np.random.default_rng((seed, 1)), platform.Parameters()
     for i in range(DECKS):
@@ -138,7 +118,7 @@ def _decks(world: World, five: tuple[Player, ...], spread: Any, seed: int, found
         yield (i + 1) / DECKS
 
 
-def _sizes(design: Any) -> tuple[float, ...]:
+def _sizes(design: Design) -> tuple[float, ...]:
     """How far each switch is turned for its cost: as far as its knob, or a standard size where that is at rest."""
     standard = (30.0, 5.0, 500.0, 10.0, 10.0, 50.0, 20.0)
     present = [design["bandwidth"] if design["driver"] != "ideal" else 0.0, *(design[name] for name in COSTS[1:])]
@@ -164,10 +144,14 @@ def _costs(five: tuple[Player, ...], sizes: tuple[float, ...], world: World, fou
         yield (i + 1) / len(worlds)
 
 
-def carry(before: Outcome, after: Outcome) -> Outcome:
-    """What was measured goes over where only the stage or the test has changed."""
-    old, new = before.study.trials, after.study.trials
-    alike = before.design.same_but_for(after.design, ("play", "test", "kick"))
-    if old is None or not alike or (new is not None and new.costs is not None) or (old.costs is None and new is not None):
-        return after
-    return replace(after, study=replace(after.study, trials=old))
+def depends(design: Design) -> Design:
+    """The design without the player on the stage, the test and the kick: no trial has them."""
+    return design.with_values(play="", test="", kick=-1.0)
+
+
+def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
+    """The outcome with what was measured."""
+    return replace(outcome, study=replace(outcome.study, trials=found))
+
+
+JOB = Job(Text("Monte-Carlo, tolerances, costs", "蒙特卡罗、容差与代价"), try_out, depends, shown)

@@ -8,8 +8,8 @@ from app.lesson.figures import Curve, Dash, Figure, FrequencyFigure, PlaneFigure
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
-from .bank import COILS, COUNT, DT, NAMES, PLACES, guard
-from .diagnosis import ENERGY, POWER
+from .bank import COILS, COUNT, DT, NAMES, PLACE_NAMES, PLACES, guard
+from .diagnosis import POWER
 from .reach import TONES, least, least_force
 from .runs import NONE, OPEN, SWITCH
 from .study import LEVEL, Study, unknown_coil
@@ -21,13 +21,9 @@ T.setflags(write=False)
 FLOOR = 0.1  # of the threshold: nothing lower is drawn
 LOOKS: tuple[tuple[str, Dash], ...] = (("plant", "solid"), ("estimate", "dash"), ("force", "dot"), ("error", "solid"))
 YES, NO, HERE = "●", "○", "▶ "
-COIL_NAMES = (Text("coil u1 (left)", "线圈 u1（左）"), Text("coil u2 (right)", "线圈 u2（右）"),
-              Text("coil u3 (across)", "线圈 u3（水平）"))
-SENSOR_NAMES = tuple(Text(f"sensor {n}", f"传感器 {n}") for n in PLACES[:4])
-PLACE_NAMES = (*SENSOR_NAMES, *COIL_NAMES)
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     s: Study = outcome.study
     return (_residuals(s, "sensors", Text("leaving out one sensor", "各去掉一个传感器"), range(4)),
@@ -248,6 +244,3 @@ def _least(s: Study) -> TableFigure:
 
 def _short(value: float) -> str:
     return "—" if not np.isfinite(value) else f"{value:.2f}" if value < 10 else f"{value:.0f}" if value < 1000 else "∞"
-
-
-__all__ = ["ENERGY", "PLACE_NAMES", "all_figures"]

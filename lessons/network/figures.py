@@ -11,8 +11,8 @@ from app.text.words import Text, same
 
 from ..toolkit.figures import TIME_TAB
 from .cases import KINDS, SAMPLES
-from .runs import INPUT_LOSSES, LOSSES, MOST, ZERO, bounds_over_loss, growth_now, input_growth, key
-from .trials import OVER, RUNS
+from .job import RUNS
+from .study import INPUT_LOSSES, LOSSES, MOST, OVER, ZERO, Study, bounds_over_loss, growth_now, input_growth, key
 
 MEAN_TAB, WALL_TAB, INPUT_TAB = Text("Covariance", "协方差"), Text("Separation", "分离"), Text("Lost inputs", "输入丢包")
 JUST = 1e-3  # of a period: how long before a sample its upper corner is drawn
@@ -21,13 +21,13 @@ NEVER = Text("none", "不存在")
 DIGITS, RAISED = "-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Time, covariance, separation, lost inputs: at most three in a tab."""
     return (_state(outcome), _input(outcome), _ages(outcome), _teeth(outcome), _means(outcome), _limits(outcome),
             _error(outcome), _spectrum(outcome), _blocks(outcome), _growth(outcome))
 
 
-def times(outcome: Outcome) -> np.ndarray:
+def times(outcome: Outcome[Study]) -> np.ndarray:
     """Two moments a sample: at it, and just before the next."""
     h = outcome.study.watched.sampled.plant.dt
     return np.column_stack([np.arange(SAMPLES), np.arange(1, SAMPLES + 1) - JUST]).ravel() * h
@@ -44,7 +44,7 @@ def _lines(values: np.ndarray) -> np.ndarray:
 
 
 # --- time ------------------------------------------------------------------------------------------------------------
-def _state(outcome: Outcome) -> TimeFigure:
+def _state(outcome: Outcome[Study]) -> TimeFigure:
     s, signal = outcome.study, KINDS[outcome.design["case"]].watched
     true, guess = signal.of(s.x), signal.of(s.xhat)
     low, high = float(min(true.min(), guess.min(), 0.0)), float(max(true.max(), guess.max(), 0.0))
@@ -67,7 +67,7 @@ def longest(heard: np.ndarray) -> int:
     return most
 
 
-def _input(outcome: Outcome) -> TimeFigure:
+def _input(outcome: Outcome[Study]) -> TimeFigure:
     s, d, unit = outcome.study, outcome.design, KINDS[outcome.design["case"]].input_unit
     lost = int(np.sum(s.run.draw.acted < 0))
     how = Text("zero stands in for them", "以零代替") if d["lost"] == ZERO else Text("the last one is held", "保持上一个值")
@@ -85,7 +85,7 @@ def _fate(lost: int, how: Text, late: int) -> Text:
     return Text(f"{gone.en} {when.en}.", f"{gone.zh}{when.zh}。")
 
 
-def _ages(outcome: Outcome) -> TimeFigure:
+def _ages(outcome: Outcome[Study]) -> TimeFigure:
     sensor, actuator = outcome.study.ages
     return TimeFigure("age", Text("age of the newest packet", "最新数据包的年龄"), times(outcome),
                       (Curve(Text("measurement", "测量"), _steps(sensor).astype(float), "estimate"),
@@ -96,7 +96,7 @@ def _ages(outcome: Outcome) -> TimeFigure:
 
 
 # --- covariance --------------------------------------------------------------------------------------------------------
-def _teeth(outcome: Outcome) -> TimeFigure:
+def _teeth(outcome: Outcome[Study]) -> TimeFigure:
     s = outcome.study
     curves = [Curve(Text("this run", "本次运行"), s.teeth.ravel(), "plant")]
     if s.trials is not None and len(s.trials.mean):
@@ -133,7 +133,7 @@ def _log(values: np.ndarray) -> np.ndarray:
     return np.log10(np.maximum(values, 1e-3))
 
 
-def _means(outcome: Outcome) -> PlaneFigure:
+def _means(outcome: Outcome[Study]) -> PlaneFigure:
     s, d = outcome.study, outcome.design
     edge = s.watched.sampled.edge
     lower, upper = bounds_over_loss(key(d))
@@ -160,7 +160,7 @@ def _means(outcome: Outcome) -> PlaneFigure:
                        "p", "log₁₀ σ²/σ₀²", (0.0, 1.0), (-0.3, top), caption=words, tab=MEAN_TAB)
 
 
-def _limits(outcome: Outcome) -> TableFigure:
+def _limits(outcome: Outcome[Study]) -> TableFigure:
     s, d, m = outcome.study, outcome.design, outcome.metrics
     plant = s.watched.sampled
     edge, p = plant.edge, d["loss"]
@@ -181,7 +181,7 @@ def _limits(outcome: Outcome) -> TableFigure:
 
 
 # --- separation --------------------------------------------------------------------------------------------------------
-def _error(outcome: Outcome) -> TimeFigure:
+def _error(outcome: Outcome[Study]) -> TimeFigure:
     s, meter = outcome.study, outcome.metrics["separation_meter"]
     held = meter < 1e-6
     words = (Text("Separation meter: 0. The error is what noise and packets make of it, whatever the controller does.",
@@ -194,7 +194,7 @@ def _error(outcome: Outcome) -> TimeFigure:
                       "‖e‖/σ₀", log=True, window=(0.1, 10.0), caption=words, tab=WALL_TAB)
 
 
-def _spectrum(outcome: Outcome) -> PlaneFigure:
+def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
     groups = (("controller", "plant", "cross"), ("observer", "estimate", "cross"), ("loop", "reference", "circle"))
     radius = outcome.metrics["loop_radius"]
     reach = float(np.clip(1.15 * radius, 1.25, 4.5))
@@ -208,7 +208,7 @@ def _spectrum(outcome: Outcome) -> PlaneFigure:
                        (-reach, reach), (-reach, reach), equal=True, caption=words, tab=WALL_TAB)
 
 
-def _blocks(outcome: Outcome) -> MatrixFigure:
+def _blocks(outcome: Outcome[Study]) -> MatrixFigure:
     s, d = outcome.study, outcome.design
     plant = s.watched.sampled.plant
     n, m, delay = plant.n, plant.m, int(d["delay"])
@@ -227,7 +227,7 @@ def _blocks(outcome: Outcome) -> MatrixFigure:
 
 
 # --- lost inputs -------------------------------------------------------------------------------------------------------
-def _growth(outcome: Outcome) -> PlaneFigure:
+def _growth(outcome: Outcome[Study]) -> PlaneFigure:
     d = outcome.design
     name, a, stretch, _ = key(d)
     held, zeroed = input_growth(name, a, stretch)
@@ -246,4 +246,3 @@ def _growth(outcome: Outcome) -> PlaneFigure:
                         Curve(Text("limit", "界限"), np.ones(2), "reference", "dot", 1.4, np.array([0.0, 1.0]))),
                        (Point(d["loss_u"], now, "plant", "circle"),), "pᵤ", "E‖x⁺‖² / E‖x‖²", (0.0, 1.0), (0.0, top),
                        caption=words, tab=INPUT_TAB)
-

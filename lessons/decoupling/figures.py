@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from app.engine import Plant, frequency_response
@@ -22,17 +24,8 @@ from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y
 from app.text.words import Text, same
 
-from .loops import (
-    A_EDGE,
-    B_EDGE,
-    CHANNELS,
-    GRID_A,
-    GRID_B,
-    NONE,
-    PLATFORM,
-    PUBLISHED,
-    channels,
-)
+from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels
+from .study import Study
 
 SPECTRA_TAB, CHANNEL_TAB = Text("Spectra", "频谱"), Text("Channels", "通道")
 LOOP_TAB, TIME_TAB, FORCE_TAB = Text("Controllers", "控制器"), Text("Time", "时间"), Text("Forces", "控制力")
@@ -46,7 +39,7 @@ CONTROLLER_SWEEP = np.geomspace(1e-3, 1e3, 160)
 RE_LOW, RE_HIGH, IM_HIGH = -20.0, 5.0, 20.0
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Spectra, channels, controllers, time, forces: at most three in a tab."""
     return (_spectrum(outcome, 0, "vertical", VERTICAL), _spectrum(outcome, 2, "horizontal", HORIZONTAL),
             _spectrum(outcome, 1, "rotation", ROTATION), _dominance(outcome), _map(outcome), _mixing(outcome),
@@ -59,7 +52,7 @@ def _nano(density: np.ndarray) -> np.ndarray:
     return np.clip(NANO * np.sqrt(np.maximum(density, 0.0)), LOW, HIGH)
 
 
-def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigure:
+def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> FrequencyFigure:
     s, gain = outcome.study.spectra, outcome.metrics[name]
     noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
     caption = (Text("The loop is unstable: what is drawn is no spectrum.", "闭环不稳定：所画曲线不是真正的频谱。")
@@ -75,7 +68,7 @@ def _spectrum(outcome: Outcome, i: int, name: str, title: Text) -> FrequencyFigu
 
 
 # --- channels ----------------------------------------------------------------------------------------------------------
-def _dominance(outcome: Outcome) -> FrequencyFigure:
+def _dominance(outcome: Outcome[Study]) -> FrequencyFigure:
     """Row ratios of rotation and horizontal with the mixing of the design."""
     mixed, plain = outcome.study.mixed, channels()
     G = plain.response @ mixed.S
@@ -92,7 +85,7 @@ def _dominance(outcome: Outcome) -> FrequencyFigure:
                                         f"0.1～10 Hz（对数刻度）内有 {100 * lost:.0f} % 失去对角占优；竖直通道完全解耦。"))
 
 
-def _map(outcome: Outcome) -> MapFigure:
+def _map(outcome: Outcome[Study]) -> MapFigure:
     mixed = outcome.study.mixed
     ratio = 10 * np.log10(np.minimum(mixed.map, 1e30) / mixed.best.plain_J)
     values = np.select([ratio <= -10, ratio <= -3, ratio < 0], [0, 1, 2], 3)
@@ -108,7 +101,7 @@ def _map(outcome: Outcome) -> MapFigure:
                                   f"图中 {share:.0f} % 的区域使 J 降低 3 dB 以上；点击即可选用。{tail.zh}"), tab=CHANNEL_TAB)
 
 
-def _mixing(outcome: Outcome) -> TableFigure:
+def _mixing(outcome: Outcome[Study]) -> TableFigure:
     mixed, best = outcome.study.mixed, outcome.study.mixed.best
 
     def row(name: Text, a: float, b: float, J: float) -> tuple[Text | str, ...]:
@@ -136,7 +129,7 @@ def _decibel(ratio: float) -> str:
 
 
 # --- controllers -------------------------------------------------------------------------------------------------------
-def _magnitudes(outcome: Outcome) -> FrequencyFigure:
+def _magnitudes(outcome: Outcome[Study]) -> FrequencyFigure:
     built = outcome.study.controllers
     curves = []
     for name, role, dash, plant in ((Text("vertical", "竖直"), "plant", "solid", built.vertical),
@@ -164,7 +157,7 @@ def _phase(plant: Plant | None) -> float | None:
     return float(np.degrees(np.abs(np.angle(-H))).max())
 
 
-def _poles(outcome: Outcome) -> PlaneFigure:
+def _poles(outcome: Outcome[Study]) -> PlaneFigure:
     loop, own = outcome.poles["loop"], outcome.poles["controller"]
     zeros = outcome.poles["zeros of P_h"]
     points = [Point(float(p.real), float(p.imag), role, mark)  # type: ignore[arg-type]
@@ -184,7 +177,7 @@ def _poles(outcome: Outcome) -> PlaneFigure:
                                     words.zh + " 圆圈：P_h 的零点；圆点：控制器的极点。"))
 
 
-def _facts(outcome: Outcome) -> TableFigure:
+def _facts(outcome: Outcome[Study]) -> TableFigure:
     """What (26), (31) and (32) are, and what is in use."""
     cv, ch = polynomial_roots(siso.CV_DENOMINATOR), polynomial_roots(siso.CH_DENOMINATOR)
     built, design = outcome.study.controllers, outcome.design
@@ -215,7 +208,7 @@ def _root(p: complex) -> str:
 
 
 # --- time --------------------------------------------------------------------------------------------------------------
-def _velocity(outcome: Outcome, i: int, name: str, title: Text) -> TimeFigure:
+def _velocity(outcome: Outcome[Study], i: int, name: str, title: Text) -> TimeFigure:
     run = outcome.study.shaken
     row = 1e6 * (T_y[i] @ PLATFORM.C)
     now, bare = run.x @ row, run.bare @ row
@@ -226,7 +219,7 @@ def _velocity(outcome: Outcome, i: int, name: str, title: Text) -> TimeFigure:
                                    f"均方根 {size:.2g} µm/s，无控制时 {without:.2g} µm/s。"))
 
 
-def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
+def _force_spectrum(outcome: Outcome[Study]) -> FrequencyFigure:
     s = outcome.study.spectra
     size = np.clip(1e3 * np.sqrt(np.maximum(s.forces, 0.0)), 1e-8, 1e4)
     inside = (s.f >= 0.1) & (s.f <= 10)
@@ -240,7 +233,7 @@ def _force_spectrum(outcome: Outcome) -> FrequencyFigure:
                                         f"0.1～10 Hz 内最大 {float(size[inside].max()):.3g} mN/√Hz。"))
 
 
-def _forces(outcome: Outcome) -> TimeFigure:
+def _forces(outcome: Outcome[Study]) -> TimeFigure:
     run = outcome.study.shaken
     u, largest = np.clip(1e3 * run.u, -1e7, 1e7), 1e3 * float(np.abs(run.u).max())
     names = (Text("left vertical", "左竖直"), Text("right vertical", "右竖直"), Text("horizontal", "水平"))
@@ -252,3 +245,8 @@ def _forces(outcome: Outcome) -> TimeFigure:
                                    f"最大控制力：{largest:.3g} mN。") if outcome.design["mix"] == NONE else
                       Text(f"Largest force: {largest:.3g} mN, after the mixing.",
                            f"最大控制力：{largest:.3g} mN（经混合后）。"))
+
+
+def pick(outcome: Outcome[Study], a: float, b: float) -> Mapping[str, str | float]:
+    """A click on the map of J takes its a and b."""
+    return {"mix": OWN, "a": float(np.clip(a, -A_EDGE, A_EDGE)), "b": float(np.clip(b, -B_EDGE, B_EDGE))}

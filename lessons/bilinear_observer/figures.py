@@ -9,28 +9,79 @@ import numpy as np
 from app.engine.observers import BilinearObserver
 from app.lesson.figures import Curve, Dash, Figure, TableFigure, TimeFigure
 from app.lesson.lesson import Check, Outcome
+from app.plants.bilinear import POLE
 from app.text.words import Text, same
 
 from ..toolkit.figures import TIME_TAB
-from .page import steps_figures, words
-from .problems import PROBLEMS
-from .runs import HORIZON, Watch, form_index
+from .page import DOUBTED, LINES, words
+from .problems import PAPER, PROBLEMS
+from .study import FORM_NAMES, HORIZON, Study, Watch, form_index
 
+STEPS_TAB = Text("Eight steps", "八个步骤")
 CASES_TAB, FORMS_TAB = Text("Three cases", "三种情形"), Text("With and without ẏ", "用不用 ẏ")
 YES, NO = Text("● yes", "● 是"), Text("○ no", "○ 否")
-FORM_NAMES = (Text("without ẏ", "不用 ẏ"), Text("with the true ẏ", "用真实的 ẏ"), Text("with a differentiator", "用微分器"))
+HEADINGS = (
+    Text("1: canonise C, then K₁; the coordinates T and V", "1：对 C 和 K₁ 作典范化，得坐标变换 T、V"),
+    Text("2: form Q and canonise it", "2：构造 Q 并作典范化"),
+    Text("3: is condition (21) met", "3：条件 (21) 是否成立"),
+    Text("4: has Q a left divisor of zero", "4：Q 是否有左零因子"),
+    Text("5: A* and B*, controllable or not", "5：A*、B* 及其能控性"),
+    Text("6: π by placing the pole", "6：由极点配置求 π"),
+    Text("7: the gain L", "7：增益 L"),
+    Text("8: the observer", "8：写出观测器"),
+)
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def steps_figures(problem: str, o: BilinearObserver, step: int, line: str) -> tuple[TableFigure, TableFigure]:
+    """This step with the paper's digits beside ours, and all lines that can be doubted."""
+    return _step(problem, o, step), _page(line)
+
+
+def _step(problem: str, o: BilinearObserver, step: int) -> TableFigure:
+    printed = problem == PAPER
+    rows = tuple((line.name, line.printed if printed else "—", words(line.ours(o))) for line in LINES if line.step == step)
+    heading = HEADINGS[step - 1]
+    moved = printed and step >= 6 and o.asked[0].real != POLE
+    caption = (Text("The paper works this problem for the pole −30 only; the last column follows your pole.",
+                    "论文只对极点 −30 作了计算；最后一列随你选的极点而变。") if moved
+               else Text("The paper's digits stand beside ours.", "论文所印的数字与我们的结果并列。") if printed
+               else Text("The paper does not treat this problem, so its column stays empty.", "论文没有讨论这个问题，因此该列为空。"))
+    return TableFigure("step", heading, (Text("item", "项目"), Text("printed", "论文所印"), Text("ours", "我们的结果")),
+                       rows, tab=STEPS_TAB, caption=caption)
+
+
+def _page(line: str) -> TableFigure:
+    o = PROBLEMS[PAPER].solved
+    rows = []
+    for each in DOUBTED:
+        assert each.alone is not None
+        here = each.id == line
+        name = Text(f"▸ {each.name.en}", f"▸ {each.name.zh}") if here else each.name
+        rows.append((name, each.printed, words(np.array([each.alone(o)]), 2) if here else "·"))
+    chosen = next((each for each in DOUBTED if each.id == line), None)
+    if chosen is None:
+        caption = Text("Choose a line in doubt: the last column then says which pole it leads to by itself.",
+                       "选一行可疑的数字，最后一列便给出照它计算得到的极点。")
+    else:
+        assert chosen.alone is not None
+        pole = words(np.array([chosen.alone(o)]), 2)
+        caption = Text(f"With only {chosen.name.en} as printed and all else exact, the observer's pole is {pole}.",
+                       f"只有“{chosen.name.zh}”照论文所印、其余全部精确时，观测器的极点为 {pole}。")
+    return TableFigure("page", Text("the paper's lines, for the pole −30", "论文各行（极点 −30）"),
+                       (Text("line", "行"), Text("printed", "论文所印"), Text("pole by itself", "由它得到的极点")),
+                       tuple(rows), tab=STEPS_TAB, caption=caption)
+
+
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
-    design, (observer, run) = outcome.design, outcome.study
+    design, observer, run = outcome.design, outcome.study.observer, outcome.study.run
     return (_functional(outcome, run), _error(outcome, run), _input(run),
             *steps_figures(design["problem"], observer, int(design["step"]), design["line"]),
             _lights(outcome.checks), _singular(observer), _problems(design["problem"]),
             _forms(run), _fed(run, design["tau"]))
 
 
-def _functional(outcome: Outcome, run: Watch) -> TimeFigure:
+def _functional(outcome: Outcome[Study], run: Watch) -> TimeFigure:
     guess = run.estimates[:, form_index(outcome.design)]
     met = outcome.metrics["settled_after"]
     caption = (Text(f"After {met:.3f} s the error of ĝ stays below 2 % of what it was at first.",
@@ -41,7 +92,7 @@ def _functional(outcome: Outcome, run: Watch) -> TimeFigure:
                       tab=TIME_TAB, caption=caption)
 
 
-def _error(outcome: Outcome, run: Watch) -> TimeFigure:
+def _error(outcome: Outcome[Study], run: Watch) -> TimeFigure:
     m = outcome.metrics
     pole = words(np.array([m["pole"]]), 2)
     if m["law_gap"] <= 1e-6:
@@ -125,4 +176,3 @@ def _fed(run: Watch, tau: float) -> TimeFigure:
                       window=(-200.0, 200.0), tab=FORMS_TAB, caption=Text(
                           f"The differentiator lags by about {1000 * tau:.3g} ms and misses L ẏ by up to {gap:.3g}.",
                           f"微分器大约滞后 {1000 * tau:.3g} ms，L ẏ 的偏差最多达 {gap:.3g}。"))
-

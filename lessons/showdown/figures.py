@@ -1,52 +1,46 @@
-"""Figures of the lesson: channels, sensors, inputs, the test in time, the run on the stage, scores, trials."""
+"""Figures of the lesson: channels, sensors, inputs, the test in time, the run on the stage."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from app.lesson.figures import FLOOR, Curve, Dash, Figure, FrequencyFigure, TableFigure, TimeFigure
+from app.engine.sampled import ResponseMeasures
+from app.lesson.figures import FLOOR, Curve, Dash, Figure, FrequencyFigure, TimeFigure
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
-from .players import DECOUPLED, LQE, NAMES, ORDER, gain_gap
+from .players import NAMES, ORDER, SHORT, gain_gap
+from .scores import tables
+from .study import Study
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = Text("Channels", "通道"), Text("Sensors", "传感器"), Text("Inputs", "输入")
 TIME_TAB, RUN_TAB = Text("Test", "时域试验"), Text("Stage", "场景运行")
-SCORE_TAB, TRIAL_TAB = Text("Scores", "成绩"), Text("Trials", "批量试验")
 CHANNELS = (("vertical", Text("vertical", "竖直平动"), "µm/s"), ("rotation", Text("rotation, (VL − VR)/2", "转动，(VL − VR)/2"), "µm/s"),
             ("horizontal", Text("horizontal", "水平平动"), "µm/s"))
-HEADS = (Text("vertical", "竖直"), Text("rotation", "转动"), Text("horizontal", "水平"))
 LOOKS: tuple[tuple[str, Dash], ...] = (
     ("muted", "solid"), ("disturbance", "solid"), ("plant", "solid"), ("reference", "dash"), ("error", "dash"),
 )
-SHORT = (Text("none", "无控制"), Text("SISO", "SISO 回路"), Text("LQE", "LQE"), Text("recursive", "递推"), Text("decoupled", "解耦"))
-APART = "\N{NO-BREAK SPACE}·\N{NO-BREAK SPACE}"  # between the three numbers of one cell, which must not part at a line's end
-SPLIT = Text(
-    "Cells: vertical, rotation, horizontal.", "单元格依次为：竖直、转动、水平。")
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     return (*(_channel(outcome, j) for j in range(3)), *(_sensor(outcome, j) for j in range(3)), _input(outcome, 0),
             _input(outcome, 2), _gain(outcome), *(_test(outcome, j) for j in range(3)), _stage_velocity(outcome),
-            _stage_force(outcome), _suppression(outcome), _sizes(outcome), _times(outcome), _trials(outcome), _decks(outcome),
-            _costs(outcome))
+            _stage_force(outcome), *tables(outcome))
 
 
-def _curves(outcome: Outcome, column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:
+def _curves(outcome: Outcome[Study], column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:
     """A density of every player; an unstable one lies below the axis."""
     m = outcome.study
     return [Curve(NAMES[i], np.maximum(scale * m.spectra[i].density[:, column], FLOOR), role, dash, _width(outcome, i))
             for i, (role, dash) in enumerate(LOOKS) if not (skip_open and i == 0)]
 
 
-def _width(outcome: Outcome, i: int) -> float:
+def _width(outcome: Outcome[Study], i: int) -> float:
     return 2.6 if ORDER[i] == outcome.design["play"] else 1.6
 
 
-def _measured(outcome: Outcome, column: int, scale: float = 1.0) -> list[Curve]:
+def _measured(outcome: Outcome[Study], column: int, scale: float = 1.0) -> list[Curve]:
     """The Monte-Carlo of the controller on the stage with its band of two standard errors, on the figure's frequencies."""
     m, i = outcome.study, ORDER.index(outcome.design["play"])
     if m.trials is None or m.trials.noise[i] is None:
@@ -63,7 +57,7 @@ def _measured(outcome: Outcome, column: int, scale: float = 1.0) -> list[Curve]:
             Curve(Text("upper edge", "上沿"), on_grid(high), "estimate", "dot", 0.8)]
 
 
-def _noise(m: Any, share: float) -> Curve:
+def _noise(m: Study, share: float) -> Curve:
     level = 2 * m.world.sensor * share * 1e12
     return Curve(Text("sensor noise", "测量噪声"), np.full(len(m.f), max(level, FLOOR)), "second", "dot", 1.6)
 
@@ -73,14 +67,14 @@ def _window(curves: list[Curve]) -> tuple[float, float]:
     return (top * 1e-7, top)
 
 
-def _each(m: Any, values: list[str]) -> tuple[str, str]:
+def _each(m: Study, values: list[str]) -> tuple[str, str]:
     """The value of every controller in both languages; an unstable one has none."""
     said = [(n.en, n.zh, v, v) if s.stable else (n.en, n.zh, "unstable", "不稳定")
             for n, v, s in zip(SHORT[1:], values[1:], m.spectra[1:], strict=True)]
     return ", ".join(f"{en} {v}" for en, _, v, _ in said), "，".join(f"{zh} {v}" for _, zh, _, v in said)
 
 
-def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
+def _channel(outcome: Outcome[Study], j: int) -> FrequencyFigure:
     m = outcome.study
     key, name, _ = CHANNELS[j]
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
@@ -90,7 +84,7 @@ def _channel(outcome: Outcome, j: int) -> FrequencyFigure:
                            _window(curves))
 
 
-def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
+def _sensor(outcome: Outcome[Study], j: int) -> FrequencyFigure:
     m = outcome.study
     column, key, name = ((2, "left_h", Text("left horizontal, HL", "左水平 HL")), (3, "left_v", Text("left vertical, VL", "左竖直 VL")),
                          (4, "right_v", Text("right vertical, VR", "右竖直 VR")))[j]
@@ -109,7 +103,7 @@ def _sensor(outcome: Outcome, j: int) -> FrequencyFigure:
                            "[(µm/s)²/Hz]", said, SENSOR_TAB, _window(curves))
 
 
-def _input(outcome: Outcome, j: int) -> FrequencyFigure:
+def _input(outcome: Outcome[Study], j: int) -> FrequencyFigure:
     m = outcome.study
     name = (Text("left vertical coil u1", "左竖直线圈 u1"), same(""), Text("horizontal coil u3", "水平线圈 u3"))[j]
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
@@ -118,7 +112,7 @@ def _input(outcome: Outcome, j: int) -> FrequencyFigure:
                            Text(f"RMS in mN: {said}.", f"均方根（mN）：{sagt}。"), INPUT_TAB, _window(curves))
 
 
-def _gain(outcome: Outcome) -> TimeFigure:
+def _gain(outcome: Outcome[Study]) -> TimeFigure:
     t, away = gain_gap(outcome.design["v"])
     m = outcome.study
     apart = outcome.metrics.get("filters_apart_db")
@@ -137,7 +131,7 @@ def _gain(outcome: Outcome) -> TimeFigure:
                       INPUT_TAB, (1e-4, 10.0))
 
 
-def _test(outcome: Outcome, j: int) -> TimeFigure:
+def _test(outcome: Outcome[Study], j: int) -> TimeFigure:
     m = outcome.study
     key, name, unit = CHANNELS[j]
     t = m.responses[0].t
@@ -155,7 +149,7 @@ def _test(outcome: Outcome, j: int) -> TimeFigure:
                       tab=TIME_TAB, window=(-high, high))
 
 
-def _recovery(measured: Any, j: int) -> Text:
+def _recovery(measured: tuple[ResponseMeasures, ...] | None, j: int) -> Text:
     if measured is None:
         return Text("unstable", "不稳定")
     after = measured[j].recovery
@@ -165,11 +159,11 @@ def _recovery(measured: Any, j: int) -> Text:
 RUNAWAY = Text("This loop is unstable: its run is held where it leaves every bound.", "该回路不稳定：运行在越出界限处停住。")
 
 
-def _held(outcome: Outcome) -> bool:
+def _held(outcome: Outcome[Study]) -> bool:
     return outcome.study.spectra[ORDER.index(outcome.design["play"])].stable
 
 
-def _stage_velocity(outcome: Outcome) -> TimeFigure:
+def _stage_velocity(outcome: Outcome[Study]) -> TimeFigure:
     m = outcome.study
     t, x, _ = m.run
     v, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.ghost))
@@ -184,7 +178,7 @@ def _stage_velocity(outcome: Outcome) -> TimeFigure:
                       tab=RUN_TAB, window=(-500.0, 500.0))
 
 
-def _stage_force(outcome: Outcome) -> TimeFigure:
+def _stage_force(outcome: Outcome[Study]) -> TimeFigure:
     t, _, u = outcome.study.run
     peak = 1e3 * float(np.abs(u).max())
     return TimeFigure("stage_force", Text("coil commands of this run", "这次运行的线圈指令"), t,
@@ -193,125 +187,3 @@ def _stage_force(outcome: Outcome) -> TimeFigure:
                       caption=RUNAWAY if not _held(outcome) else Text(f"Largest command {peak:.3g} mN.", f"最大指令 {peak:.3g} mN。"),
                       tab=RUN_TAB,
                       window=(-20.0, 20.0))
-
-
-# --- tables ------------------------------------------------------------------------------------------------------------
-def _cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
-    if not stable:
-        return Text("unstable", "不稳定")
-    return APART.join(f"{v:{form}}".replace("-", "−") for v in values)
-
-
-def _suppression(outcome: Outcome) -> TableFigure:
-    m = outcome.study
-    rows = tuple((NAMES[i], *(Text("unstable", "不稳定") if not m.spectra[i].stable else
-                              f"{m.peak_db[i, j]:.1f} / {m.band_db[i, j]:.1f}".replace("-", "−") for j in range(3))) for i in range(1, 5))
-    best = [1 + int(np.flatnonzero(m.band_db[1:, j] >= m.band_db[1:, j].max() - 0.05)[0]) for j in range(3)]
-    return TableFigure("suppression", Text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area",
-                                           "0.5–3 Hz 抑制（dB）：峰值 / 面积"),
-                       (Text("controller", "控制器"), *HEADS), rows, tab=SCORE_TAB,
-                       caption=Text(f"Best by area: {SHORT[best[0]].en} vertically, {SHORT[best[1]].en} in rotation, "
-                                    f"{SHORT[best[2]].en} horizontally.",
-                                    f"按面积最好者：竖直 {SHORT[best[0]].zh}，转动 {SHORT[best[1]].zh}，水平 {SHORT[best[2]].zh}。"))
-
-
-def _sizes(outcome: Outcome) -> TableFigure:
-    m = outcome.study
-    rows = tuple((NAMES[i], *(Text("unstable", "不稳定") if not m.spectra[i].stable else f"{m.rms[i, j]:.3g}" for j in range(3)),
-                  "–" if not m.spectra[i].stable else f"{1e3 * m.forces[i].max():.3g}") for i in range(5))
-    return TableFigure("sizes", Text("RMS velocity in µm/s from 0.1 Hz up, RMS command in mN",
-                                     "速度均方根（µm/s，0.1 Hz 以上）与指令均方根（mN）"),
-                       (Text("controller", "控制器"), *HEADS, Text("coil", "线圈")), rows, tab=SCORE_TAB,
-                       caption=Text("Here what a controller adds above the resonances counts too.",
-                                    "这里也计入控制器在共振以上添加的噪声。"))
-
-
-def _times(outcome: Outcome) -> TableFigure:
-    m = outcome.study
-    rows = []
-    for i in range(5):
-        measured = m.measures[i]
-        if measured is None:
-            rows.append((SHORT[i], Text("unstable", "不稳定"), "–", "–", "–"))
-            continue
-        times = APART.join(">12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
-        over = APART.join(f"{100 * part.overshoot:.0f}" for part in measured)
-        rows.append((SHORT[i], times, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.4g}"))
-    return TableFigure("times", Text("the test in time", "时域指标"),
-                       (Text("controller", "控制器"), Text("recovery [s]", "恢复时间 [s]"), Text("overshoot [%]", "超调 [%]"),
-                        Text("peak u [mN]", "u 峰值 [mN]"), Text("energy [mN² s]", "能量 [mN² s]")), tuple(rows), tab=SCORE_TAB,
-                       caption=Text(SPLIT.en + " Overshoot: largest swing to the other side, over the first.",
-                                    SPLIT.zh + "超调：反向最大摆幅与正向之比。"))
-
-
-NOT_YET = Text("Not computed yet: press the button under the knobs.", "尚未计算：请按旋钮下方的按钮。")
-
-
-def _trials(outcome: Outcome) -> TableFigure:
-    m = outcome.study
-    rows = []
-    for i in range(5):
-        tried = None if m.trials is None else m.trials.noise[i]
-        if tried is None:
-            rows.append((SHORT[i], _cells(m.rms[i], m.spectra[i].stable, ".3g"), "–", "–"))
-            continue
-        keep = ~tried.diverged
-        rms = 1e6 * np.sqrt(np.mean(tried.rms[keep, :3] ** 2, axis=0)) if keep.any() else np.zeros(3)
-        rows.append((SHORT[i], _cells(m.rms[i], True, ".3g"), _cells(rms, bool(keep.any()), ".3g"),
-                     f"{100 * float(tried.clipped.mean()):.2g}"))
-    done = m.trials is not None and any(one is not None for one in m.trials.noise)
-    said = (Text(f"24 runs of 32 s each, with clipping and rounding as they are. {SPLIT.en}",
-                 f"每个控制器 24 次、每次 32 s，限幅与量化按实际处理。{SPLIT.zh}") if done else NOT_YET)
-    return TableFigure("trials", Text("RMS velocity in µm/s: predicted, and from Monte-Carlo", "速度均方根（µm/s）：预测与蒙特卡罗"),
-                       (Text("controller", "控制器"), Text("predicted", "预测"), Text("Monte-Carlo", "蒙特卡罗"),
-                        Text("clipped [%]", "限幅 [%]")), tuple(rows), tab=TRIAL_TAB, caption=said)
-
-
-def _decks(outcome: Outcome) -> TableFigure:
-    m = outcome.study
-    decks = None if m.trials is None else m.trials.decks
-    rows = []
-    for i in range(1, 5):
-        if decks is None:
-            rows.append((SHORT[i], "–", "–", "–"))
-            continue
-        good = ~np.isnan(decks[:, i, 0])
-        if not good.any():
-            rows.append((SHORT[i], *(Text("unstable", "不稳定"),) * 3))
-            continue
-        low, high = np.quantile(decks[good, i], (0.05, 0.95), axis=0)
-        lost = "" if good.all() else f" ({np.sum(~good)} ✕)"
-        rows.append((SHORT[i], *(f"{a:.1f} … {b:.1f}{lost}".replace("-", "−") for a, b in zip(low, high, strict=True))))
-    if decks is None or m.trials is None:
-        said = NOT_YET
-    else:
-        k, c, s = m.trials.tolerance
-        said = Text(f"60 decks, stiffness ±{k:.3g} %, damping ±{c:.3g} %, sensors ±{s:.3g} mm: nine in ten lie between. ✕: unstable.",
-                    f"60 个平台，刚度 ±{k:.3g} %、阻尼 ±{c:.3g} %、传感器 ±{s:.3g} mm：九成落在其间。✕：不稳定。")
-    return TableFigure("decks", Text("suppression in dB, 0.5–3 Hz, on decks that are not quite the model",
-                                     "平台与模型不符时 0.5–3 Hz 的抑制（dB）"),
-                       (Text("controller", "控制器"), *HEADS), tuple(rows), tab=TRIAL_TAB, caption=said)
-
-
-SWITCHES = (
-    (Text("driver", "驱动"), "Hz"), (Text("delay", "时延"), "ms"), (Text("converter", "量化"), "µm/s"),
-    (Text("drift", "漂移"), "µm/s/√s"), (Text("stiffness", "刚度"), "%"), (Text("damping", "阻尼"), "%"),
-    (Text("placement", "安装"), "mm"),
-)
-
-
-def _costs(outcome: Outcome) -> TableFigure:
-    shown, trials = (1, ORDER.index(LQE), ORDER.index(DECOUPLED)), outcome.study.trials
-    if trials is None or trials.costs is None:
-        rows: tuple[tuple[Text | str, ...], ...] = tuple((name, "–", "–", "–") for name, _ in SWITCHES)
-        said = NOT_YET
-    else:
-        rows = tuple(
-            (Text(f"{name.en} {size:.3g} {unit}", f"{name.zh} {size:.3g} {unit}"),
-             *(_cells(np.round(cost[k], 1) + 0.0, not np.isnan(cost[k, 0]), "+.1f") for k in shown))
-            for (name, unit), size, cost in zip(SWITCHES, trials.sizes, trials.costs, strict=True))
-        said = Text("Change of the suppression in dB by one switch alone: vertical, rotation, horizontal. A knob at rest counts "
-                    "with a usual size.",
-                    "单独打开一个因素时抑制量的变化（dB）：竖直、转动、水平。未设置的旋钮取常用值。")
-    return TableFigure("costs", Text("what each switch costs", "各因素的代价"),
-                       (Text("switch", "因素"), *(SHORT[k] for k in shown)), rows, tab=TRIAL_TAB, caption=said)

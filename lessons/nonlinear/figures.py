@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
-from app.engine import chi2_band
 from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.lesson import Outcome
 from app.plants import cart_pendulum, falling_body, platform
@@ -15,7 +12,8 @@ from app.text.words import Text, same
 from ..toolkit.figures import TIME_TAB
 from .cases import EKF, FALL, KF, LENGTH, PENDULUM, PLATFORM, UKF
 from .report import LINES, NONE, finding, linear_spreads
-from .runs import FILTERS
+from .runs import FILTERS, Study
+from .study import band_of, verdict
 
 CONSISTENCY_TAB = Text("Consistency", "一致性")
 LAW_TAB = Text("Laws", "非线性规律")
@@ -30,20 +28,14 @@ def name_of(filter_: str) -> Text:
     return same(filter_.upper())
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Every figure of the lesson."""
     return (_state(outcome), _errors(outcome), _nees(outcome), _nis(outcome), _verdicts(outcome), _law(outcome),
             _second_law(outcome), _algorithm(outcome), _lines(outcome))
 
 
-@lru_cache(maxsize=16)
-def band_of(dof: int, runs: int) -> tuple[float, float]:
-    """Where the mean of `runs` values lies with 95 %."""
-    return chi2_band(dof, runs)
-
-
 # --- one run ---------------------------------------------------------------------------------------------------------
-def _state(outcome: Outcome) -> TimeFigure:
+def _state(outcome: Outcome[Study]) -> TimeFigure:
     s, who = outcome.study, outcome.design["filter"]
     signal, falls = s.case.watched[0], s.case.id == FALL
     true, mean, sigma = signal.of(s.x), signal.of(s.means[who]), 3 * s.sigmas[who][:, s.case.state] * signal.scale
@@ -61,7 +53,7 @@ def _state(outcome: Outcome) -> TimeFigure:
                      f"本次运行中，真实值有 {inside:.0f} % 的时间落在 {who.upper()} 自报的 3σ 之内。"))
 
 
-def _errors(outcome: Outcome) -> TimeFigure:
+def _errors(outcome: Outcome[Study]) -> TimeFigure:
     s, who = outcome.study, outcome.design["filter"]
     signal = s.case.watched[1] if s.case.id == FALL else s.case.watched[0]
     at = 1 if s.case.id == FALL else 0
@@ -84,7 +76,7 @@ def shares(values: np.ndarray, band: tuple[float, float]) -> tuple[float, float]
     return float(np.mean((values >= band[0]) & (values <= band[1]))), float(np.mean(values > band[1]))
 
 
-def _squares(outcome: Outcome, id: str, title: Text, dof: int, values: dict[str, np.ndarray]) -> TimeFigure:
+def _squares(outcome: Outcome[Study], id: str, title: Text, dof: int, values: dict[str, np.ndarray]) -> TimeFigure:
     s = outcome.study
     band = band_of(dof, s.runs)
     curves = [Curve(name_of(n), np.clip(values[n], FLOOR, CEILING), role, dash) for n, role, dash in LOOKS]  # type: ignore[arg-type]
@@ -96,33 +88,18 @@ def _squares(outcome: Outcome, id: str, title: Text, dof: int, values: dict[str,
                                    f"{s.runs} 次运行的平均；落在 [{band[0]:.3g}, {band[1]:.3g}] 内的采样：{'，'.join(inside)}。"))
 
 
-def _nees(outcome: Outcome) -> TimeFigure:
+def _nees(outcome: Outcome[Study]) -> TimeFigure:
     n = outcome.study.x.shape[1]
     return _squares(outcome, "nees", Text(f"NEES, {n} states", f"NEES（{n} 个状态）"), n, outcome.study.nees)
 
 
-def _nis(outcome: Outcome) -> TimeFigure:
+def _nis(outcome: Outcome[Study]) -> TimeFigure:
     p = len(outcome.study.case.R)
     return _squares(outcome, "nis", Text(f"NIS, {p} readings" if p > 1 else "NIS, 1 reading", f"NIS（{p} 个读数）"), p,
                     outcome.study.nis)
 
 
-def verdict(values: np.ndarray, dof: int, runs: int) -> Text:
-    """What a record of means says of a filter.
-
-    Without process noise all its samples err together: so 10 % beyond the upper edge and 20 % below the lower one pass.
-    """
-    low, high = band_of(dof, runs)
-    if np.mean(values[len(values) // 2:] > 1.1 * high) > 0.35:
-        return Text("overconfident", "过于自信")
-    if np.max(values) > 1.3 * high:
-        return Text("overconfident at times", "有时过于自信")
-    if np.mean(values < 0.8 * low) > 0.35:
-        return Text("cautious", "偏保守")
-    return Text("consistent", "一致")
-
-
-def _verdicts(outcome: Outcome) -> TableFigure:
+def _verdicts(outcome: Outcome[Study]) -> TableFigure:
     s = outcome.study
     n = s.x.shape[1]
     rows = tuple((name_of(f), _short(float(np.mean(s.nees[f]))), _short(float(np.max(s.nees[f]))), f"{100 * s.honest[f]:.0f} %",
@@ -147,7 +124,7 @@ def _short(value: float) -> str:
 
 
 # --- laws ---------------------------------------------------------------------------------------------------------------
-def _law(outcome: Outcome) -> PlaneFigure:
+def _law(outcome: Outcome[Study]) -> PlaneFigure:
     s, d = outcome.study, outcome.design
     if s.case.id == PLATFORM:
         k = platform.Parameters()
@@ -194,7 +171,7 @@ def _plane(id: str, title: Text, x_label: str, y_label: str, x: np.ndarray, true
                        x_label, y_label, (float(x[0]), float(x[-1])), y_range, caption=caption, tab=LAW_TAB)
 
 
-def _second_law(outcome: Outcome) -> PlaneFigure:
+def _second_law(outcome: Outcome[Study]) -> PlaneFigure:
     s, d = outcome.study, outcome.design
     if s.case.id == PLATFORM:
         x = np.linspace(-12, 12, 97)
@@ -218,7 +195,7 @@ def _second_law(outcome: Outcome) -> PlaneFigure:
 
 
 # --- the report ----------------------------------------------------------------------------------------------------------
-def _algorithm(outcome: Outcome) -> TimeFigure:
+def _algorithm(outcome: Outcome[Study]) -> TimeFigure:
     s, d = outcome.study, outcome.design
     right, believed, real, _ = linear_spreads(s.case.id, d["wind"], d["sensor"])
     signal = s.case.watched[0]
@@ -238,7 +215,7 @@ def _algorithm(outcome: Outcome) -> TimeFigure:
         caption=said, tab=REPORT_TAB)
 
 
-def _lines(outcome: Outcome) -> TableFigure:
+def _lines(outcome: Outcome[Study]) -> TableFigure:
     chosen, s = outcome.design["line"], outcome.study
     gap = s.apart[UKF] if not outcome.design["redraw"] else linear_spreads(PLATFORM, 1.0, 1.0)[3]
     rows = tuple((label, finding(name, gap) if name == chosen else same("?")) for name, label in LINES if name != NONE)

@@ -1,0 +1,129 @@
+"""What a design leads to: mixing, controllers, spectra and one run, with what is said of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.engine.design import polynomial_roots
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
+from app.plants import platform_siso as siso
+from app.plants.body import with_longer_arrows
+from app.plants.platform_channels import HORIZONTAL
+from app.text.words import Text
+
+from ..toolkit.latex import number
+from .loops import (
+    MODEL,
+    POLES,
+    Controllers,
+    Mixed,
+    Shaken,
+    Spectra,
+    close,
+    controllers,
+    mixed,
+    rightmost,
+    shaken,
+    spectra,
+    suppression,
+)
+
+CONTROL_LOW, CONTROL_HIGH, CONTROL_IM = -40.0, 5.0, 25.0
+OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
+FORCE_ARROWS = 100.0  # times that coil forces are drawn larger: millinewtons here
+BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, caption=Text(  # micrometres here
+    "Solid: with control. Ghost: the same platform without control. Green: coil forces. Orange: the ground's motion",
+    "实体：有控制。虚影：同一平台无控制。绿色：线圈的力。橙色：地面运动"))
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Mixing, controllers, spectra and the run of a design."""
+
+    mixed: Mixed
+    controllers: Controllers
+    spectra: Spectra
+    shaken: Shaken
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """The mixing, the controllers y → u, the closed loop with its spectra, and one run on a shaking ground."""
+    mix = mixed(design)
+    built = controllers(design, mix.S)
+    loop = close(built.whole, design["noise"])
+    right, drift = rightmost(loop, built.whole)
+    without = right
+    if design["pitch"]:
+        apart = siso.from_channels(built.vertical, None, built.horizontal, mixing=mix.S)
+        without = rightmost(close(apart), apart)[0]
+    seen, run = spectra(loop, design), shaken(loop, design)
+    down = suppression(seen)
+    metrics = {
+        "vertical": float(down[0]), "rotation": float(down[1]), "horizontal": float(down[2]), "rightmost": right,
+        "drift": max(drift, -1.0), "rightmost_pitch_open": without, "J": min(mix.J, 1e9), "J_plain": mix.best.plain_J,
+        "J_best": mix.best.J, "a": mix.a, "b": mix.b, "a_best": mix.best.a, "b_best": mix.best.b,
+        "placement_residual": built.placed.residual if built.placed else 0.0,
+    }
+    worst = max(right, drift)
+    checks = (Check("stable", Text("every pole of the loop lies on the left", "闭环极点全部位于左半平面"), worst < 0, worst),
+              Check("claim", Text("closing pitch leaves the loop stable", "闭合俯仰回路后仍稳定"), right < 0 or without >= 0, right))
+    zeros = polynomial_roots(siso.rigid_polynomials(HORIZONTAL, mix.S)[0])
+    own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
+    return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics, checks, None,
+                   _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
+                   _formulas(mix, built), _live(metrics), Study(mix, built, seen, run))
+
+
+def _boards(design: Design, zeros: np.ndarray) -> tuple[Board, Board]:
+    drawn = tuple(complex(z) for z in zeros if abs(z) > 1e-9)
+    also = (("horizontal", POLES),)
+    return (
+        Board("control", Text("horizontal: first roots of Φ", "水平：Φ 的前四个根"), design["control_poles"],
+              "control_poles", zeros=drawn, role="plant", side="left", re_low=CONTROL_LOW, re_high=CONTROL_HIGH,
+              im_high=CONTROL_IM, also=also),
+        Board("observer", Text("horizontal: last roots of Φ", "水平：Φ 的后四个根"), design["observer_poles"],
+              "observer_poles", zeros=drawn, role="estimate", side="right", re_low=OBSERVER_LOW, re_high=OBSERVER_HIGH,
+              im_high=OBSERVER_IM, also=also),
+    )
+
+
+def _formulas(mix: Mixed, built: Controllers) -> tuple[Formula, ...]:
+    out = [
+        Formula("law", r"u = T_u\, S \,\mathrm{diag}(C_v, C_\theta, C_h)\, T_y\, y"),
+        Formula("mixing", rf"S_{{23}} = \begin{{bmatrix}} 1 & {number(mix.b)} \\ {number(mix.a)} & 1 \end{{bmatrix}}, \quad "
+                          rf"\det = {number(1 - mix.a * mix.b)}"),
+        Formula("index", rf"J = \sum_\omega \frac{{|G'_{{23}}|^2}}{{|G'_{{22}}|^2}} + \frac{{|G'_{{32}}|^2}}{{|G'_{{33}}|^2}} = "
+                         rf"{number(mix.J)}"),
+    ]
+    p = built.placed
+    solved = rf", \quad E: {_column(p.E)}, \; F: {_column(p.F)}" if p else ""
+    out.append(Formula("E", rf"A E + B F = \Phi{solved}", Text(
+        "Coefficients from the highest power of s down, in rad/s; the controller is −F/E.",
+        "系数按 s 的降幂排列，单位 rad/s；控制器为 −F/E。")))
+    return tuple(out)
+
+
+def _column(p: np.ndarray) -> str:
+    """Coefficients as a column, two digits where they are large."""
+    def entry(c: float) -> str:
+        mantissa, exponent = f"{c:.1e}".split("e")
+        return f"{c:.3g}" if 1e-3 <= abs(c) < 999.5 or c == 0 else rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+    rows = r" \\ ".join(entry(float(c)) for c in p)
+    return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
+
+
+def _live(m: Mapping[str, float]) -> Text:
+    right, drift = (f"{v:+.3g}".replace("-", "−") for v in (m["rightmost"], m["drift"]))
+    if m["rightmost"] >= 0:
+        if m["rightmost_pitch_open"] < 0:
+            return Text(f"Closing pitch has made the loop unstable: rightmost pole {right} rad/s.",
+                        f"闭合俯仰回路使系统失稳：最右极点 {right} rad/s。")
+        return Text(f"The loop is unstable: rightmost pole {right} rad/s.",
+                    f"闭环不稳定：最右极点 {right} rad/s。")
+    words = [f"{0.0 - round(v):+.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
+    tail = Text(f" C_v keeps a pole at {drift} rad/s.", f" C_v 有极点 {drift} rad/s。") if m["drift"] > 0 else Text("", "")
+    return Text(f"Peaks against no control: vertical {words[0]}, horizontal {words[1]}, rotation {words[2]}.{tail.en}",
+                f"峰值与无控制相比：竖直 {words[0]}，水平 {words[1]}，转动 {words[2]}。{tail.zh}")

@@ -1,0 +1,66 @@
+"""The job: the covariance of the filter over many records of lost packets, at this loss and over all losses."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from app.engine.network import intermittent_steps
+from app.lesson.lesson import Design, Job, Outcome
+from app.text.words import Text
+
+from .cases import SAMPLES, watched
+from .study import FIRST, MOST, OVER, Study, Trials, key
+
+RUNS = 800
+
+
+def depends(design: Design) -> Hashable:
+    """What the averages over all losses rest on."""
+    return (*key(design), design["seed"])
+
+
+def average(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
+    """Means and medians, one loss after another on the same random numbers; every yield is a place to stop."""
+    d = outcome.design
+    chance = np.random.default_rng([int(d["seed"]), 18]).random((RUNS, SAMPLES))
+    every = 4 if watched(*key(d)).sampled.plant.n <= 2 else 1
+    mean = np.empty(SAMPLES + 1)
+    for k, ratios in enumerate(_ratios(d, chance >= d["loss"])):
+        mean[k] = ratios.mean()
+        if k % every == 0:
+            yield FIRST * (k + 1) / (SAMPLES + 2), None
+    found = Trials(d["loss"], np.clip(mean, 1 / MOST, MOST))
+    yield FIRST, found
+    share = (1 - FIRST) / len(OVER)
+    for i, loss in enumerate(OVER):
+        last, before = np.ones(RUNS), FIRST + share * i
+        for k, ratios in enumerate(_ratios(d, chance >= loss)):
+            last = ratios
+            if k % every == 0:
+                yield before + share * (k + 1) / (SAMPLES + 2), None
+        found = replace(found, means=(*found.means, min(float(last.mean()), MOST)),
+                        medians=(*found.medians, min(float(np.median(last)), MOST)))
+        yield 1.0 if i == len(OVER) - 1 else before + share, found
+
+
+def _ratios(design: Design, heard: np.ndarray) -> Iterator[np.ndarray]:
+    who = watched(*key(design))
+    s = who.sampled
+    for P in intermittent_steps(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, heard):
+        yield who.ratio(P)
+
+
+def with_trials(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
+    """The outcome with what many runs have shown; the average over time only where it was made at this loss."""
+    if found.loss != outcome.design["loss"]:
+        found = replace(found, mean=np.zeros(0))
+    more = {"trials_done": min(found.done, 1.0)}
+    if len(found.mean):
+        more["trials_mean"] = float(found.mean[-1])
+    return replace(outcome, study=replace(outcome.study, trials=found), metrics={**outcome.metrics, **more})
+
+
+JOB = Job(Text(f"Average {RUNS} runs", f"平均 {RUNS} 次运行"), average, depends, with_trials)

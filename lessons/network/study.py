@@ -1,0 +1,250 @@
+"""What a design leads to: one run, the bounds of the mean covariance beside it, and the growth under lossy inputs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import Link, NetworkScenario, simulate_network
+from app.engine.network import (
+    NetworkRun,
+    delayed_loop,
+    mean_bounds,
+    mean_square_growth,
+    network_meter,
+    promised_error,
+    spectral_radius,
+)
+from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
+from app.text.words import Text
+
+from ..toolkit.latex import matrix, number
+from .cases import DECK, KINDS, SAMPLES, SCALAR, TWO, Watched, sampled, watched
+
+ASKED, APPLIED, AHEAD = "asked", "applied", "ahead"
+HOLD, ZERO = "hold", "zero"
+MOST = 1e9  # ratios and signals beyond are drawn at the edge
+LOSSES = np.linspace(0.0, 1.0, 21)
+INPUT_LOSSES = np.linspace(0.0, 0.96, 17)
+OVER = np.linspace(0.05, 0.95, 19)
+FIRST = 0.2  # share of the bar for the loss of the design
+HELD = 1e-6  # of the separation meter: below it the error lives by itself
+FINE, MOST_FINE = 0.04, 12  # s, how finely the stage plays, and in how many parts of a sample at most
+
+
+def key(design: Design) -> tuple[str, float, float, float]:
+    """What the filter's mean depends on beside the loss: case, a, period, sensor noise; knobs that do not matter left out."""
+    name = design["case"]
+    return (name, design["a"] if name == SCALAR else 1.2, 1.0 if name in (SCALAR, TWO) else design["stretch"], design["noise"])
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """Ratios of P[k|k−1] over RUNS records, every packet either lost or at once there.
+
+    `mean` (SAMPLES + 1,) at `loss`, empty where that is not the loss of the design; `means`, `medians`: after SAMPLES
+    samples for the first losses of OVER.
+    """
+
+    loss: float
+    mean: np.ndarray
+    means: tuple[float, ...] = ()
+    medians: tuple[float, ...] = ()
+
+    @property
+    def done(self) -> float:
+        """How far the job has come."""
+        return (FIRST if len(self.mean) else 0.0) + (1 - FIRST) * len(self.means) / len(OVER)
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """One run of one design and what many runs have shown so far; arrays over SAMPLES, the last value held where the run diverged.
+
+    teeth (SAMPLES, 2): ratio of the covariance just after the packets of a sample, and just before those of the next.
+    lower, upper (SAMPLES + 1,): bounds of the mean of that before the packets. size, promised: error in standard
+    deviations of the filter without loss. loop: z⁺ = loop z of the steady filter with delay and no loss.
+    """
+
+    watched: Watched
+    run: NetworkRun
+    x: np.ndarray
+    xhat: np.ndarray
+    asked: np.ndarray
+    applied: np.ndarray
+    heard: np.ndarray
+    fresh: np.ndarray
+    teeth: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    size: np.ndarray
+    promised: np.ndarray
+    meter: float
+    loop: np.ndarray
+    ages: tuple[np.ndarray, np.ndarray]
+    trials: Trials | None = None
+
+
+def tell(design: Design) -> Study:
+    """Simulate the design and put beside it what is known about the mean."""
+    who = watched(*key(design))
+    s, kind = who.sampled, KINDS[design["case"]]
+    delay, ahead = int(design["delay"]), int(design["delay"]) if design["told"] == AHEAD else 0
+    told = ASKED if design["told"] == ASKED else APPLIED
+    stamped = design["jitter"] == 0 or design["order"] == "stamped"
+    run = simulate_network(NetworkScenario(
+        s.plant, s.K, s.Q, who.R, who.steady.solution, kind.x0, SAMPLES, Link(design["loss"], 0, int(design["jitter"])),
+        Link(design["loss_u"], delay), design["lost"], told, "stamped" if stamped else "arrival", ahead,
+        _jumps(design, s.plant.dt), int(design["seed"])))
+    after = run.plan.P
+    before = s.plant.A @ after @ s.plant.A.T + s.Q
+    lower, upper = _late(*bounds(design["loss"], key(design)), int(design["jitter"]), who)
+    root = np.sqrt(who.weights)
+    promised = promised_error(run)
+    size, goal = (np.minimum(np.linalg.norm(e * root, axis=1), MOST) for e in (run.e, promised))
+    return Study(
+        watched=who, run=run, x=_held(run.x), xhat=_held(run.xhat), asked=_held(run.u_asked), applied=_held(run.u_applied),
+        heard=np.isin(np.arange(SAMPLES), run.draw.sensed), fresh=np.isin(np.arange(SAMPLES), run.draw.acted),
+        teeth=np.clip(np.column_stack([who.ratio(after), who.ratio(before)]), 1 / MOST, MOST), lower=lower, upper=upper,
+        size=_held(size), promised=_held(goal), meter=min(network_meter(run, promised), MOST),
+        loop=delayed_loop(s.plant, s.K, who.steady.filter_gain, delay, told, ahead),
+        ages=(_held(run.sensor_age), _held(run.actuator_age)))
+
+
+def _held(values: np.ndarray) -> np.ndarray:
+    """Over SAMPLES, clipped, the last value held where the run ended early."""
+    index = np.minimum(np.arange(SAMPLES), len(values) - 1)
+    return np.clip(values, -MOST, MOST)[index]
+
+
+def _jumps(design: Design, h: float) -> np.ndarray:
+    """The kick, between two samples."""
+    kind = KINDS[design["case"]]
+    jumps = np.zeros((SAMPLES, len(kind.x0)))
+    if design["kick"] >= 0:
+        jumps[min(int(design["kick"] / h), SAMPLES - 2)] = kind.kick
+    return jumps
+
+
+@lru_cache(maxsize=64)
+def bounds(loss: float, of: tuple[str, float, float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Lower and upper bound of the mean covariance, (SAMPLES + 1, n, n), from the filter without loss on."""
+    who = watched(*of)
+    s = who.sampled
+    return mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, loss, SAMPLES)
+
+
+@lru_cache(maxsize=32)
+def bounds_over_loss(of: tuple[str, float, float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Ratios of the lower and the upper bound after SAMPLES samples, over LOSSES."""
+    who = watched(*of)
+    s = who.sampled
+    lower, upper = mean_bounds(s.plant.A, s.plant.C, s.Q, who.R, who.steady.solution, LOSSES, SAMPLES)
+    return np.minimum(who.ratio(lower[:, -1]), MOST), np.minimum(who.ratio(upper[:, -1]), MOST)
+
+
+def _late(lower: np.ndarray, upper: np.ndarray, late: int, who: Watched) -> tuple[np.ndarray, np.ndarray]:
+    """The same as ratios where packets may be `late` samples late: the upper bound then waits for the last of them."""
+    s = who.sampled
+    top = upper
+    for _ in range(late):  # one more sample without any measurement; at the start there are none to wait for
+        top = np.concatenate([upper[:1], s.plant.A @ top[:-1] @ s.plant.A.T + s.Q])
+    return np.clip(who.ratio(lower), 1 / MOST, MOST), np.clip(who.ratio(top), 1 / MOST, MOST)
+
+
+@lru_cache(maxsize=32)
+def input_growth(name: str, a: float, stretch: float) -> tuple[np.ndarray, np.ndarray]:
+    """Growth of E‖x‖² a sample over INPUT_LOSSES under u = −K x, for held and for zeroed inputs."""
+    s = sampled(name, a, stretch)
+    losses = INPUT_LOSSES[::4] if name == DECK else INPUT_LOSSES
+    held, zeroed = ([mean_square_growth(s.plant, s.K, p, how) for p in losses] for how in (HOLD, ZERO))
+    return np.interp(INPUT_LOSSES, losses, held), np.interp(INPUT_LOSSES, losses, zeroed)
+
+
+@lru_cache(maxsize=64)
+def growth_now(name: str, a: float, stretch: float, loss: float) -> tuple[float, float]:
+    """The same at one loss, held and zeroed."""
+    s = sampled(name, a, stretch)
+    return mean_square_growth(s.plant, s.K, loss, HOLD), mean_square_growth(s.plant, s.K, loss, ZERO)
+
+
+def loop_radius(study: Study) -> float:
+    """Largest modulus of the poles of the loop with delay."""
+    return spectral_radius(study.loop)
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """One run over the two links, bounds of the mean covariance, the loop with its delay."""
+    study = tell(design)
+    s = study.watched.sampled
+    metrics = {
+        "critical": s.edge.lost, "safe": s.edge.safe, "growth": design["loss"] * s.radius**2, "radius": s.radius,
+        "period": s.plant.dt, "separation_meter": study.meter, "loop_radius": loop_radius(study),
+        "lower": float(study.lower[-1]), "upper": float(study.upper[-1]), "peak": float(study.teeth.max()),
+        "lost_measurements": float(np.sum(~study.heard)), "lost_inputs": float(np.sum(study.run.draw.acted < 0)),
+    }
+    checks = (
+        Check("bounded", Text("the mean covariance stays bounded", "平均协方差有界"), design["loss"] < s.edge.safe, metrics["growth"]),
+        Check("separation", Text("the error lives by itself", "误差独自演化"), study.meter < HELD, study.meter),
+        Check("loop", Text("the loop with its delay is stable", "含时延的闭环稳定"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
+    )
+    poles = {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
+             "loop": np.linalg.eigvals(study.loop)}
+    return Outcome(design, {"K": s.K, "L": study.watched.steady.gain, "M": study.watched.steady.filter_gain}, poles, metrics,
+                   checks, None, (), _stage(design, study), _formulas(design, study), _live(design, metrics), study)
+
+
+def _stage(design: Design, study: Study) -> Stage:
+    """The run played finely, straight between samples, with the packets as lamps and 3σ of the filter as a cloud."""
+    kind, s = KINDS[design["case"]], study.watched.sampled
+    fine = int(np.clip(np.ceil(s.plant.dt / FINE), 1, MOST_FINE))
+    index, share = np.divmod(np.arange((SAMPLES - 1) * fine + 1), fine)
+    share = (share / fine)[:, None]
+    after = np.minimum(index + 1, SAMPLES - 1)
+    lamps = np.column_stack([study.heard, study.fresh])[index]
+
+    def played(x: np.ndarray) -> np.ndarray:
+        return np.hstack([x[index] * (1 - share) + x[after] * share, lamps])
+    row = np.array(kind.shown)
+    sigma = np.sqrt(np.einsum("i,kij,j->k", row, study.run.plan.P, row))
+    t = np.arange(len(index)) * s.plant.dt / fine
+    return Stage(kind.body, t, played(study.x), played(study.xhat), study.applied[index], 3 * np.minimum(sigma, 1e3)[index])
+
+
+def _formulas(design: Design, study: Study) -> tuple[Formula, ...]:
+    s, p = study.watched.sampled, design["loss"]
+    sign = "<" if p * s.radius**2 < 1 else r"\ge"
+    out = [
+        Formula("mean", r"P^+ = A (P - \gamma\, M C P) A^{\mathsf T} + Q",
+                Text("γ is 1 when the packet comes and 0 when it is lost", "收到数据包时 γ 为 1，丢失时为 0")),
+        Formula("edge", rf"p_c = \frac{{1}}{{\max|\lambda|^2}} = \frac{{1}}{{{number(s.radius, 4)}^2}} = {number(1 / s.radius**2, 4)}"
+                if s.radius > 1 else rf"\max|\lambda| = {number(s.radius, 4)} \le 1"),
+        Formula("growth", rf"p \max|\lambda|^2 = {number(p * s.radius**2, 4)} {sign} 1"),
+    ]
+    if not s.edge.exact:
+        out.append(Formula("safe", rf"p < \prod|\lambda|^{{-2}} = {number(s.edge.safe, 4)}",
+                           Text("enough for a bounded mean with one sensor", "单传感器时均值有界的充分条件")))
+    if s.plant.n <= 4:
+        out += [Formula("A", rf"A = {matrix(s.plant.A)}"), Formula("K", rf"K = {matrix(s.K)}"),
+                Formula("M", rf"M = {matrix(study.watched.steady.filter_gain)}", Text("filter gain without loss", "无丢包时的滤波增益"))]
+    return tuple(out)
+
+
+def _live(design: Design, m: dict[str, float]) -> Text:
+    lost = f"{100 * design['loss']:.0f} %"
+    if m["critical"] >= 1:
+        first = Text(f"{lost} of the measurements are lost; this plant does not run away, so the mean stays bounded.",
+                     f"测量丢包率 {lost}；该对象不会自行发散，均值有界。")
+    elif design["loss"] < m["safe"]:
+        first = Text(f"{lost} of the measurements are lost, {100 * m['safe']:.1f} % may be: the mean stays bounded.",
+                     f"测量丢包率 {lost}，允许 {100 * m['safe']:.1f} %：均值有界。")
+    elif design["loss"] > m["critical"]:
+        first = Text(f"{lost} of the measurements are lost, {100 * m['critical']:.1f} % is the limit: the mean diverges.",
+                     f"测量丢包率 {lost}，极限为 {100 * m['critical']:.1f} %：均值发散。")
+    else:
+        first = Text(f"{lost} of the measurements are lost, between the two bounds.", f"测量丢包率 {lost}，介于两个界之间。")
+    second = (Text(" Separation meter: 0.", " 分离度量：0。") if m["separation_meter"] < HELD else
+              Text(f" Separation meter: {m['separation_meter']:.2g}.", f" 分离度量：{m['separation_meter']:.2g}。"))
+    return Text(first.en + second.en, first.zh + second.zh)

@@ -1,0 +1,38 @@
+"""The longer computation: the whole record, many runs at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from app.lesson.lesson import Design, Job, Outcome
+from app.text.words import Text
+
+from .cases import PENDULUM, PLATFORM
+from .runs import MANY, Study, studies
+from .study import outcome_of
+
+BLOCK = 3  # samples of the job between two looks at the mailbox
+
+
+def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Study | None]]:
+    """The job: the whole record, many runs at once."""
+    design, count = outcome.design, outcome.study.case.full
+    for k, study in enumerate(studies(design, MANY, count, BLOCK), start=1):
+        if study is None:
+            yield min(k * BLOCK / count, 0.99), None
+        else:
+            yield 1.0, study
+
+
+def depends(design: Design) -> Design:
+    """The design without what only changes what is looked at: the line in doubt, and the ghost where it does not steer."""
+    steered = design["case"] == PENDULUM or (design["case"] == PLATFORM and design["steer"])
+    return design.with_values(line="") if steered else design.with_values(line="", filter="")
+
+
+def shown(outcome: Outcome[Study], found: Study) -> Outcome[Study]:
+    """The same design by its many runs."""
+    return outcome_of(outcome.design, found)
+
+
+JOB = Job(Text(f"Try {MANY} runs", f"试验 {MANY} 次"), try_often, depends, shown)

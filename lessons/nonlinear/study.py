@@ -1,0 +1,117 @@
+"""What a design leads to: runs watched by three filters, and what is said of their consistency."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import chi2_band
+from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
+from app.text.words import Text, same
+
+from ..toolkit.latex import number
+from .cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF
+from .runs import FILTERS, Study, draft
+
+
+@lru_cache(maxsize=16)
+def band_of(dof: int, runs: int) -> tuple[float, float]:
+    """Where the mean of `runs` values lies with 95 %."""
+    return chi2_band(dof, runs)
+
+
+def verdict(values: np.ndarray, dof: int, runs: int) -> Text:
+    """What a record of means says of a filter.
+
+    Without process noise all its samples err together: so 10 % beyond the upper edge and 20 % below the lower one pass.
+    """
+    low, high = band_of(dof, runs)
+    if np.mean(values[len(values) // 2:] > 1.1 * high) > 0.35:
+        return Text("overconfident", "过于自信")
+    if np.max(values) > 1.3 * high:
+        return Text("overconfident at times", "有时过于自信")
+    if np.mean(values < 0.8 * low) > 0.35:
+        return Text("cautious", "偏保守")
+    return Text("consistent", "一致")
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """A few runs of the case, watched by three filters."""
+    return outcome_of(design, draft(design))
+
+
+def outcome_of(design: Design, study: Study) -> Outcome[Study]:
+    """What a study shows."""
+    who, case = design["filter"], study.case
+    metrics = _metrics(study)
+    spread = 3 * case.scale * case.error_gain * study.sigmas[who][:, case.state]
+    away = np.clip(study.means[who] - study.x, -1e9, 1e9)
+    stage = Stage(case.body, study.t, study.x, study.x + case.error_gain * away, study.u if study.u.shape[1] else
+                  np.zeros((len(study.t), 1)), spread)
+    if case.id == FALL:
+        stage = _smooth(stage)
+    return Outcome(design, {}, {}, metrics, _checks(study, metrics), None, (), stage, _formulas(design, study), _live(design, study),
+                   study)
+
+
+def _smooth(stage: Stage) -> Stage:
+    """A sample a second is too coarse to watch: straight lines between."""
+    t = np.linspace(0.0, float(stage.t[-1]), 10 * (len(stage.t) - 1) + 1)
+
+    def fine(values: np.ndarray) -> np.ndarray:
+        return np.stack([np.interp(t, stage.t, column) for column in values.T], axis=1)
+
+    assert stage.xhat is not None and stage.spread is not None
+    return Stage(stage.body, t, fine(stage.x), fine(stage.xhat), np.zeros((len(t), 1)), np.interp(t, stage.t, stage.spread))
+
+
+def _metrics(s: Study) -> dict[str, float]:
+    found = {f"nees_{n}": s.ratio(n) for n in FILTERS}
+    found |= {f"nis_{n}": float(min(np.mean(s.nis[n]) / len(s.case.R), 1e9)) for n in FILTERS}
+    found |= {f"largest_{n}": float(np.max(s.nees[n])) for n in FILTERS}
+    found |= {f"apart_{n}": float(min(s.apart[n], 1e9)) for n in (EKF, UKF)}
+    found |= {f"lost_{n}": float(s.lost[n]) for n in FILTERS}
+    return found | {"runs": float(s.runs), "fallen": float(s.fallen), "horizon": float(s.t[-1])}
+
+
+def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
+    n = s.x.shape[1]
+
+    def held(name: str) -> bool:
+        return verdict(s.nees[name], n, s.runs).en == "consistent"
+
+    return (
+        *(Check(f"{f}_consistent", Text(f"{f.upper()}: NEES in its band", f"{f.upper()}：NEES 在带内"), held(f), m[f"nees_{f}"])
+          for f in FILTERS),
+        Check("same", Text("EKF and UKF are the KF, to rounding", "EKF、UKF 与 KF 相同（舍入误差内）"),
+              max(m["apart_ekf"], m["apart_ukf"]) < 1e-6, max(m["apart_ekf"], m["apart_ukf"])),
+    )
+
+
+def _formulas(design: Design, s: Study) -> tuple[Formula, ...]:
+    n = s.x.shape[1]
+    reach = design["alpha"]**2 * (n + design["kappa"])
+    first = 1 - n / reach
+    law = {
+        PLATFORM: rf"F_k = k e\,(1 + {number(design['hardening'])}\,(e/\ell)^2)",
+        PENDULUM: r"\ell\ddot\theta = g\sin\theta - \ddot p\cos\theta",
+        FALL: r"\dot v = -e^{-\kappa h} v^2 \beta, \quad y = \sqrt{M^2 + (h - H)^2}",
+    }[design["case"]]
+    out = [Formula("law", law),
+           Formula("weights", rf"W_0^m = {number(first)}, \quad W_0^c = {number(first + 1 - design['alpha']**2 + design['beta'])}, \quad "
+                   rf"W_i = {number(0.5 / reach)}", Text(f"of {2 * n + 1} points", f"共 {2 * n + 1} 个点")),
+           Formula("nees", rf"\mathrm{{NEES}} / {n} = {number(s.ratio(KF))},\; {number(s.ratio(EKF))},\; {number(s.ratio(UKF))}",
+                   same("KF, EKF, UKF"))]
+    if design["case"] == PLATFORM:
+        out.insert(1, Formula("coil", rf"F_u = u\, e^{{-{number(design['weakening'])}\, d/\ell}}, \quad \ell = 5\,\mathrm{{mm}}"))
+    return tuple(out)
+
+
+def _live(design: Design, s: Study) -> Text:
+    n = s.x.shape[1]
+    who = design["filter"]
+    words = verdict(s.nees[who], n, s.runs)
+    each = [f"{f.upper()} {s.ratio(f):.3g}" for f in FILTERS]
+    return Text(f"NEES per state over {s.runs} runs (1 expected): {', '.join(each)}. The {who.upper()} is {words.en}.",
+                f"{s.runs} 次运行中每个状态的 NEES（应为 1）：{'，'.join(each)}。{who.upper()} {words.zh}。")

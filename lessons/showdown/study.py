@@ -1,0 +1,165 @@
+"""What a design leads to: five players in one world, their spectra, responses and one noisy run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from app.engine.sampled import MonteCarlo, ResponseMeasures
+from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
+from app.plants import platform
+from app.plants.body import with_longer_arrows
+from app.text.words import Text
+
+from ..toolkit.latex import number
+from .players import LQE, OPEN, ORDER, RECURSIVE, SHORT, Player, players
+from .world import (
+    BAND,
+    Analysis,
+    Response,
+    World,
+    analyse,
+    band_rms,
+    grid,
+    measures,
+    respond,
+    shake,
+    without_hardware,
+    world_of,
+)
+
+TOLERANCE = (5.0, 20.0, 5.0)  # %, %, mm where no error knob is turned
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """What was measured. noise: a Monte-Carlo of each player, None where its loop is unstable; learning: how far the
+    recursive filter's run leaves the steady one's, relative (s, n): RMS of each whole second; decks (count, 5, 3): gain in
+    dB over the band of each player on decks within the tolerance, NaN where unstable; costs (switches, 5, 3): change of
+    the gain in dB by one switch alone, NaN where it makes the loop unstable; sizes: how far each was turned.
+    """
+
+    noise: tuple[MonteCarlo | None, ...]
+    learning: np.ndarray | None = None
+    decks: np.ndarray | None = None
+    tolerance: tuple[float, float, float] = TOLERANCE
+    costs: np.ndarray | None = None
+    sizes: tuple[float, ...] = ()
+
+
+GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
+FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
+BODY = replace(with_longer_arrows(platform.body(), FORCE_ARROWS, 3), gain=GAIN, caption=Text(
+    "Solid: with the controller chosen. Ghost: the same platform without control. Green: coil forces",
+    "实体：由所选控制器控制。虚影：同一平台无控制。绿色：线圈的力"))
+WORK = (0.1, 10.0)  # Hz: the report's working band
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Everything about one design: five players in one world. `found` is what the longer computation measured."""
+
+    world: World
+    five: tuple[Player, ...]
+    f: np.ndarray
+    spectra: tuple[Analysis, ...]
+    responses: tuple[Response | None, ...]
+    measures: tuple[tuple[ResponseMeasures, ...] | None, ...]
+    peak_db: np.ndarray
+    band_db: np.ndarray
+    rms: np.ndarray
+    forces: np.ndarray
+    run: tuple[np.ndarray, np.ndarray, np.ndarray]
+    ghost: np.ndarray
+    trials: Trials | None = field(default=None)
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """All five players in the design's world: spectra by transfer function, the test without noise, one noisy run."""
+    world, step = world_of(design), design["test"] == "step"
+    five = players(design["v"], design["pair"])
+    f = grid(world.parameters)
+    spectra = tuple(analyse(world, player) for player in five)
+    responses = tuple(respond(world, player, step) for player in five)
+    reference = responses[0]
+    assert reference is not None  # the deck alone is stable
+    seed, kick = int(design["seed"]), design["kick"]
+    chosen = five[ORDER.index(design["play"])]
+    run = shake(world, chosen, seed, step, kick)
+    ghost = run if chosen.id == OPEN else shake(without_hardware(world), five[0], seed, step, kick)
+    base = spectra[0].density
+    inside = (f >= BAND[0]) & (f <= BAND[1])
+    peak_db, band_db, rms, forces = (np.zeros((5, 3)) for _ in range(4))
+    for i, analysis in enumerate(spectra):
+        if analysis.stable:
+            S = analysis.density
+            whole = band_rms(f, S, 0.0, np.inf)
+            rms[i], forces[i] = whole[:3], whole[5:]
+            peak_db[i] = 10 * np.log10(base[inside, :3].max(axis=0) / S[inside, :3].max(axis=0))
+            band_db[i] = 20 * np.log10(band_rms(f, base, *BAND)[:3] / band_rms(f, S, *BAND)[:3])
+    match = Study(world, five, f, spectra, responses, tuple(None if r is None else measures(r, reference) for r in responses),
+                  peak_db, band_db, rms, forces, run, ghost[1])
+    metrics = _metrics(match)
+    return Outcome(design, {}, {}, metrics, _checks(match, metrics), None, (),
+                   Stage(BODY, run[0], run[1], ghost[1], run[2]), _formulas(design, match), _live(design, match), match)
+
+
+def _metrics(m: Study) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for i, player in enumerate(m.five):
+        found[f"{player.id}_stable"] = float(m.spectra[i].stable)
+        for j, channel in enumerate(("vertical", "rotation", "horizontal")):
+            found[f"{player.id}_{channel}_band_db"] = float(m.band_db[i, j])
+            found[f"{player.id}_{channel}_peak_db"] = float(m.peak_db[i, j])
+            found[f"{player.id}_{channel}_rms"] = float(m.rms[i, j])
+        found[f"{player.id}_worst_db"] = float(m.band_db[i].min())
+        found[f"{player.id}_force_rms"] = float(m.forces[i].max())
+        measured = m.measures[i]
+        if measured is not None:
+            found[f"{player.id}_peak_force"] = measured[0].peak
+            found[f"{player.id}_energy"] = measured[0].energy
+    lqe, recursive = m.spectra[ORDER.index(LQE)], m.spectra[ORDER.index(RECURSIVE)]
+    if lqe.stable and recursive.stable:
+        work = (m.f >= WORK[0]) & (m.f <= WORK[1])
+        found["filters_apart_db"] = float(np.abs(10 * np.log10(recursive.density[work, :3] / lqe.density[work, :3])).max())
+    return found
+
+
+def _checks(m: Study, metrics: dict[str, float]) -> tuple[Check, ...]:
+    apart, worst = metrics.get("filters_apart_db", 99.0), metrics[f"{LQE}_worst_db"]
+    unstable = [player.name for player, s in zip(m.five, m.spectra, strict=True) if not s.stable]
+    return (
+        Check("coincide", Text("steady and recursive LQG within 0.5 dB, 0.1–10 Hz", "稳态与递推 LQG 在 0.1–10 Hz 内相差不到 0.5 dB"),
+              apart < 0.5, apart),
+        Check("twenty", Text("the full LQG gains 20 dB or more in every channel, 0.5–3 Hz", "完整 LQG 在 0.5–3 Hz 内各通道都不低于 20 dB"),
+              worst >= 20, worst),
+        Check("stable", Text("every loop is stable", "所有回路都稳定"), not unstable, float(len(unstable))),
+    )
+
+
+def _formulas(design: Design, m: Study) -> tuple[Formula, ...]:
+    i = ORDER.index(design["play"])
+    values = r",\ ".join(number(float(v)) for v in m.band_db[i])
+    return (
+        Formula("loop", r"u = K(z)\,(y + v),\quad S_y = |(I - PK)^{-1}G|^2 S_w + |(I-PK)^{-1}PK|^2 S_v"),
+        Formula("gain", rf"10\lg\frac{{\int S_{{\mathrm{{open}}}}}}{{\int S}} = ({values})\ \mathrm{{dB}}",
+                Text("Vertical, rotation, horizontal, 0.5–3 Hz: the controller on the stage.",
+                     "竖直、转动、水平，0.5–3 Hz：场景中的控制器。")),
+    )
+
+
+def _live(design: Design, m: Study) -> Text:
+    unstable = [name for name, s in zip(SHORT, m.spectra, strict=True) if not s.stable]
+    if unstable:
+        return Text(f"Unstable in this world: {', '.join(n.en for n in unstable)}.",
+                    f"在此条件下不稳定：{'、'.join(n.zh for n in unstable)}。")
+    best = [_best(m.rms[1:, j]) for j in range(3)]
+    return Text(f"Least RMS velocity: {SHORT[best[0]].en} vertically, {SHORT[best[1]].en} in rotation, "
+                f"{SHORT[best[2]].en} horizontally.",
+                f"速度均方根最小者：竖直 {SHORT[best[0]].zh}，转动 {SHORT[best[1]].zh}，水平 {SHORT[best[2]].zh}。")
+
+
+def _best(rms: np.ndarray) -> int:
+    """The player with the least value; within 1 % the first in order counts, for they tie."""
+    return 1 + int(np.flatnonzero(rms <= 1.01 * rms.min())[0])
