@@ -1,11 +1,11 @@
-"""Example plants to try any lesson on: files in `assets/plants`, read as a stranger's file would be."""
+"""Example plants to try any lesson on: files in `data`, read as a stranger's file would be."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
+from importlib.resources import files
 from types import MappingProxyType
 
 from ..text import Text, listed, same, text
@@ -13,7 +13,7 @@ from .own import Misfit, read
 
 __all__ = ["EXAMPLES", "Example", "example"]
 
-FOLDER = Path(__file__).parents[2] / "assets" / "plants"
+DATA = files(__package__) / "data"
 
 
 @dataclass(frozen=True)
@@ -40,4 +40,4 @@ def example(name: str) -> str:
         raise Misfit(text("There is no example plant {name}; there are {names}.", name=name[:40],
                           names=listed(same(key) for key in EXAMPLES)))
     file = EXAMPLES[name].file
-    return read(file, (FOLDER / file).read_bytes())
+    return read(file, (DATA / file).read_bytes())

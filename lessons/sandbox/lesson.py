@@ -217,7 +217,7 @@ def build(model: Model) -> Lesson:
             Task("wrong-belief", wrong_belief, {"belief": 0.003, "sensor": 0.003}),
             Task("below-the-tolerance", below_the_tolerance, {"tolerance": 0.9}),
         ),
-        exam=exam, source="Lessons 1 to 10, with their sources; example plants in assets/plants",
+        exam=exam, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
         words=read_prose(Path(__file__).parent), job=Job(Text("Recover the margins", "恢复裕度"), partial(try_recovery, model)),
         carry=carry, adapt=adapted, universal=True)
 

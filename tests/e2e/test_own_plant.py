@@ -6,7 +6,7 @@ from pathlib import Path
 
 from tab import Tab, eventually
 
-PLANTS = Path(__file__).parents[2] / "assets" / "plants"
+PLANTS = Path(__file__).parents[2] / "app" / "plants" / "data"
 MINE, TORN = "the plant is faster than its model by [%]", "Upload a plant"
 
 

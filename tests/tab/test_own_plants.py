@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from app.engine import Plant, to_json
 from app.lesson.knobs import KnobError, Number
 from app.lesson.lesson import Design, Lesson, Outcome
 from app.plants import Model
-from app.plants.examples import EXAMPLES, example
+from app.plants.examples import DATA, EXAMPLES, example
 from app.plants.own import canonical
 from app.tab.commands import ChoosePlant, OpenLesson, Predict, Redo, Reset, Seek, Undo, UploadPlant
 from app.tab.designing import YOURS
@@ -24,7 +23,6 @@ from app.tab.picture import Picture
 from app.tab.session import Session
 from app.text import Text
 
-ASSETS = Path(__file__).parents[2] / "assets" / "plants"
 SMALL = Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.ones((1, 2)), name="small")
 LARGE = Plant(-np.eye(5), np.ones((5, 1)), np.ones((1, 5)), name="large")
 
@@ -226,10 +224,9 @@ def test_names_from_a_file_are_plain_words_wherever_they_go() -> None:
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_the_example_plants_pass_the_gate_of_a_strangers_file(name: str) -> None:
-    assert (ASSETS / EXAMPLES[name].file).exists()
     tab = tab_of()
     file = EXAMPLES[name].file
-    tab.do(UploadPlant(file, (ASSETS / file).read_bytes()))
+    tab.do(UploadPlant(file, (DATA / file).read_bytes()))
     assert tab.picture.design.plant == example(name)
 
 

@@ -1,0 +1,99 @@
+"""What a person gets who installs the lab: the wheel and its data, in an environment that holds nothing else."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tomllib
+import urllib.request
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from lessons import OPENING
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PYTHONS = [version.rpartition(" ")[2] for version in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", version)]
+OTHERS = [version for version in PYTHONS if version != f"{sys.version_info.major}.{sys.version_info.minor}"]
+pytestmark = pytest.mark.slow  # minutes: everything is installed anew
+
+
+def told(*words: str | Path, cwd: Path) -> str:
+    """What a command prints that ends well, far from the repository and from what its environment says to Python."""
+    environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV"))}
+    done = subprocess.run(list(map(str, words)), cwd=cwd, env=environment, capture_output=True, text=True, timeout=900, check=False)
+    assert done.returncode == 0, f"{words}: {done.stdout[-2000:]} {done.stderr[-4000:]}"
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The wheel, built from a copy: building leaves its traces beside the sources."""
+    place = tmp_path_factory.mktemp("wheel")
+    source = place / "source"
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for name in filter(None, listed.stdout.split("\0")):
+        if (ROOT / name).is_file():
+            (source / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(ROOT / name, source / name)
+    told(sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", place, source, cwd=place)
+    return next(place.glob("*.whl"))
+
+
+@pytest.fixture(scope="module")
+def bin(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The commands of an environment into which only the wheel and what it needs were installed."""
+    place = tmp_path_factory.mktemp("environment")
+    told(sys.executable, "-m", "venv", place / "venv", cwd=place)
+    told(place / "venv" / "bin" / "python", "-m", "pip", "install", "--quiet", wheel, cwd=place)
+    return place / "venv" / "bin"
+
+
+def test_the_wheel_holds_our_packages_with_their_data_and_nothing_else(wheel: Path) -> None:
+    names = [Path(name) for name in zipfile.ZipFile(wheel).namelist()]
+    assert {name.parts[0] for name in names if not name.parts[0].endswith(".dist-info")} == {"app", "lessons"}
+    ours = {path.relative_to(ROOT) for folder in ("app", "lessons") for path in (ROOT / folder).rglob("*")
+            if path.is_file() and "__pycache__" not in path.parts}
+    assert ours <= set(names), f"not in the wheel: {sorted(map(str, ours - set(names)))}"
+
+
+def test_every_command_runs_where_nothing_but_the_wheel_is_installed(bin: Path, tmp_path: Path) -> None:
+    lab = bin / "observer-lab"
+    where = told(bin / "python", "-c", "import app, lessons; print(app.__path__[0], lessons.__path__[0])", cwd=tmp_path)
+    assert all(Path(path).is_relative_to(bin.parent) for path in where.split())
+    assert f". {OPENING}: " in told(lab, "list", cwd=tmp_path)
+    record = json.loads(told(lab, "run", "duality", "--json", "--plant", "motor", "--figure", "page.png", "--csv", "data.csv",
+                             cwd=tmp_path))
+    assert record["lesson"] == "duality" and (tmp_path / "page.png").stat().st_size > 5000
+    assert (tmp_path / "data.csv").read_text(encoding="utf-8").startswith("figure,kind,series")
+    assert "agrees" in told(lab, "verify", cwd=tmp_path)
+
+
+def test_the_page_is_served_where_nothing_but_the_wheel_is_installed(bin: Path, tmp_path: Path) -> None:
+    server = subprocess.Popen([bin / "observer-lab", "serve", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE, text=True,
+                              env={key: value for key, value in os.environ.items() if not key.startswith("PYTHON")})
+    try:
+        assert server.stdout is not None
+        address = server.stdout.readline().strip()
+        with urllib.request.urlopen(address, timeout=60) as page:
+            assert page.status == 200 and b"observer lab" in page.read().lower()
+    finally:
+        server.send_signal(signal.SIGTERM)
+        assert server.wait(60) == 0
+
+
+@pytest.mark.parametrize("version", OTHERS)
+def test_what_the_lab_needs_exists_for_every_python_it_names(version: str, tmp_path: Path) -> None:
+    """Resolved only, from wheels alone: a machine has one Python."""
+    report = tmp_path / "report.json"
+    told(sys.executable, "-m", "pip", "install", "--quiet", "--dry-run", "--ignore-installed", "--target", tmp_path / "nowhere",
+         "--only-binary=:all:", "--python-version", version, "--report", report, *PROJECT["dependencies"], cwd=tmp_path)
+    found = {entry["metadata"]["name"].lower() for entry in json.loads(report.read_text(encoding="utf-8"))["install"]}
+    assert {re.split(r"[<>=!~ \[]", need)[0].lower() for need in PROJECT["dependencies"]} <= found
