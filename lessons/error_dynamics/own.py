@@ -16,7 +16,9 @@ from app.text.words import Text
 
 from ..toolkit.gains import injection
 from ..toolkit.knobs import run_knobs
-from .lesson import KNOBS, POLES, Setting, compute, figures
+from .figures import figures
+from .knobs import KNOBS, POLES
+from .study import Setting, compute
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:

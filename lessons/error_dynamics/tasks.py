@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Verdict
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
+from .knobs import NUMBERS, POLES, PRINTED, QUIET
 from .notes import FIRST, GAIN, MATRIX, NONE, RIGHT_GAIN
+from .study import Study
 
-PRINTED, QUIET = "printed", "none"
 
-
-def _gain_words(outcome: Outcome) -> str:
+def _gain_words(outcome: Outcome[Study]) -> str:
     l1, l2 = outcome.gains["L"][:, 0]
     return f"({l1:.4g}, {l2:.4g})".replace("-", "−")
 
 
-def double_pole(outcome: Outcome) -> Verdict:
+def double_pole(outcome: Outcome[Study]) -> Verdict:
     """Both observer poles at −1: λ² + 2λ + 1, compared by coefficients, which are exact where a double pole is not."""
     error = outcome.study.error
     damping, square = -float(np.trace(error)), float(np.linalg.det(error))
@@ -31,7 +31,7 @@ def double_pole(outcome: Outcome) -> Verdict:
                                f"现在的多项式是 λ² + {damping:.3g}λ + {square:.3g}，应为 λ² + 2λ + 1。"))
 
 
-def first_slip(outcome: Outcome) -> Verdict:
+def first_slip(outcome: Outcome[Study]) -> Verdict:
     """The line where the notes first go wrong, and the gain that follows once it is mended."""
     line, words = outcome.design["line"], _gain_words(outcome)
     if outcome.design["method"] == PRINTED or not np.allclose(outcome.gains["L"], RIGHT_GAIN, rtol=0, atol=1e-6):
@@ -50,7 +50,7 @@ def first_slip(outcome: Outcome) -> Verdict:
                                "代入正确的增益，这一行成立；请在“讲义”标签页里看其余各行。"))
 
 
-def mixed_matrix(outcome: Outcome) -> Verdict:
+def mixed_matrix(outcome: Outcome[Study]) -> Verdict:
     """The gain to which the printed matrix belongs: l₁ of the slip with the true l₂."""
     words = _gain_words(outcome)
     if outcome.design["method"] != PRINTED and np.allclose(outcome.gains["L"][:, 0], (2.5, -0.75), rtol=0, atol=1e-6):
@@ -63,7 +63,7 @@ def mixed_matrix(outcome: Outcome) -> Verdict:
                                f"L = {words} 得到的矩阵与讲义所印不同；请自己输入增益，并对照该页最后一行。"))
 
 
-def confused(outcome: Outcome) -> Verdict:
+def confused(outcome: Outcome[Study]) -> Verdict:
     """An input that moves the error: only possible if the matrix in the computer is not A − LC."""
     moved = outcome.metrics["error_moved"]
     if outcome.design["input"] == QUIET:
@@ -81,3 +81,11 @@ def exam(seed: int) -> ExamItem:
     rng = np.random.default_rng(seed)
     b, k, p = float(rng.integers(1, 10)) / 10, float(rng.integers(1, 7)), float(rng.integers(2, 7))
     return ExamItem({"b": f"{b:g}", "k": f"{k:g}", "p": f"-{p:g}"}, p**2 - k - b * (2 * p - b), 0.005)
+
+
+TASKS = (
+    Task("double-pole", double_pole, {"method": POLES, "observer_poles": (-1.0, -1.0)}),
+    Task("first-slip", first_slip, {"method": NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST}),
+    Task("mixed-matrix", mixed_matrix, {"method": NUMBERS, "l1": 2.5, "l2": -0.75, "line": "matrix"}),
+    Task("confused", confused, {"method": PRINTED, "input": "step"}),
+)

@@ -17,9 +17,9 @@ from ..toolkit.gains import sizes
 from .bodies import body_of
 from .cases import Case, sensed_by
 from .criteria import criteria
+from .knobs import KNOBS
 from .knowledge import learn, rebuild
-from .lesson import KNOBS, checks_of, cloud_of, formulas_of, live_of, metrics_of
-from .verdict import Found
+from .study import Study, checks_of, cloud_of, formulas_of, live_of, metrics_of
 
 SWITCHES = 6  # outputs with a switch; what a plant has beyond these stays on
 STEPS, FEW = 120, 50  # instants, for few states and for many
@@ -55,7 +55,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     )
 
 
-def compute(model: Model, case: Case, design: Design) -> Outcome:
+def compute(model: Model, case: Case, design: Design) -> Outcome[Study]:
     """The same questions as to the lesson's plants, in typical sizes. Raises EngineError where powers of A overflow."""
     plant, n, seed = model.plant, model.plant.n, int(design["seed"])
     scale = np.array(case.scale)
@@ -64,7 +64,7 @@ def compute(model: Model, case: Case, design: Design) -> Outcome:
     s = sensed_by(case, n, np.ascontiguousarray(plant.A * scale / scale[:, None]).tobytes(), np.ascontiguousarray(C).tobytes())
     start = np.array(case.start)
     full = s.seen.matrix_rank(design["tolerance"]) if s.seen.singular_values[0] > 0 else 0
-    found = Found(case, s, rebuild(s, start, int(design["rows"]), design["reading"], design["tolerance"], seed),
+    found = Study(case, s, rebuild(s, start, int(design["rows"]), design["reading"], design["tolerance"], seed),
                   learn(s, start, design["noise"], seed), start, criteria(s, full),
                   min(s.seen.modes, key=lambda m: (m.visible, m.distance)),
                   full, None)
@@ -73,7 +73,7 @@ def compute(model: Model, case: Case, design: Design) -> Outcome:
                    stage=_stage(model, found), formulas=formulas_of(found), live=live_of(found, metrics), study=found)
 
 
-def _stage(model: Model, found: Found) -> Stage:
+def _stage(model: Model, found: Study) -> Stage:
     """Columns in typical sizes with the needle along the first sensor that is on, and the cloud of states."""
     s, n = found.sensed, found.sensed.plant.n
     row = s.plant.C[0] / max(float(np.linalg.norm(s.plant.C[0])), 1e-300)

@@ -1,24 +1,21 @@
-"""Tasks of the lesson: one sensor for all, the error in the notes, full rank nearly hidden, low rank and nothing hidden."""
+"""The tasks of lesson 3 and its exam item: one sensor for all, a wrong sentence, full rank nearly hidden, low rank."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+import numpy as np
+
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from .criteria import DET, GRAMIAN
-from .verdict import Found
+from .study import Study
 
 CLEARLY = 0.05  # distance of the weakest mode asked of one sensor
 BLIND = 0.002  # distance below which a direction of the notes' sensor counts as blind
 PAPER = 1e-4  # distance below which full rank is only on paper
 
 
-def _found(outcome: Outcome) -> Found:
-    assert isinstance(outcome.study, Found)
-    return outcome.study
-
-
-def _one_sensor(outcome: Outcome) -> Verdict:
+def _one_sensor(outcome: Outcome[Study]) -> Verdict:
     design, d = outcome.design, outcome.metrics["weakest"]
     if design["plant"] != "deck":
         return Verdict(False, Text("This task is about the deck; choose it as the plant.", "本题针对平台台面，请选它作为对象。"))
@@ -35,8 +32,8 @@ def _one_sensor(outcome: Outcome) -> Verdict:
                               f"一个传感器看得见全部三个模态；最弱的离隐藏 {d:.2g}。"))
 
 
-def _wrong_sentence(outcome: Outcome) -> Verdict:
-    design, found = outcome.design, _found(outcome)
+def _wrong_sentence(outcome: Outcome[Study]) -> Verdict:
+    design, found = outcome.design, outcome.study
     if design["plant"] != "notes":
         return Verdict(False, Text("Choose the plant of the notes first.", "请先选择讲义的对象。"))
     if design["criterion"] == DET:
@@ -56,7 +53,7 @@ def _wrong_sentence(outcome: Outcome) -> Verdict:
                               f"{outcome.metrics['least_energy']:.1g}。".replace("-", "−")))
 
 
-def _on_paper(outcome: Outcome) -> Verdict:
+def _on_paper(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     rank, n, d = int(m["rank"]), int(m["states"]), m["weakest"]
     if rank < n:
@@ -69,7 +66,7 @@ def _on_paper(outcome: Outcome) -> Verdict:
                               f"rank(O) = {n}，但对象只要变化 {d:.1g} 就会有模态隐藏。"))
 
 
-def _low_rank(outcome: Outcome) -> Verdict:
+def _low_rank(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     rank, n, d = int(m["rank"]), int(m["states"]), m["weakest"]
     if m["hidden"] > 0 or d < 0.4:
@@ -88,3 +85,12 @@ TASKS = (
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1e-5}),
     Task("low-rank", _low_rank, {"plant": "many", "count": 20}),
 )
+
+
+def exam(seed: int) -> ExamItem:
+    """A = [a b; c d], C = [1 0], y(0) and ẏ(0) given: x₂(0) = (ẏ(0) − a y(0))/b."""
+    rng = np.random.default_rng(seed)
+    a, b, c, d = (float(v) for v in (rng.integers(-4, 5), rng.choice([-5, -4, -2, 2, 4, 5]), *rng.integers(-4, 5, 2)))
+    y, x2 = float(rng.integers(1, 6)), float(rng.integers(-12, 13)) / 2
+    return ExamItem({k: f"{v:g}" for k, v in (("a", a), ("b", b), ("c", c), ("d", d), ("y", y), ("dy", a * y + b * x2))},
+                    x2, 1e-6)

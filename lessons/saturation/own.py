@@ -23,8 +23,10 @@ from ..toolkit.figures import error_figure, input_figure, state_figures, within
 from ..toolkit.gains import feedback, injection
 from ..toolkit.knobs import kicks, pole_knobs, run_knobs
 from ..toolkit.latex import gain_words
-from .lesson import APPLIED, COMMANDED, amount
-from .starts import CATEGORIES, SLICE, UNKNOWN
+from .figures import CATEGORIES
+from .job import SLICE
+from .knobs import APPLIED, COMMANDED
+from .study import UNKNOWN, amount, depends
 
 GRID = np.linspace(-3.0, 3.0, 25)  # starts and errors, in units of the plant's own start
 NEAR, FAR = 0.1, 100.0  # of the start's size: come home below the one at the end, lost beyond the other
@@ -33,11 +35,10 @@ STEPS = 200  # of a run on the map
 
 
 @dataclass(frozen=True, eq=False)
-class Story:
-    """What a design leads to beside its run; `known`: states had x been known; the map belongs to the values in `key`."""
+class OwnStudy:
+    """What a design leads to beside its run; `known`: states had x been known; `values`: the map, once it is there."""
 
     known: Run
-    key: tuple[Any, ...]
     values: np.ndarray | None = None
 
 
@@ -60,11 +61,6 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     )
 
 
-def depends(design: Design) -> tuple[Any, ...]:
-    """The design values on which the map depends; the start is not among them."""
-    return tuple(design[name] for name in ("fed", "u_max", "controller_poles", "observer_poles"))
-
-
 def scenario_of(model: Model, design: Design, K: np.ndarray, L: np.ndarray) -> Scenario:
     """The clipped loop from the design's own start."""
     x0 = design["start"] * np.array(model.x0)
@@ -83,7 +79,7 @@ def _scale(model: Model) -> np.ndarray:
     return np.array([abs(v) or 1.0 for v in model.x0])
 
 
-def compute(model: Model, design: Design) -> Outcome:
+def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
     """One clipped run, the same start with a known state, and what the error was promised."""
     plant = model.plant
     K, L = feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
@@ -109,7 +105,7 @@ def compute(model: Model, design: Design) -> Outcome:
                 Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T)))
     return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, run,
                    pole_boards(model, design, poles["controller"], poles["observer"], plant.A - L @ plant.C), stage(model, run), formulas,
-                   _live(design, metrics), Story(ideal, depends(design)))
+                   _live(design, metrics), OwnStudy(ideal))
 
 
 def _live(design: Design, m: Mapping[str, float]) -> Text:
@@ -121,7 +117,7 @@ def _live(design: Design, m: Mapping[str, float]) -> Text:
     return Text(end.en + limit.en + wall.en, end.zh + limit.zh + wall.zh)
 
 
-def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
+def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
     """Two signals, error and input, and the map of starts."""
     run, story, limit = outcome.run, outcome.study, outcome.design["u_max"]
     assert run is not None
@@ -134,7 +130,7 @@ def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
 
 
 # --- the map -------------------------------------------------------------------------------------------------------------
-def _map(outcome: Outcome) -> MapFigure:
+def _map(outcome: Outcome[OwnStudy]) -> MapFigure:
     story, design = outcome.study, outcome.design
     values = np.full((len(GRID), len(GRID)), UNKNOWN) if story.values is None else story.values
     done = float(np.mean(values != UNKNOWN))
@@ -161,7 +157,7 @@ def turned(model: Model, scenario: Scenario) -> Scenario:
                    horizon=model.horizon, dt=model.horizon / STEPS)
 
 
-def find_starts(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
+def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[float, np.ndarray | None]]:
     """The job: which starts come home, some rows of errors at a time; the loop is odd, so half of them are mirrored."""
     worst = max(float(np.real(outcome.poles[name]).max()) for name in ("controller", "observer"))
     if worst >= 0:
@@ -169,30 +165,27 @@ def find_starts(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome
                              "can be moved.",
                              "有极点不在左半平面，没有初态能最终恢复；若它能移动，请先拖到左边。"))
     scenario = turned(model, scenario_of(model, outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    values = np.full((len(GRID), len(GRID)), UNKNOWN)
+    values, known = np.full((len(GRID), len(GRID)), UNKNOWN), None
     up = np.flatnonzero(GRID >= 0)
     for k in range(STRIDE):
         rows = up[k::STRIDE]
         recovered = np.zeros((len(GRID), len(rows)), dtype=bool)
         for fraction, found in recovery_map(scenario, 0, GRID, 0, GRID[rows], threshold=NEAR, bound=FAR, slice_seconds=SLICE):
             recovered = found.recovered
-            yield (k + fraction) / STRIDE, outcome
+            yield (k + fraction) / STRIDE, known
         values = values.copy()
         values[rows] = np.where(recovered.T, 0, 1)
         values[len(GRID) - 1 - rows] = values[rows][:, ::-1]
-        outcome = replace(outcome, study=replace(outcome.study, values=values))
-    yield 1.0, outcome
+        known = values
+    yield 1.0, known
 
 
-def carry(before: Outcome, after: Outcome) -> Outcome:
-    """The map goes over where only the start has changed."""
-    old, new = before.study, after.study
-    if old.values is None or old.key != new.key or new.values is not None or before.design.plant != after.design.plant:
-        return after
-    return replace(after, study=replace(new, values=old.values))
+def with_map(outcome: Outcome[OwnStudy], values: np.ndarray) -> Outcome[OwnStudy]:
+    """The outcome with the map in it."""
+    return replace(outcome, study=replace(outcome.study, values=values))
 
 
-def pick(outcome: Outcome, x: float, y: float) -> Mapping[str, Any]:
+def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, Any]:
     """A click on the map: the start of the nearest cell, without a kick."""
     if not (np.isfinite(x) and np.isfinite(y)):
         raise KnobError(Text("That click is not on the map.", "点击不在地图之内。"))
@@ -203,5 +196,5 @@ def pick(outcome: Outcome, x: float, y: float) -> Mapping[str, Any]:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks speak of the pole and stay with it."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(Text("Map the starts that come home", "计算能恢复的初态地图"), partial(find_starts, model)),
-                   carry=carry, pick=pick)
+                   job=Job(Text("Map the starts that come home", "计算能恢复的初态地图"), partial(find_starts, model), depends, with_map),
+                   pick=pick)

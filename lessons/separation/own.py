@@ -17,7 +17,9 @@ from app.text.words import Text
 from ..toolkit.gains import sizes, sped
 from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
 from ..toolkit.tasks import fair
-from .lesson import Setting, compute, fast_observer, figures
+from .figures import figures
+from .study import Setting, compute
+from .tasks import fast_observer
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:

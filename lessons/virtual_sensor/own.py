@@ -22,14 +22,16 @@ from ..toolkit.figures import TIME_TAB
 from ..toolkit.gains import injection, sizes, sped
 from ..toolkit.knobs import kicks, run_knobs
 from ..toolkit.latex import gain_words, number
-from .lesson import COPY, ERROR_TAB, MOST_TRUST, OBSERVER, TRUE, TRUST_TAB, checks_of
+from .figures import COPY, ERROR_TAB, OBSERVER, TRUE, TRUST_TAB
+from .knobs import MOST_TRUST
+from .study import checks_of
 
 KNOWN = 0.05  # of the first error: below this a signal counts as known
 FEW, MANY = 13, 41  # points of the locus, for many states and for few
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class OwnStudy:
     """What the figures need beside the observer's run."""
 
     copy: Run
@@ -64,7 +66,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     )
 
 
-def compute(model: Model, design: Design) -> Outcome:
+def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
     """One run each of observer and copy; the copy's figures end where the observer's run does."""
     belief, truth = model.plant, sped(model.plant, design["mismatch"])
     full = injection(belief, design["observer_poles"], model)
@@ -78,7 +80,7 @@ def compute(model: Model, design: Design) -> Outcome:
         impulses=kicks(design, model), seed=int(design["seed"]))
     run, copy = simulate(watched), simulate(replace(watched, L=None))
     poles = sorted_poles(belief.A - L @ belief.C)
-    seen = Seen(copy, _locus(belief, full), _secret(model))
+    seen = OwnStudy(copy, _locus(belief, full), _secret(model))
     error, alone = (seen.secret.of(r.e) for r in (run, copy))
     metrics = {
         "slowest_observer": float(poles.real.max()), "slowest_copy": float(np.real(belief.poles).max()),
@@ -131,7 +133,7 @@ def _live(m: dict[str, float]) -> Text:
                 f"误差最慢的模态：副本 {theirs}，观测器 {ours}（每秒）。{doubt.zh}")
 
 
-def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
+def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
     """A signal that nothing measures, an output, the input; the errors and what the observer hears; poles over trust."""
     run, seen = outcome.run, outcome.study
     assert run is not None
@@ -167,7 +169,7 @@ def _input(model: Model, run: Run) -> TimeFigure:
                                                               f"接通时为 {np.max(run.u_applied):.3g} {model.input_unit}，其余为零。"))
 
 
-def _errors(outcome: Outcome, run: Run) -> TimeFigure:
+def _errors(outcome: Outcome[OwnStudy], run: Run) -> TimeFigure:
     copy = outcome.study.copy
     last = min(len(run.t), len(copy.t))
     ours, theirs = (np.linalg.norm(r.e[:last], axis=1) for r in (run, copy))
@@ -190,13 +192,13 @@ def _heard(model: Model, run: Run) -> TimeFigure:
                                    f"传感器 {name.zh} 的读数减预测；最后十分之一时间内最多 {_late(heard):.2g}。"))
 
 
-def _plane(model: Model, outcome: Outcome) -> PlaneFigure:
+def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
     window = model.observer_window
     points = [Point(float(p.real), float(p.imag), "muted", "dot") for row in outcome.study.poles[1:] for p in row
               if abs(p) < 3 * max(-window.re_low, window.im_high)]
     points += [Point(float(p.real), float(p.imag), "second", "circle") for p in outcome.poles["copy"]]
     points += [Point(float(p.real), float(p.imag), "estimate") for p in outcome.poles["observer"]]
-    stable = np.all(outcome.study.poles.real < 0, axis=1)
+    stable = np.all(np.real(outcome.study.poles) < 0, axis=1)
     trusts = np.linspace(0.0, MOST_TRUST, len(stable))
     shaky = np.flatnonzero(~stable)
     need = (Text("Every trust up to 2 is forgiven here.", "这里从 0 到 2 的每个 θ 都行。") if not len(shaky) else

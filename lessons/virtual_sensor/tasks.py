@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Verdict
-from app.plants import chip
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
-TAME, RUNAWAY, HORIZON = chip.MODEL.id, chip.RUNAWAY.id, chip.MODEL.horizon
+from .knobs import HORIZON, RUNAWAY, TAME
+from .study import Study
 
 
-def feel_the_core(outcome: Outcome) -> Verdict:
+def feel_the_core(outcome: Outcome[Study]) -> Verdict:
     """The core within 1 K after 2.2 s, from the given start, with the right model and a quiet sensor."""
     d, after = outcome.design, outcome.metrics["known_after"]
     if d["guess_core"] or d["guess_case"] or d["air_error"] or d["noise"] or d["plant"] != TAME:
@@ -28,7 +28,7 @@ def feel_the_core(outcome: Outcome) -> Verdict:
                                f"误差小于 1 K：{late.zh}；应不晚于 2.2 s。"))
 
 
-def tame_the_runaway(outcome: Outcome) -> Verdict:
+def tame_the_runaway(outcome: Outcome[Study]) -> Verdict:
     """The runaway chip, watched with a small gain."""
     m, d = outcome.metrics, outcome.design
     if d["plant"] != RUNAWAY or d["guess_core"] or d["guess_case"]:
@@ -45,7 +45,7 @@ def tame_the_runaway(outcome: Outcome) -> Verdict:
                                "（不超过 0.5 K）。"))
 
 
-def lucky_copy(outcome: Outcome) -> Verdict:
+def lucky_copy(outcome: Outcome[Study]) -> Verdict:
     """The copy of the runaway chip right from start to end."""
     m = outcome.metrics
     if outcome.design["plant"] != RUNAWAY:
@@ -58,7 +58,7 @@ def lucky_copy(outcome: Outcome) -> Verdict:
                                f"开环副本最多差 {worst:.3g} K；应始终不超过 0.5 K。"))
 
 
-def wrong_fan(outcome: Outcome) -> Verdict:
+def wrong_fan(outcome: Outcome[Study]) -> Verdict:
     """A right core in spite of a wrong fan: the core's entry of L is 1."""
     d, error = outcome.design, outcome.metrics["core_error"]
     if abs(d["air_error"]) < 30 or d["plant"] != TAME or d["power"] < 10 or d["noise"]:
@@ -79,3 +79,11 @@ def exam(seed: int) -> ExamItem:
     rng = np.random.default_rng(seed)
     a, t = float(rng.integers(2, 10)) / 10, float(rng.integers(2, 9)) / 2
     return ExamItem({"a": f"{a:g}", "t": f"{t:g}"}, a + float(np.log(10.0)) / t, 0.01)
+
+
+TASKS = (
+    Task("feel-the-core", feel_the_core, {"observer_poles": (-3.0, -3.5)}),
+    Task("tame-the-runaway", tame_the_runaway, {"plant": RUNAWAY, "trust": 0.1}),
+    Task("lucky-copy", lucky_copy, {"plant": RUNAWAY, "guess_core": 12.0, "guess_case": 6.0}),
+    Task("wrong-fan", wrong_fan, {"air_error": 40.0, "trust": 0.21}),
+)

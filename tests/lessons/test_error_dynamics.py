@@ -10,8 +10,10 @@ from mpmath import expm, matrix
 
 from app.lesson.figures import columns
 from app.lesson.knobs import KnobError
-from lessons.error_dynamics.lesson import DT, HORIZON, LESSON, PLANT, force
-from lessons.error_dynamics.notes import PRINTED_MATRIX, notes_figures, printed_model, taken_at_its_word
+from lessons.error_dynamics.knobs import DT, HORIZON
+from lessons.error_dynamics.lesson import LESSON
+from lessons.error_dynamics.notes import PLANT, PRINTED_MATRIX, notes_figures, printed_model, taken_at_its_word
+from lessons.error_dynamics.study import force
 from lessons.error_dynamics.tasks import exam
 
 INPUTS = ({"input": "none"}, {"input": "step", "amplitude": 2.0}, {"input": "sine", "frequency": 0.16},

@@ -15,14 +15,14 @@ from lessons.observability.cases import CASES, READING, sensed
 from lessons.observability.criteria import DET, GRAMIAN, PBH, RANK
 from lessons.observability.knowledge import KNOWN, learn
 from lessons.observability.lesson import LESSON
-from lessons.observability.verdict import Found, judged
+from lessons.observability.study import Study, judged
 
 
 def outcome(**changes):
     return LESSON.compute(LESSON.apply(LESSON.start(), changes))
 
 
-def found(**changes) -> Found:
+def found(**changes) -> Study:
     return outcome(**changes).study
 
 

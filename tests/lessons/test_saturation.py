@@ -11,9 +11,23 @@ from scipy.linalg import expm
 from app.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
 from app.engine.simulation import recovery_map
 from app.lesson.lesson import Design, Outcome
-from lessons.saturation.lesson import FAST, LESSON, PLANT, scenario_of
-from lessons.saturation.runs import FALLEN, comes_home, march
-from lessons.saturation.starts import FAR, GRID, HOME, HOPELESS, NEAR, UNKNOWN, ceiling, map_scenario
+from lessons.saturation.job import JOB, map_scenario
+from lessons.saturation.lesson import LESSON
+from lessons.saturation.study import (
+    FALLEN,
+    FAR,
+    GRID,
+    HOME,
+    HOPELESS,
+    NEAR,
+    PLANT,
+    UNKNOWN,
+    ceiling,
+    comes_home,
+    march,
+    scenario_of,
+)
+from lessons.saturation.tasks import FAST
 
 
 def design(**changes: object) -> Design:
@@ -21,7 +35,7 @@ def design(**changes: object) -> Design:
 
 
 def mapped(**changes: object) -> Outcome:
-    *_, (fraction, outcome) = LESSON.job.outcomes(LESSON.compute(design(**changes)))
+    *_, (fraction, outcome) = JOB.outcomes(LESSON.compute(design(**changes)))
     assert fraction == 1.0
     return outcome
 
@@ -162,7 +176,7 @@ def test_click_outside_lands_on_the_edge_and_removes_the_kick(told_wish: Outcome
 def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
     final = told_wish.study.starts.values
     seen, last = [], 0.0
-    for fraction, outcome in LESSON.job.outcomes(LESSON.compute(told_wish.design)):
+    for fraction, outcome in JOB.outcomes(LESSON.compute(told_wish.design)):
         assert last <= fraction <= 1.0
         last = fraction
         if outcome.study.starts is not None:
@@ -174,10 +188,11 @@ def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
 
 def test_the_map_goes_along_with_a_new_start_and_with_nothing_else(told_truth: Outcome) -> None:
     moved = LESSON.compute(design(fed="applied", angle0=-3.0, error0=1.0, kick=1.0))
-    assert LESSON.carry(told_truth, moved).study.starts is told_truth.study.starts
+    assert JOB.key(moved.design) == JOB.key(told_truth.design)
+    assert JOB.shown(moved, told_truth.study.starts).study.starts is told_truth.study.starts
     for change in ({"fed": "commanded"}, {"u_max": 5.0}, {"observer_poles": FAST}, {"controller_poles": (-2, -2.5, -3, -4)}):
         other = LESSON.compute(LESSON.apply(told_truth.design, change))
-        assert LESSON.carry(told_truth, other) is other
+        assert JOB.key(other.design) != JOB.key(told_truth.design)
         assert np.all(LESSON.figures(other)[-1].values == UNKNOWN)
 
 
@@ -185,17 +200,17 @@ def test_a_dropped_job_goes_on_where_it_was(told_wish: Outcome) -> None:
     def parts(job: Iterator[tuple[float, Outcome]]) -> Iterator[Outcome]:
         return (outcome for _, outcome in job if outcome.study.starts is not None)
 
-    half = next(o for o in parts(LESSON.job.outcomes(LESSON.compute(told_wish.design))) if o.study.starts.done > 0.5)
-    moved = LESSON.carry(half, LESSON.compute(LESSON.apply(told_wish.design, {"angle0": 1.0})))
+    half = next(o for o in parts(JOB.outcomes(LESSON.compute(told_wish.design))) if o.study.starts.done > 0.5)
+    moved = JOB.shown(LESSON.compute(LESSON.apply(told_wish.design, {"angle0": 1.0})), half.study.starts)
     assert 0.5 < moved.study.starts.done < 1
-    first, *_ = rest = list(LESSON.job.outcomes(moved))
+    first, *_ = rest = list(JOB.outcomes(moved))
     assert first[0] > 0.5 and first[1].study.starts.done >= moved.study.starts.done
     assert np.array_equal(rest[-1][1].study.starts.values, told_wish.study.starts.values)
 
 
 def test_unstable_poles_have_no_map_but_a_sentence() -> None:
     with pytest.raises(ValueError, match="left half plane"):
-        next(LESSON.job.outcomes(LESSON.compute(design(observer_poles=(1, -8, -9, -10)))))
+        next(JOB.outcomes(LESSON.compute(design(observer_poles=(1, -8, -9, -10)))))
 
 
 # --- runs, tasks, exam ---------------------------------------------------------------------------------------------

@@ -12,8 +12,10 @@ from scipy.linalg import expm
 
 from app.lesson.figures import columns
 from app.plants import MODELS
-from lessons.virtual_sensor.lesson import LESSON, burst, least_trust
-from lessons.virtual_sensor.tasks import RUNAWAY, exam
+from lessons.virtual_sensor.knobs import RUNAWAY
+from lessons.virtual_sensor.lesson import LESSON
+from lessons.virtual_sensor.study import burst, least_trust
+from lessons.virtual_sensor.tasks import exam
 
 
 def outcome(**changes):

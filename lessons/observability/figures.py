@@ -1,4 +1,4 @@
-"""Figures of the lesson: O and its rank, the rebuilt start, the shrinking ellipse, distances and criteria."""
+"""The figures of lesson 3: O and its rank, the rebuilt start, the shrinking ellipse, distances and criteria."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from ..toolkit.latex import pole_words
 from .cases import label, shown, unit
 from .criteria import DET
 from .knowledge import REACH
+from .study import NEAR, Study
 from .sweep import LOWEST, Sweep, decades
-from .verdict import NEAR, Found
 
 MATRIX_TAB, CLOUD_TAB, MODES_TAB = Text("Matrix", "矩阵"), Text("Ellipsoid", "椭球"), Text("Modes", "模态")
 CIRCLE = np.linspace(0.0, 2 * np.pi, 73)
@@ -24,16 +24,15 @@ MOST_STATES = 8  # rows of the table of states
 YES, NO, MUTE = Text("yes", "是"), Text("no", "否"), Text("says nothing", "无从谈起")
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     found, design = outcome.study, outcome.design
-    assert isinstance(found, Found)
     return (_matrix(found), _sizes(found, design["tolerance"]), _start(found),
             _ellipses(found), _halves(found), _energy(found),
             _modes(found), *(() if found.sweep is None else (_sweep(found.sweep, found),)), _criteria(found, design["criterion"]))
 
 
-def _matrix(found: Found) -> MatrixFigure:
+def _matrix(found: Study) -> MatrixFigure:
     built, plant = found.rebuilt, found.sensed.plant
     names = tuple(("C" if k == 0 else "CA" if k == 1 else f"CA^{k}") for k in range(built.rows) for _ in range(plant.p))
     return MatrixFigure(
@@ -43,7 +42,7 @@ def _matrix(found: Found) -> MatrixFigure:
                      f"已构造 {built.rows}/{plant.n} 个块行：在此容差下秩为 {built.rank}/{plant.n}。"))
 
 
-def _sizes(found: Found, rtol: float) -> PlaneFigure:
+def _sizes(found: Study, rtol: float) -> PlaneFigure:
     built, n = found.rebuilt, found.sensed.plant.n
     top = built.sizes[0] if built.sizes[0] > 0 else 1.0
     levels = decades(built.sizes / top)
@@ -63,7 +62,7 @@ def _value(value: float) -> str:
     return f"{value:.4g}".replace("-", "−")
 
 
-def _start(found: Found) -> TableFigure:
+def _start(found: Study) -> TableFigure:
     case, built, n = found.case, found.rebuilt, found.sensed.plant.n
     every = tuple(range(n))
     true, guess = shown(case, found.start, every), shown(case, built.guess, every)
@@ -81,7 +80,7 @@ def _start(found: Found) -> TableFigure:
                      f"x(0) 还有 {left} 个方向未定；重构的初态偏差为其大小的 {gap:.2g} 倍。"))
 
 
-def _ellipses(found: Found) -> PlaneFigure:
+def _ellipses(found: Study) -> PlaneFigure:
     case, s, belief = found.case, found.sensed, found.belief
     pair = case.pair
     curves, last = [], len(s.t) - 1
@@ -106,7 +105,7 @@ def _ellipses(found: Found) -> PlaneFigure:
                      f"{s.t[-1]:.2g} s 之后，整个椭球最长的半轴为起初的 {drop[0]:.2g}，最短的为 {drop[-1]:.2g}。"))
 
 
-def _halves(found: Found) -> TimeFigure:
+def _halves(found: Study) -> TimeFigure:
     s, halves = found.sensed, found.belief.halves
     n = s.plant.n
     kept = np.unique(np.linspace(0, n - 1, min(n, 6)).round().astype(int))
@@ -121,7 +120,7 @@ def _halves(found: Found) -> TimeFigure:
                      f"{n} 根半轴中有 {found.belief.known} 根缩到十分之一；停在 1 的半轴完全没有被听到。"))
 
 
-def _energy(found: Found) -> TimeFigure:
+def _energy(found: Study) -> TimeFigure:
     s = found.sensed
     least, most = s.heard[:, 0], s.heard[:, -1]
     return TimeFigure(
@@ -137,7 +136,7 @@ def _bar(mode: Mode) -> str:
     return f"{mode.distance:.2g} " + "▮" * max(1, round(6 + 1.5 * np.log10(max(mode.distance, 1e-9))))
 
 
-def _modes(found: Found) -> TableFigure:
+def _modes(found: Study) -> TableFigure:
     table, counts = [], {"hidden": 0, "near": 0}
     for mode in found.sensed.seen.modes:
         if mode.pole.imag < -1e-9:
@@ -156,7 +155,7 @@ def _modes(found: Found) -> TableFigure:
                      f"隐藏 {counts['hidden']} 个，几乎隐藏 {counts['near']} 个；而 rank(O) = {found.rank}/{n}。"))
 
 
-def _sweep(sweep: Sweep, found: Found) -> PlaneFigure:
+def _sweep(sweep: Sweep, found: Study) -> PlaneFigure:
     now = float(decades(np.array([found.weakest.distance]))[0])
     best = float(sweep.along[np.argmax(sweep.distance)])
     words = (f"{10**best:.2g}" if sweep.log else f"{best:.3g}").replace("-", "−")
@@ -173,7 +172,7 @@ def _sweep(sweep: Sweep, found: Found) -> PlaneFigure:
         Text("Some mode stays hidden wherever this knob stands.", "不论这个旋钮在哪里，总有模态是隐藏的。"))
 
 
-def _criteria(found: Found, chosen: str) -> TableFigure:
+def _criteria(found: Study, chosen: str) -> TableFigure:
     table = tuple((Text(f"{'▶ ' if c.id == chosen else ''}{c.text.en}", f"{'▶ ' if c.id == chosen else ''}{c.text.zh}"),
                    c.number, MUTE if c.says is None else YES if c.says else NO) for c in found.criteria)
     pick = next(c for c in found.criteria if c.id == chosen)

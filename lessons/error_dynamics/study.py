@@ -1,0 +1,162 @@
+"""What a design of lesson 2 leads to: one run with the chosen force and one without any."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.engine import Plant, Scenario, observer_gain, simulate
+from app.engine.simulation import Run
+from app.engine.systems import sorted_poles
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome
+from app.plants import Model
+from app.text.words import Text, same
+
+from ..toolkit.boards import bolts, listed, stage
+from ..toolkit.figures import settle_time
+from ..toolkit.knobs import kicks
+from ..toolkit.latex import gain_words, matrix
+from .knobs import DT, HORIZON, MODEL, NUMBERS, POLES, PRINTED
+from .notes import PLANT, PRINTED_GAIN, poles_of, printed_model
+
+HOLD = 20  # steps for which a random force is held
+ROUNDING = 1e-9  # an error moved by less than this share of the state is moved by rounding alone
+NOTHING = 1e-12  # a state moved by less has not been pushed at all
+PRINTED_MODEL = printed_model()
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """The plant of the lesson, what is believed of it and the gain in a design, the first guess, how long it runs.
+
+    `notes`: whether the page of the notes is about this plant. `whose`: what the left board is called.
+    """
+
+    model: Model
+    horizon: float
+    dt: float
+    belief: Callable[[Design], Plant]
+    gain: Callable[[Design], np.ndarray]
+    guess: Callable[[Design], tuple[float, ...]]
+    parts: tuple[tuple[Text, str], ...]  # names of the first two errors, and the unit
+    whose: Text
+    notes: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """The same run without any input, and the matrix that drives the error."""
+
+    quiet: Run
+    error: np.ndarray
+
+
+def force(design: Design, horizon: float = HORIZON, dt: float = DT) -> np.ndarray:
+    """The force over the run (n_t,) in N, held between grid points."""
+    t = dt * np.arange(round(horizon / dt) + 1)
+    kind, size = design["input"], design["amplitude"]
+    if kind == "step":
+        return np.full(len(t), size)
+    if kind == "sine":
+        return size * np.sin(2 * np.pi * design["frequency"] * t)
+    if kind == "square":
+        return np.where((t * design["frequency"]) % 1.0 < 0.5, size, -size)
+    if kind == "random":
+        rng = np.random.default_rng(int(design["seed"]))
+        return np.repeat(rng.uniform(-size, size, len(t) // HOLD + 1), HOLD)[:len(t)]
+    if kind == "hand" and design["hand"]:
+        times, values = np.array(design["hand"]).T
+        return np.concatenate([[0.0], values])[np.searchsorted(times, t + 1e-9 * dt, side="right")]
+    return np.zeros(len(t))
+
+
+def gain(design: Design) -> np.ndarray:
+    """L (2×1): from the poles, typed, or as the notes print it."""
+    if design["method"] == PRINTED:
+        return PRINTED_GAIN
+    if design["method"] == NUMBERS:
+        return np.array([[design["l1"]], [design["l2"]]])
+    return observer_gain(PLANT.A, PLANT.C, design["observer_poles"]).gain
+
+
+BLOCK = Setting(
+    MODEL, HORIZON, DT, lambda design: PRINTED_MODEL if design["method"] == PRINTED else PLANT, gain,
+    lambda design: (design["guess_q"], design["guess_v"]), ((same("e₁"), "m"), (same("e₂"), "m/s")),
+    Text("the block's own poles  eig(A)", "滑块自身的极点  eig(A)"), notes=True)
+
+
+def compute(here: Setting, design: Design) -> Outcome[Study]:
+    """One run with the chosen force and one without any, from the same start and with the same kick."""
+    model, plant = here.model, here.model.plant
+    L, belief = here.gain(design), here.belief(design)
+    error = belief.A - L @ belief.C
+    push = np.zeros((round(here.horizon / here.dt) + 1, plant.m))
+    push[:, 0] = force(design, here.horizon, here.dt)
+    steered = Scenario(plant, None, L, model=belief, x0=model.x0, xhat0=here.guess(design),
+                       horizon=here.horizon, dt=here.dt, reference=push, impulses=kicks(design, model))
+    run, quiet = simulate(steered), simulate(replace(steered, reference=None))
+    poles = poles_of(error) if plant.n == 2 else sorted_poles(error)
+    metrics = _metrics(run, quiet) | {"slowest_observer": float(np.max(np.real(poles)))}
+    checks = (
+        Check("independent", Text("the error does not depend on the input", "误差与输入无关"),
+              left_alone(metrics), metrics["error_moved"]),
+        Check("observer", Text("the error dies out by itself", "误差会自行消失"), metrics["slowest_observer"] < 0,
+              metrics["slowest_observer"]),
+    )
+    return Outcome(design, {"L": L}, {"observer": poles, "plant": plant.poles}, metrics, checks, run,
+                   _boards(here, design, poles, error), stage(model, run), _formulas(here, design, L, error), _live(metrics),
+                   Study(quiet, error))
+
+
+def _metrics(run: Run, quiet: Run) -> dict[str, float]:
+    count = min(len(run.t), len(quiet.t))
+    size = np.linalg.norm(run.e, axis=1)
+    settled = settle_time(run.t, size)
+    return {
+        "error_moved": float(np.max(np.abs(run.e[:count] - quiet.e[:count]))),
+        "state_moved": float(np.max(np.abs(run.x[:count] - quiet.x[:count]))),
+        "largest": float(max(np.max(np.abs(run.x)), np.max(np.abs(run.xhat)))),
+        "final_error": float(np.max(size[-max(len(size) // 10, 1):])), "largest_error": float(np.max(size)),
+        "settled_after": run.scenario.horizon + run.scenario.dt if settled is None else settled}
+
+
+def _boards(here: Setting, design: Design, poles: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
+    window, own = here.model.observer_window, here.model.plant.poles
+    shown = design["observer_poles"] if design["method"] == POLES else listed(poles)
+    return (
+        Board("plant", here.whose, listed(own), side="left", re_low=window.re_low, re_high=window.re_high,
+              im_high=window.im_high),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), shown, "observer_poles",
+              bolts(here.model.observer, window), role="estimate", side="right", re_low=window.re_low, re_high=window.re_high,
+              im_high=window.im_high, also=(("method", POLES),), landscape=error),
+    )
+
+
+def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -> tuple[Formula, ...]:
+    gain_now = Formula("L", gain_words("L", L))
+    if design["method"] != PRINTED:
+        return (Formula("law", r"\dot e = (A - LC)\,e"), gain_now, Formula("error", gain_words("A - LC", error)))
+    plant = here.model.plant
+    leak = plant.A - L @ plant.C - error
+    return (Formula("law", r"\dot e = M e + (A - LC - M)\,x"), gain_now, Formula("error", rf"M = {matrix(error)}"),
+            Formula("leak", rf"A - LC - M = {matrix(leak)}"))
+
+
+def _live(m: dict[str, float]) -> Text:
+    if m["state_moved"] <= NOTHING:
+        return Text("No input acts: plant and error are left to themselves.", "没有输入：对象和误差都各行其是。")
+    moved = f"{m['state_moved']:.2g}"
+    if not left_alone(m):
+        return Text(f"The input moves the state by up to {moved} and the error by up to {m['error_moved']:.2g}: the "
+                    "error is not left alone.",
+                    f"输入使状态最多改变 {moved}，使误差最多改变 {m['error_moved']:.2g}：误差受到了干扰。")
+    return Text(f"The input moves the state by up to {moved} and the error by {m['error_moved']:.0e}: rounding, nothing "
+                "else.",
+                f"输入使状态最多改变 {moved}，使误差改变 {m['error_moved']:.0e}：只是舍入误差。")
+
+
+def left_alone(m: Mapping[str, float]) -> bool:
+    """Whether the force moves the error by rounding alone."""
+    return m["error_moved"] <= ROUNDING * max(1.0, m["largest"])

@@ -1,0 +1,155 @@
+"""What a design of lesson 3 leads to, and what may honestly be said of it: never "rank n" alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from app.engine.structure import Mode
+from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
+from app.text.words import Text
+
+from ..toolkit.latex import matrix, number, pole_words
+from .bodies import body_of
+from .cases import CASES, Case, Sensed, sensed
+from .criteria import Criterion, criteria
+from .knobs import DECK, MANY
+from .knowledge import REACH, Belief, Rebuilt, learn, rebuild
+from .sweep import Sweep, sweep
+
+NEAR = 0.02  # a mode nearer than this to being hidden (in typical sizes) is called nearly hidden
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All that a design leads to; `rank` is that of the whole O at the tolerance; no sweep where no knob moves a sensor."""
+
+    case: Case
+    sensed: Sensed
+    rebuilt: Rebuilt
+    belief: Belief
+    start: np.ndarray
+    criteria: tuple[Criterion, ...]
+    weakest: Mode
+    rank: int
+    sweep: Sweep | None
+
+
+def judged(found: Study) -> str:
+    """hidden, near, unresolved or clear."""
+    if not found.sensed.seen.observable:
+        return "hidden"
+    if found.weakest.distance < NEAR:
+        return "near"
+    return "clear" if found.belief.known == found.sensed.plant.n else "unresolved"
+
+
+def _blocks(design: Design, n: int) -> int:
+    name = {DECK: "rows_deck", MANY: "rows_many"}.get(design["plant"], "rows_two")
+    return min(int(design[name]), n)
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """O and its rank, every mode's distance, x(0) from derivatives, and x(0) from noisy y over a growing window."""
+    case, s = CASES[design["plant"]], sensed(design)
+    n, seed = s.plant.n, int(design["seed"])
+    start = np.array(case.start[:n])
+    built = rebuild(s, start, _blocks(design, n), design["reading"], design["tolerance"], seed)
+    belief = learn(s, start, design["noise"], seed)
+    weakest = min(s.seen.modes, key=lambda m: (m.visible, m.distance))
+    full = s.seen.matrix_rank(design["tolerance"]) if s.seen.singular_values[0] > 0 else 0
+    found = Study(case, s, built, belief, start, criteria(s, full), weakest, full, sweep(design))
+    metrics = metrics_of(found)
+    return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
+                   stage=_stage(design, found), formulas=formulas_of(found), live=live_of(found, metrics), study=found)
+
+
+def cloud_of(found: Study) -> np.ndarray:
+    """Middle, half axes, rotation and truth of the drawn 95 % ellipsoid over time (n_t, 13): right, away, up."""
+    count = len(found.belief.mean)
+    cov, mean = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    truth = np.zeros(3)
+    places = [(axis, i) for axis, i in enumerate(found.case.drawn) if i is not None and i < len(found.start)]
+    axes, states = [a for a, _ in places], [i for _, i in places]
+    cov[:, np.array(axes)[:, None], axes] = found.belief.P[:, np.array(states)[:, None], states]
+    mean[:, axes] = found.belief.mean[:, states]
+    truth[axes] = found.start[states]
+    values, vectors = np.linalg.eigh(cov)
+    vectors = vectors * np.where(np.linalg.det(vectors) < 0, -1.0, 1.0)[:, None, None]
+    turns = Rotation.from_matrix(vectors).as_quat()[:, [3, 0, 1, 2]]
+    return np.hstack([mean, REACH[len(axes) - 1] * np.sqrt(np.maximum(values, 0.0)), turns, np.tile(truth, (count, 1))])
+
+
+def _stage(design: Design, found: Study) -> Stage:
+    """The plant along its free motion, its ghost along the estimate from the data so far, sensors, and the cloud."""
+    s, case = found.sensed, found.case
+    n = s.plant.n
+    if case.id == DECK:
+        extra = [design["left"], design["right"], *(float(design[f"{k}_on"]) for k in ("left", "right", "across"))]
+    else:
+        row = s.plant.C[0] / np.linalg.norm(s.plant.C[0])
+        extra = [0.0 if i is None or i >= n else float(row[i]) for i in case.drawn]
+    size = np.array(case.scale[:n])
+    tail = np.hstack([np.tile(extra, (len(s.t), 1)), cloud_of(found)])
+    true = np.hstack([s.powers @ found.start * size, tail])
+    guess = np.hstack([np.einsum("kij,kj->ki", s.powers, found.belief.mean) * size, tail])
+    return Stage(body_of(case.id, n), s.t, true, guess)
+
+
+def metrics_of(found: Study) -> dict[str, float]:
+    """The numbers of a design."""
+    s, n = found.sensed, found.sensed.plant.n
+    return {
+        "rank": float(found.rank), "states": float(n), "rows": float(found.rebuilt.rows), "rank_built": float(found.rebuilt.rank),
+        "weakest": found.weakest.distance if found.weakest.visible else 0.0, "hidden": float(n - s.seen.rank),
+        "known": float(found.belief.known), "longest": float(found.belief.halves[-1, 0]),
+        "rebuild_error": float(np.linalg.norm(found.rebuilt.guess - found.start) / np.linalg.norm(found.start)),
+        "least_energy": float(s.heard[-1, 0]),
+    }
+
+
+def checks_of(m: dict[str, float]) -> tuple[Check, ...]:
+    """What the rank says, and what the distances and the data say."""
+    return (
+        Check("rank", Text("rank(O) = n at this tolerance", "在此容差下 rank(O) = n"), m["rank"] == m["states"], m["rank"]),
+        Check("seen", Text("every mode leaves a trace", "每个模态都留下痕迹"), m["hidden"] == 0, m["weakest"]),
+        Check("clear", Text("no mode is nearly hidden", "没有几乎隐藏的模态"), m["weakest"] >= NEAR, m["weakest"]),
+        Check("known", Text("every direction of x(0) known to a tenth", "x(0) 的每个方向都确定到十分之一"),
+              m["known"] == m["states"], m["known"]),
+    )
+
+
+def formulas_of(found: Study) -> tuple[Formula, ...]:
+    """O as far as it is built, and what is solved with it."""
+    s, built = found.sensed, found.rebuilt
+    n, p, k = s.plant.n, s.plant.p, built.rows
+    power = "" if k == 1 else "A" if k == 2 else rf"A^{{{k - 1}}}"
+    last = built.matrix[-p:]
+    whole = (Formula("O", rf"\mathcal O_{{{k}}} = {matrix(built.matrix)}") if n == 2 else
+             Formula("O", rf"C{power} = {matrix(last)}") if n <= 6 else
+             Formula("O", rf"\left\| C{power} \right\| = {number(float(np.linalg.norm(last)))}"))
+    return (whole, Formula("solve", r"\mathcal O_k\, x(0) = \begin{bmatrix} y \\ \dot y \\ \vdots \end{bmatrix}_{t=0}"),
+            Formula("rank", rf"\mathrm{{rank}}\,\mathcal O_{{{k}}} = {built.rank}, \quad n = {n}"),
+            Formula("P", r"P(t) = \left( I + W(t)/v \right)^{-1}"))
+
+
+def live_of(found: Study, m: dict[str, float]) -> Text:
+    """One sentence on what is seen now."""
+    n, rank, known = int(m["states"]), int(m["rank"]), int(m["known"])
+    verdict, d = judged(found), f"{m['weakest']:.2g}"
+    if verdict == "hidden":
+        poles = pole_words([p for p in found.sensed.seen.unobservable if p.imag >= 0])
+        return Text(f"Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.",
+                    f"不能观：{poles} 在 y 中不留痕迹。确定到十分之一的方向：{known}/{n}。")
+    if verdict == "near":
+        mode = pole_words([complex(found.weakest.pole.real, abs(found.weakest.pole.imag))])
+        return Text(f"Nearly unobservable: the mode {mode} is {d} away from being hidden, while rank(O) = {rank} of {n}.",
+                    f"接近不能观：模态 {mode} 离隐藏只有 {d}，而 rank(O) = {rank}/{n}。")
+    if verdict == "unresolved":
+        return Text(f"No mode is hidden (nearest: {d}), yet this run fixes only {known} of {n} directions to a tenth; "
+                    f"rank(O) = {rank}.", f"没有隐藏模态（最近距离 {d}），但本次运行只把 {n} 个方向中的 {known} 个确定到十分之一；"
+                                          f"rank(O) = {rank}。")
+    return Text(f"Observable: the nearest mode is {d} from being hidden, and all {n} directions are known to a tenth.",
+                f"能观：最近的模态离隐藏 {d}，{n} 个方向全部确定到十分之一。")

@@ -1,0 +1,224 @@
+"""What a design of lesson 7 leads to: one clipped run, the same start with a known state, what the error was promised."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, replace
+from math import degrees, radians
+
+import numpy as np
+
+from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
+from app.engine.simulation import Run, separation_meter
+from app.lesson.lesson import Check, Design, Formula, Outcome
+from app.text.words import Text
+
+from ..toolkit.boards import pole_boards, stage
+from ..toolkit.gains import gains
+from ..toolkit.knobs import kicks
+from ..toolkit.latex import matrix
+from .knobs import APPLIED, HORIZON, MODEL
+
+PLANT = MODEL.plant
+DT = 0.02
+EXACT = 1e-9  # of the error's peak: how well ė = (A − LC)e must hold to count as exact
+ANGLE = 1  # index of the angle in the state
+NEAR = 0.05  # ‖x‖ at the horizon below which a start has come home (m, rad, m/s, rad/s)
+FAR = 20.0  # ‖x‖ beyond which it has not, whatever comes
+FALLEN = radians(45.0)  # where the linear pole counts as fallen
+PARTS = (0.5, 0.5, 1.0, 2.0, 4.0)  # s; a lost run is not followed past the part in which the pole falls
+SERIES = ("x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
+GRID = np.linspace(-20.0, 20.0, 41)  # degrees: angle across, error of its estimate upwards
+UNKNOWN, HOME, LOST, HOPELESS = -1, 0, 1, 2
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """Categories (n_error, n_angle) of the starts on GRID × GRID."""
+
+    values: np.ndarray
+
+    @property
+    def done(self) -> float:
+        """Share of the map that is known."""
+        return float(np.mean(self.values != UNKNOWN))
+
+    @property
+    def home(self) -> float:
+        """Share of the whole map that comes home."""
+        return float(np.mean(self.values == HOME))
+
+    def at(self, angle: float, error: float) -> int:
+        """The category of the start nearest to an angle and an error in degrees."""
+        return int(self.values[nearest(error), nearest(angle)])
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """One run as it is drawn: `shown` has every instant of the horizon, held once the pole has fallen.
+
+    `promised` is what ė = (A − LC)e says (n_t, n), `known` the states had x been known (n_t, n), `starts` the map.
+    """
+
+    shown: Run
+    promised: np.ndarray
+    known: np.ndarray
+    stopped: float | None
+    starts: Starts | None
+
+
+def nearest(value: float) -> int:
+    """Index of the grid line nearest to a value in degrees."""
+    return int(np.argmin(np.abs(GRID - value)))
+
+
+def start_state(angle: float, error: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """x(0) and x̂(0) of a resting cart whose pole leans by `angle` degrees and is believed at angle − error."""
+    return (0.0, radians(angle), 0.0, 0.0), (0.0, radians(angle - error), 0.0, 0.0)
+
+
+def ceiling(plant: Plant, u_max: float) -> float:
+    """The angle in degrees from which no |u| ≤ u_max can bring the resting plant back: |q·B| u_max / (λ |q_θ|).
+
+    q is the left eigenvector of the one unstable eigenvalue λ: d(q·x)/dt = λ q·x + q·B u cannot change sign beyond.
+    """
+    values, vectors = np.linalg.eig(plant.A.T)
+    unstable = np.flatnonzero(np.real(values) > 1e-9)
+    if len(unstable) != 1:
+        raise EngineError("The ceiling needs one unstable eigenvalue; this plant has {count}.", count=len(unstable))
+    q, rate = np.real(vectors[:, unstable[0]]), float(np.real(values[unstable[0]]))
+    return degrees(abs(float(q @ plant.B[:, 0])) * u_max / (rate * abs(q[ANGLE])))
+
+
+def depends(design: Design) -> tuple[Hashable, ...]:
+    """The design values on which the map depends; the start is not among them."""
+    return tuple(design[name] for name in ("fed", "u_max", "controller_poles", "observer_poles"))
+
+
+def scenario_of(design: Design, K: np.ndarray, L: np.ndarray, state_feedback: bool = False) -> Scenario:
+    """The clipped loop from the design's own start."""
+    x0, xhat0 = start_state(design["angle0"], design["error0"])
+    return Scenario(PLANT, K, L, x0=x0, xhat0=xhat0, horizon=HORIZON, dt=DT, u_min=-design["u_max"],
+                    u_max=design["u_max"], fed=design["fed"], state_feedback=state_feedback,
+                    impulses=kicks(design, MODEL), seed=int(design["seed"]))
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """One clipped run, the same start with a known state, and what the error was promised."""
+    K, L = gains(design, PLANT)
+    run = march(scenario_of(design, K, L))
+    shown, stopped = whole(run)
+    ideal = march(scenario_of(design, K, L, state_feedback=True))
+    known, _ = whole(ideal)
+    seen = until(run, stopped)
+    A, B, C = PLANT.A, PLANT.B, PLANT.C
+    inside = A - L @ C if design["fed"] == APPLIED else A - B @ K - L @ C
+    poles = {"controller": np.linalg.eigvals(A - B @ K), "observer": np.linalg.eigvals(A - L @ C),
+             "clipped": np.linalg.eigvals(inside)}
+    meter = separation_meter(seen)
+    metrics = {
+        "separation_meter": meter, "comes_home": float(comes_home(run)), "known_comes_home": float(comes_home(ideal)),
+        "stopped_at": HORIZON if stopped is None else stopped, "clipped_rate": float(np.max(np.real(poles["clipped"]))),
+        "clipped_for": DT * float(np.sum(np.abs(seen.u_asked) > design["u_max"] * (1 + 1e-9))),
+        "largest_asked": float(np.max(np.abs(seen.u_asked))), "ceiling": ceiling(PLANT, design["u_max"]),
+    }
+    story = Study(shown, autonomous_error(shown), known.x, stopped, None)
+    checks = (
+        Check("autonomous", Text("the error lives by itself, ė = (A − LC)e", "误差独自演化，ė = (A − LC)e"), meter < EXACT, meter),
+        Check("windup", Text("the compensator is stable while the force is clipped", "力被限幅时补偿器自身稳定"),
+              metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
+        Check("home", Text("this start comes home", "这一初态能恢复"), comes_home(run), float(np.linalg.norm(run.x[-1]))),
+    )
+    boards = pole_boards(MODEL, design, poles["controller"], poles["observer"])
+    return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, stage(MODEL, shown),
+                   _formulas(design, K, L, metrics), _live(design, metrics, stopped), story)
+
+
+def slowest(outcome: Outcome[Study], name: str) -> float:
+    return float(np.max(np.real(outcome.poles[name])))
+
+
+def amount(value: float) -> str:
+    """A number for a sentence; what has left every scale is only said to be large."""
+    return "> 1000" if value > 1000 else f"{value:.3g}" if value > 1e-9 else "0"
+
+
+def _formulas(design: Design, K: np.ndarray, L: np.ndarray, metrics: Mapping[str, float]) -> tuple[Formula, ...]:
+    told = design["fed"] == APPLIED
+    rate = metrics["clipped_rate"]
+    return (
+        Formula("error", r"\dot e = (A-LC)\,e" if told else r"\dot e = (A-LC)\,e + B\,(\mathrm{sat}\,u - u)"),
+        Formula("clipped", r"\dot{\hat x} = (A-LC)\,\hat x \pm B\,u_{\max} + L\,y" if told else
+                r"\dot{\hat x} = (A-BK-LC)\,\hat x + L\,y",
+                Text(f"The compensator while the force is clipped: rightmost eigenvalue {rate:.3g}.",
+                     f"力被限幅时的补偿器：最右特征值 {rate:.3g}。")),
+        Formula("K", rf"K = {matrix(K)}"),
+        Formula("L", rf"L^{{\mathsf T}} = {matrix(L.T)}"),
+    )
+
+
+def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -> Text:
+    meter, clipped = metrics["separation_meter"], metrics["clipped_for"]
+    home = bool(metrics["comes_home"])
+    end = (Text("The pole comes home.", "摆杆恢复直立。") if home else
+           Text("The pole does not come home.", "摆杆没有恢复。") if stopped is None else
+           Text(f"The pole falls: past 45° at {stopped:.2f} s.", f"摆杆倒下：{stopped:.2f} s 时越过 45°。"))
+    limit = Text(f" The force is clipped for {clipped:.2f} s.", f" 力被限幅共 {clipped:.2f} s。")
+    wall = (Text(" The error obeys A − LC all the same.", " 误差依然服从 A − LC。") if meter < EXACT else
+            Text(f" Separation meter {amount(meter)}: what the motor did not give drives the error.",
+                 f" 分离度量 {amount(meter)}：电机没有给出的那部分力在驱动误差。"))
+    return Text(end.en + limit.en + wall.en, end.zh + limit.zh + wall.zh)
+
+
+def march(scenario: Scenario) -> Run:
+    """The run of a scenario, part by part, ending early with the part in which the pole falls."""
+    parts: list[Run] = []
+    begin, x, xhat = 0.0, scenario.x0, scenario.xhat0
+    for length in PARTS:
+        end = begin + length
+        kicks = tuple((t - begin, jump) for t, jump in scenario.impulses
+                      if begin <= t < end or end >= scenario.horizon <= t)
+        part = simulate(replace(scenario, x0=x, xhat0=xhat, horizon=length, impulses=kicks))
+        parts.append(part)
+        begin, x, xhat = end, part.x[-1], part.xhat[-1]
+        if part.diverged_at is not None or np.abs(part.x[:, ANGLE]).max() > FALLEN:
+            break
+    series = {name: np.concatenate([*(getattr(p, name)[:-1] for p in parts[:-1]), getattr(parts[-1], name)])
+              for name in SERIES}
+    count = len(series["x"])
+    return Run(scenario, scenario.t[:count], **series, saturated=any(p.saturated for p in parts),
+               diverged_at=None if count == scenario.n_t else scenario.dt * count)
+
+
+def comes_home(run: Run) -> bool:
+    """The verdict of the map for one run: near rest at the horizon and never too far from it."""
+    size = np.linalg.norm(run.x, axis=1)
+    return run.diverged_at is None and float(size[-1]) < NEAR and float(np.max(size)) <= FAR
+
+
+def whole(run: Run) -> tuple[Run, float | None]:
+    """The run over every instant of its grid, and when the pole fell, if it did.
+
+    From the fall on everything is held. Where the estimate leaves all bounds before that, the force stays where it
+    was, at its limit, and the plant goes on under it.
+    """
+    s, x = run.scenario, run.x
+    count = s.n_t
+    over = np.flatnonzero(np.abs(x[:, ANGLE]) > FALLEN)
+    if run.diverged_at is not None and not len(over):
+        rest = simulate(Scenario(s.plant, x0=x[-1], reference=run.u_applied[-1], dt=s.dt,
+                                 horizon=s.dt * (count - len(x) + 1)))
+        x = np.vstack([x, rest.x[1:]])[:count]
+        over = np.flatnonzero(np.abs(x[:, ANGLE]) > FALLEN)
+    end = int(over[0]) if len(over) else count - 1
+    index = np.minimum(np.arange(count), min(end, len(x) - 1))
+    held = {name: getattr(run, name)[np.minimum(index, len(run.t) - 1)] for name in SERIES}
+    held["x"] = x[index]
+    held["e"] = held["x"] - held["xhat"]
+    return replace(run, t=s.t, **held), float(s.t[end]) if len(over) else None
+
+
+def until(run: Run, stopped: float | None) -> Run:
+    """The part of a run before the fall: where the numbers about it are taken."""
+    end = len(run.t) if stopped is None else max(int(np.searchsorted(run.t, stopped)), 2)
+    return replace(run, t=run.t[:end], **{name: getattr(run, name)[:end] for name in SERIES})

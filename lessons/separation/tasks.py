@@ -1,0 +1,69 @@
+"""The tasks of lesson 4 and its exam item."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+import numpy as np
+
+from app.engine.feedback import ClosedLoop
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.text.words import Text
+
+
+def _pairs(*upper: complex) -> tuple[complex, ...]:
+    return tuple(pole for p in upper for pole in (p, p.conjugate()))
+
+
+FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
+EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
+         "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
+
+
+def fast_observer(outcome: Outcome[ClosedLoop]) -> Verdict:
+    """The slowest observer pole at least three times as fast as the slowest controller pole."""
+    m = outcome.metrics
+    ratio = m["slowest_observer"] / m["slowest_controller"]
+    if m["slowest_controller"] >= 0 or m["slowest_observer"] >= 0:
+        return Verdict(False, Text("A pole is not in the left half plane.", "有极点不在左半平面。"))
+    if ratio >= 3:
+        return Verdict(True, Text(f"The slowest observer pole is {ratio:.1f} times as fast as the slowest controller pole.",
+                                  f"最慢观测器极点的实部是最慢控制器极点的 {ratio:.1f} 倍。"))
+    return Verdict(False, Text(f"The ratio of the slowest poles is {ratio:.1f}; it should be at least 3.",
+                               f"两组最慢极点之比为 {ratio:.1f}，应不小于 3。"))
+
+
+def _break_the_wall(outcome: Outcome[ClosedLoop]) -> Verdict:
+    meter, stable = outcome.metrics["separation_meter"], outcome.metrics["slowest_loop"] < 0
+    if meter >= 0.1 and stable:
+        return Verdict(True, Text(f"The meter reads {meter:.2f} and the loop is still stable.",
+                                  f"度量为 {meter:.2f}，闭环仍然稳定。"))
+    if not stable:
+        return Verdict(False, Text("The loop has become unstable; go back a little.", "闭环已经不稳定，请退回一些。"))
+    return Verdict(False, Text(f"The meter reads {meter:.2g}; bring it to 0.1.", f"度量为 {meter:.2g}，请使它达到 0.1。"))
+
+
+def _unstable_compensator(outcome: Outcome[ClosedLoop]) -> Verdict:
+    own = float(np.max(np.real(outcome.poles["compensator"])))
+    if own > 0 and outcome.metrics["slowest_loop"] < 0:
+        return Verdict(True, Text(f"The compensator has a pole with real part {own:+.3g}, and the loop is stable all the same.",
+                                  f"补偿器有实部为 {own:+.3g} 的极点，而闭环依然稳定。"))
+    return Verdict(False, Text(f"The compensator's rightmost pole is {own:.3g}; it must cross into the right half plane "
+                               "while the loop stays stable.",
+                               f"补偿器最右极点为 {own:.3g}；要让它进入右半平面而闭环保持稳定。"))
+
+
+def exam(seed: int) -> ExamItem:
+    """A double integrator, two poles on each board: the trace of the loop's matrix is the sum of all four."""
+    rng = np.random.default_rng(seed)
+    c = sorted(float(v) for v in rng.choice(np.arange(2, 9), 2, replace=False))
+    o = sorted(float(v) for v in rng.choice(np.arange(10, 20), 2, replace=False))
+    answer = -(c[0] + c[1] + o[0] + o[1])
+    return ExamItem({"c1": f"-{c[0]:g}", "c2": f"-{c[1]:g}", "o1": f"-{o[0]:g}", "o2": f"-{o[1]:g}"}, answer, 1e-6)
+
+
+TASKS = (
+    Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": FAST}),
+    Task("break-the-wall", _break_the_wall, {"stiffness_error": 15.0}),
+    Task("unstable-compensator", _unstable_compensator, EAGER),
+)

@@ -1,0 +1,157 @@
+"""What a design of lesson 1 leads to: the observer's gain on the believed chip, its run and that of an open-loop copy."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import Plant, Scenario, observer_gain, simulate
+from app.engine.simulation import Run
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome
+from app.plants import MODELS, chip
+from app.text.words import Text
+
+from ..toolkit.boards import listed, stage
+from ..toolkit.knobs import kicks
+from ..toolkit.latex import matrix, number
+from .knobs import DT, HORIZON, MOST_TRUST, RUNAWAY, WINDOW
+
+PERIOD, IDLE = 6.0, 0.25  # s of a burst of work and the rest after it; share of the power at rest
+KNOWN = 1.0  # K: a core error below this counts as known
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What the figures need beside the observer's run: the copy's run, and how the poles move with trust."""
+
+    copy: Run
+    trusts: np.ndarray
+    poles: np.ndarray  # (n_trusts, 2)
+
+
+@lru_cache(maxsize=128)
+def believed(plant: str, air_error: float) -> Plant:
+    """The chip as the copy and the observer believe it: the resistance from case to air off by a percentage."""
+    p = chip.Parameters()
+    return chip.plant(replace(p, outer=p.outer * (1 + air_error / 100)), chip.LEAKAGE if plant == RUNAWAY else 0.0)
+
+
+def burst(power: float) -> np.ndarray:
+    """The power over the run (n_t, 1) in W: work for half a period, a quarter of it for the other half."""
+    t = DT * np.arange(round(HORIZON / DT) + 1)
+    return np.where(t % PERIOD < PERIOD / 2 - 1e-9, power, IDLE * power)[:, None]
+
+
+def _poles_of(A: np.ndarray) -> np.ndarray:
+    """Both eigenvalues of 2×2 matrices (…, 2, 2), in an order that does not jump along a path."""
+    half = np.trace(A, axis1=-2, axis2=-1) / 2
+    root = np.sqrt((half**2 - np.linalg.det(A)).astype(complex))
+    return np.stack([half - root, half + root], axis=-1)
+
+
+def _trusts(model: Plant, L: np.ndarray) -> np.ndarray:
+    """Values of θ for the paths of both poles, crowded where they meet on the real axis and part from it.
+
+    There the discriminant of det(sI − A + θLC), a parabola in θ, is zero.
+    """
+    at = [np.trace(M) ** 2 - 4 * np.linalg.det(M) for M in (model.A - theta * (L @ model.C) for theta in (0.0, 1.0, 2.0))]
+    meet = np.roots([(at[2] - 2 * at[1] + at[0]) / 2, (4 * at[1] - at[2] - 3 * at[0]) / 2, at[0]])
+    near = np.concatenate([[0.0], *(sign * np.geomspace(1e-5, 0.03, 12) for sign in (-1, 1))])
+    close = (meet.real[np.abs(meet.imag) < 1e-9][:, None] + near).ravel()
+    return np.unique(np.concatenate([np.linspace(0.0, MOST_TRUST, 81), close[(close > 0) & (close < MOST_TRUST)]]))
+
+
+def least_trust(model: Plant, L: np.ndarray) -> float:
+    """The θ above which A − θLC is stable, given that it is so at θ = 1; 0 if the plant is stable by itself.
+
+    LC has rank one, so trace and determinant of A − θLC are straight lines in θ.
+    """
+    A, full = model.A, model.A - L @ model.C
+    lines = ((-np.trace(A), -np.trace(full)), (np.linalg.det(A), np.linalg.det(full)))
+    return float(max(0.0, *(start / (start - end) if start < 0 < end else 0.0 for start, end in lines)))
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """The observer's gain on the believed chip, and one run each of observer and copy on the true one.
+
+    Only the observer's run can end early, where badly chosen poles make it diverge; the copy's is the longer one.
+    """
+    model = MODELS[design["plant"]]
+    belief = believed(design["plant"], design["air_error"])
+    L_full = observer_gain(belief.A, belief.C, design["observer_poles"]).gain
+    L = design["trust"] * L_full
+    watched = Scenario(
+        model.plant, None, L, model=belief, x0=model.x0, xhat0=(design["guess_core"], design["guess_case"]),
+        horizon=HORIZON, dt=DT, reference=burst(design["power"]), V=design["noise"] ** 2 * DT if design["noise"] else None,
+        impulses=kicks(design, model), seed=int(design["seed"]))
+    run, copy = simulate(watched), simulate(replace(watched, L=None))
+    poles, own = np.sort_complex(_poles_of(belief.A - L @ belief.C)), belief.poles
+    trusts = _trusts(belief, L_full)
+    seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)))
+    metrics = _metrics(run, copy) | {
+        "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
+        "largest_gain": float(np.max(np.abs(L))), "least_trust": least_trust(belief, L_full)}
+    return Outcome(
+        design, {"L": L}, {"observer": poles, "copy": own}, metrics, checks_of(metrics), run,
+        _boards(design, poles, own, belief.A - L @ belief.C), stage(model, run), _formulas(belief, L, design["trust"]),
+        _live(metrics, run, copy), seen)
+
+
+def checks_of(metrics: dict[str, float]) -> tuple[Check, Check]:
+    """Whether the error of the observer and that of the copy die out."""
+    observer, copy = metrics["slowest_observer"], metrics["slowest_copy"]
+    return (Check("observer", Text("the observer forgets its wrong start", "观测器能忘掉错误的初值"), observer < 0, observer),
+            Check("copy", Text("the copy forgets its wrong start", "开环副本能忘掉错误的初值"), copy < 0, copy))
+
+
+def _metrics(run: Run, copy: Run) -> dict[str, float]:
+    core, of_copy = np.abs(run.e[:, 0]), np.abs(copy.e[:, 0])
+    tail = max(len(core) // 10, 1)
+    known = _known_after(run.t, core)
+    return {
+        "core_error": float(core[-tail:].max()), "copy_core_error": float(of_copy[-tail:].max()),
+        "largest_copy_error": float(of_copy.max()), "case_error": float(np.abs(run.e[-tail:, 1]).max()),
+        "known_after": HORIZON + DT if known is None else known, "largest_guess": float(np.max(np.abs(run.xhat[:, 0])))}
+
+
+def _known_after(t: np.ndarray, error: np.ndarray) -> float | None:
+    """From when on the core is known within KNOWN, None if it is not so at the end."""
+    off = np.flatnonzero(error >= KNOWN)
+    if not len(off):
+        return 0.0
+    return None if off[-1] == len(t) - 1 else float(t[off[-1] + 1])
+
+
+def _boards(design: Design, poles: np.ndarray, own: np.ndarray, error: np.ndarray) -> tuple[Board, Board]:
+    shown = listed(poles)
+    by_hand = design["observer_poles"] if design["trust"] == 1.0 else shown
+    return (
+        Board("copy", Text("the copy's poles  eig(A)", "开环副本的极点  eig(A)"), listed(own), role="second",
+              side="left", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), by_hand, "observer_poles",
+              role="estimate", side="right", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high,
+              also=(("trust", 1.0),), landscape=error),
+    )
+
+
+def _formulas(belief: Plant, L: np.ndarray, trust: float) -> tuple[Formula, ...]:
+    return (
+        Formula("observer", r"\dot{\hat x} = A\hat x + Bu + L\,(y - C\hat x)"),
+        Formula("L", rf"L = \theta L_1 = {matrix(L)},\quad \theta = {number(trust)}"),
+        Formula("error", rf"A - LC = {matrix(belief.A - L @ belief.C)}"),
+    )
+
+
+def _live(m: dict[str, float], run: Run, copy: Run) -> Text:
+    true, guess, other = (float(v) for v in (run.x[-1, 0], run.xhat[-1, 0], copy.xhat[len(run.t) - 1, 0]))
+    doubt = (Text(" The observer's error grows: L is too small for this chip.", " 观测器误差在增长：对这块芯片来说 L 太小。")
+             if m["slowest_observer"] >= 0 else Text("", ""))
+    return Text(f"At the end the core is {_kelvin(true)} above ambient; the observer says {_kelvin(guess)}, the copy "
+                f"{_kelvin(other)}.{doubt.en}",
+                f"末刻内核比环境高 {_kelvin(true)}；观测器说 {_kelvin(guess)}，开环副本说 {_kelvin(other)}。{doubt.zh}")
+
+
+def _kelvin(value: float) -> str:
+    return f"{value:.1f} K".replace("-", "−")
