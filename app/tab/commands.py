@@ -205,9 +205,16 @@ class Answer:
     question: object
 
 
+@dataclass(frozen=True)
+class Recalled:
+    """What the browser's tab kept before it was loaded again, None if nothing."""
+
+    text: str | None
+
+
 Playing = Play | Rewind | Seek | ChangeSpeed | Kick
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
 Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
-Paging = OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp | Answer
+Paging = OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp | Answer | Recalled
 Command = Playing | Designing | Studying | Paging
 Edit = SetKnobs | Command

@@ -19,6 +19,7 @@ class Desk:
     revealed: bool = False
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
     exam: Verdict | None = None
+    text: str = ""  # as it was last written down, for a reload
 
     def keep(self, state: State) -> None:
         """Take over what the tab's state says of this lesson."""
@@ -27,3 +28,14 @@ class Desk:
     def laid_out(self, state: State) -> State:
         """The tab's state with this lesson open, at the start of its run."""
         return replace(state, playing=False, t=0.0, predicted=self.predicted, revealed=self.revealed, tasks=self.tasks, exam=self.exam)
+
+    def take_back(self, old: Desk) -> bool:
+        """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.
+
+        False if it is the design that lies here already.
+        """
+        if self.predicted is None:
+            self.predicted, self.revealed = old.predicted, old.revealed
+        self.tasks = {**old.tasks, **self.tasks}
+        self.exam = self.exam or old.exam
+        return self.history.slip_in(old.history.design)

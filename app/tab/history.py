@@ -36,6 +36,15 @@ class History:
             self._at = len(self._designs) - 1
         self._key, self._time = key, now
 
+    def slip_in(self, design: Design) -> bool:
+        """Put a design one step of undo before the present one; False if it is the present one."""
+        if design == self.design:
+            return False
+        designs = [*self._designs[: self._at], design, *self._designs[self._at :]]
+        gone = max(len(designs) - DEPTH, 0)
+        self._designs, self._at, self._key = designs[gone:], self._at + 1 - gone, None
+        return True
+
     def save(self) -> tuple[tuple[Design, ...], int]:
         """Where the history stands, for `restore`."""
         return tuple(self._designs), self._at

@@ -12,6 +12,7 @@ from .commands import (
     LookFrom,
     OpenLesson,
     Paging,
+    Recalled,
     SetLanguage,
     ToggleHelp,
     ToggleLandscape,
@@ -20,6 +21,7 @@ from .commands import (
 )
 from .gate import number
 from .presenter import Presenter
+from .reload import recalled
 
 
 def obey(show: Presenter, command: Paging) -> None:
@@ -44,6 +46,8 @@ def obey(show: Presenter, command: Paging) -> None:
             show.view.open_help()
         case Answer(question):
             show.view.answer(number(question))
+        case Recalled(kept):
+            recalled(show, kept)
         case _:
             assert_never(command)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -99,8 +99,8 @@ class View(Protocol):
     def answer(self, question: float) -> None:
         """Say that all that was done before a question is shown."""
 
-    def recall(self) -> str | None:
-        """What `remember` kept in this tab before it was reloaded."""
+    def recall(self, answer: Callable[[str | None], object]) -> None:
+        """Ask for what `remember` kept in this tab before it was reloaded; the answer may come late, or never."""
 
     def remember(self, text: str) -> None:
         """Keep a text in the browser's tab."""

@@ -15,10 +15,10 @@ from ..lesson.lesson import Design, Lesson, Outcome
 from ..text import text, told
 from .commands import SetKnobs
 from .desk import Desk
+from .desks import Desks
 from .drafts import Drafts, Drawn, LongJob
-from .history import History
+from .memory import write_desk, write_memory
 from .picture import Picture, State, View
-from .state import read_tab, write_tab
 from .unexpected import kind_of
 
 log = logging.getLogger(__name__)
@@ -39,7 +39,9 @@ class Presenter:
         self.resting = True
         self.answered = 0  # the number of the edit that is being worked on, or was last
         self.last_edit = self.last_tick = clock()
-        self._desks: dict[str, Desk] = {}
+        self.desks = Desks(self.lessons)
+        self.touched = False  # whether the person has done anything yet
+        self.recalled = False  # whether it is known what the browser's tab kept
         self._drafts = Drafts()
         self._shown: Picture | None = None
 
@@ -57,7 +59,12 @@ class Presenter:
     @property
     def design(self) -> Design:
         """The present design, shown or about to be."""
-        return self._desk().history.design
+        return self.desk.history.design
+
+    @property
+    def desk(self) -> Desk:
+        """What belongs to the present lesson."""
+        return self.desks.of(self.lesson.id, lambda: self._first().start())
 
     # --- lessons ---------------------------------------------------------------------------------------------------
     def open(self) -> None:
@@ -69,9 +76,9 @@ class Presenter:
         except Exception:
             log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self.lesson.id)
             self.lesson = self.lessons[self.lesson.id]
-            self._desks[self.lesson.id] = Desk(History(self.lesson.start()))
+            self.desks.renew(self.lesson.id, self.lesson.start())
             drawn = self._draw(self.design)
-        self.state = self._desk().laid_out(self.state)
+        self.state = self.desk.laid_out(self.state)
         self.resting = True
         self._shown = self._make(self.design, drawn)
         self._lay_out(self._shown)
@@ -80,6 +87,7 @@ class Presenter:
         """Open another lesson; if it cannot be opened, the present one again."""
         if self.job.running:
             self.drop_job()
+        self._write_down()
         before, self.lesson = self.lesson, self.lessons[lesson]
         try:
             self.open()
@@ -99,11 +107,6 @@ class Presenter:
         self.view.show(picture)
         self.view.pose(self.state.t)
         self.remember()
-
-    def _desk(self) -> Desk:
-        if self.lesson.id not in self._desks:
-            self._desks[self.lesson.id] = Desk(History(self._first().start()))
-        return self._desks[self.lesson.id]
 
     def _first(self) -> Lesson:
         """The lesson as it opens first in this tab: the plant that was shown comes along where it fits."""
@@ -141,7 +144,7 @@ class Presenter:
 
     def adopt(self, design: Design, key: Hashable = None, held: bool = False) -> None:
         """Make a design the present one; whatever fails on the way, the last good one stays."""
-        history = self._desk().history
+        history = self.desk.history
         if design == history.design and self._shown is not None and design == self._shown.design:
             self.redraw()
             return
@@ -151,7 +154,7 @@ class Presenter:
 
     def walk(self, step: int) -> bool:
         """Undo or redo; False where there is nothing to."""
-        history = self._desk().history
+        history = self.desk.history
         before = history.save()
         if not history.move(step):
             return False
@@ -160,7 +163,7 @@ class Presenter:
 
     def _draw_present(self, before: tuple[tuple[Design, ...], int]) -> None:
         """Show the history's present design; if that fails, go back to where the history stood `before`."""
-        history, picture, resting, state, lesson = self._desk().history, self._shown, self.resting, self.state, self.lesson
+        history, picture, resting, state, lesson = self.desk.history, self._shown, self.resting, self.state, self.lesson
         try:
             self.lesson = self._lesson_for(history.design)
             drawn = self._draw(history.design)
@@ -199,7 +202,7 @@ class Presenter:
         before, self.state = self.state, state
         if state.playing and (not before.playing or state.t != before.t):
             self.last_tick = self.clock()
-        self._desk().keep(state)
+        self.desk.keep(state)
         self.redraw()
         if state != replace(before, playing=state.playing, t=state.t):
             self.remember()
@@ -243,20 +246,15 @@ class Presenter:
         return self._make(self.picture.design, (self.picture.outcome, self.picture.figures))
 
     def _make(self, design: Design, drawn: Drawn) -> Picture:
-        history = self._desk().history
+        history = self.desk.history
         self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
         return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered)
 
-    # --- reloads ---------------------------------------------------------------------------------------------------
-    def restore(self, text: str | None) -> None:
-        """Go on where this tab was before a reload; what cannot be read is left at its start."""
-        tab = read_tab(text, self.lessons)
-        if tab is None:
-            return
-        self.lesson = self.lessons[tab.design.lesson]
-        self.state = replace(self.state, language=tab.language, lecture=tab.lecture, plant=tab.plant)
-        self._desks[self.lesson.id] = Desk(History(tab.design), tab.predicted, tab.revealed)
-
     def remember(self) -> None:
-        """Keep in the browser's tab what a reload should bring back."""
-        self.view.remember(write_tab(self.lesson, self.design, self.state))
+        """Keep in the browser's tab what a reload should bring back, once it is known what is kept there already."""
+        if self.recalled:
+            self._write_down()
+            self.view.remember(write_memory(self.lesson.id, self.state, self.desks.written(self.lesson.id)))
+
+    def _write_down(self) -> None:
+        self.desk.text = write_desk(self.lesson, self.design, self.state)

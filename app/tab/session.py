@@ -17,10 +17,11 @@ from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
 from . import designing, paging, playing, studying
-from .commands import Command, Designing, Edit, Paging, Playing, Studying
+from .commands import Answer, Command, Designing, Edit, Paging, Playing, Recalled, Studying
 from .mailbox import Mailbox, grouped
 from .picture import Picture, State, View
 from .presenter import Presenter
+from .reload import PATIENCE, Recall, recalled
 from .worker import start_worker
 
 log = logging.getLogger(__name__)
@@ -40,6 +41,7 @@ class Session:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox = Mailbox()
         self._show = Presenter(lessons, view, lesson, State(language=language, exam_seed=exam_seed, plant=plant), clock)
+        self._recall = Recall(self._show, lambda text: self.post(Recalled(text)))
 
     # --- outside ---------------------------------------------------------------------------------------------------
     def post(self, edit: Edit) -> int:
@@ -61,8 +63,8 @@ class Session:
 
     # --- the worker ------------------------------------------------------------------------------------------------
     def restore(self, text: str | None) -> None:
-        """Go on where this tab was before a reload."""
-        self._show.restore(text)
+        """Go on where this tab was before a reload, which kept that text; None if it kept nothing."""
+        recalled(self._show, text)
 
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
@@ -72,6 +74,7 @@ class Session:
         """Take what waits, do what is due."""
         for number, edits in grouped(self._mailbox.take(wait)):
             self._show.answered = number
+            self._show.touched |= not isinstance(edits, (Recalled, Answer))
             try:
                 if isinstance(edits, list):
                     self._show.set_knobs(edits)
@@ -85,6 +88,7 @@ class Session:
         now = self._show.clock()
         if not self._show.resting and now - self._show.last_edit >= REST:
             self._show.rest()
+        self._recall.go_on(now)
         studying.go_on(self._show, self._mailbox.empty)
         playing.tick(self._show, now)
 
@@ -102,8 +106,19 @@ class Session:
             assert_never(command)
 
     def _begin(self) -> None:
-        self.restore(self._show.view.recall())
-        self.open()
+        self._recall.ask()
+        early: list[Edit] = []
+        end = time.monotonic() + PATIENCE
+        while not self._show.recalled and not self._mailbox.closed and (left := end - time.monotonic()) > 0:
+            for _, edit in self._mailbox.take(left):
+                if isinstance(edit, Recalled):
+                    recalled(self._show, edit.text)
+                else:
+                    early.append(edit)
+        for edit in early:
+            self._mailbox.post(edit)
+        if not self._mailbox.closed:  # a page for a tab that has left would cost as much as any
+            self.open()
 
     def _step_when_due(self) -> None:
         self.step(self._wait())
@@ -118,4 +133,4 @@ class Session:
         now = self._show.clock()
         frame = playing.wait_for_frame(self._show, now)
         rest = None if self._show.resting else max(0.0, self._show.last_edit + REST - now)
-        return min((wait for wait in (frame, rest) if wait is not None), default=None)
+        return min((wait for wait in (frame, rest, self._recall.wait(now)) if wait is not None), default=None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import secrets
 import socket
@@ -17,98 +16,15 @@ import viser
 import websockets.asyncio.server
 from viser import _messages, infra
 
+from . import page
 from .gate import Gate, Refusal
 from .handshake import Page, guarded
 
 NAME = "Observer Lab"
 OPENING = threading.Lock()  # two servers opened at once would take each other's socket
-CROSS = '<path d="M{0} {1}l18 18m0-18l-18 18" stroke="{2}" stroke-width="6" stroke-linecap="round"{3}/>'
-ICON = "data:image/svg+xml," + quote(
-    '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 32 32" fill="none">'
-    + CROSS.format(11, 10, "#D55E00", ' opacity=".55"') + CROSS.format(4, 4, "#0072B2", "") + "</svg>")
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
 STORAGE = "observer-lab"
-VISERS_OWN = "viser-user:"  # what viser puts before every key of localStorage that it reads
-WITHOUT_GRAPHICS_CARD = """(() => {
-  const probe = document.createElement('canvas').getContext('webgl2');
-  if (!probe) return;
-  const named = probe.getExtension('WEBGL_debug_renderer_info');
-  const drawer = probe.getParameter(named ? named.UNMASKED_RENDERER_WEBGL : probe.RENDERER);
-  probe.getExtension('WEBGL_lose_context')?.loseContext();
-  if (!/swiftshader|llvmpipe|softpipe|software|basic render/i.test(drawer)) return;
-  window.observerLabNoCard = true;
-  const open = HTMLCanvasElement.prototype.getContext;
-  HTMLCanvasElement.prototype.getContext = function (kind, how) {
-    return open.call(this, kind, String(kind).startsWith('webgl') ? {...how, antialias: false} : how);
-  };
-})()"""
-
-FRUGAL_FRAMES = """(() => {
-  const page = window.__viserMutable, root = page?.scene?.__r3f?.root;
-  if (!root || page.scene.userData.watched) return;
-  page.scene.userData.watched = true;
-  const SLOW = 34, COARSE = 0.6, REST = 450, TOGETHER = 24, COUNT = 9, opened = performance.now(), gaps = [];
-  const MOVES = /^(SceneNodeUpdate|SetPosition|SetOrientation|SetSceneNodeVisibility|Gui\\w*Update)Message$/;
-  const sharp = devicePixelRatio * (window.observerLabNoCard ? 1.5 : 1);
-  let last = 0, slow = !!window.observerLabNoCard, timer = 0, due = 0;
-  const draw = dpr => { if (root.getState().viewport.dpr !== dpr) root.getState().setDpr(dpr); };
-  const frame = () => { clearTimeout(due); due = 0; root.getState().invalidate(); };
-  page.scene.onAfterRender = () => {
-    const now = performance.now(), gap = now - last;
-    last = now;
-    if (slow || gap > 250 || now - opened < 2500) return;
-    gaps.push(gap);
-    if (gaps.length > COUNT) gaps.shift();
-    slow = gaps.length === COUNT && [...gaps].sort((a, b) => a - b)[COUNT >> 1] > SLOW;
-  };
-  const ask = page.requestRender;
-  page.requestRender = () => {
-    const quad = page.backgroundMaterial, queue = page.messageQueue;
-    if (quad) quad.visible = !!quad.uniforms?.enabled?.value;
-    if (queue.length && page.getRenderRequestState === 'ready' && queue.every(m => MOVES.test(m.type))) page.drainMessageQueue?.();
-    if (!slow) { ask(); return; }
-    draw(COARSE * devicePixelRatio);
-    if (window.event?.type?.startsWith('pointer')) due ||= setTimeout(frame, TOGETHER); else frame();
-    clearTimeout(timer);
-    timer = setTimeout(() => { draw(sharp); root.getState().invalidate(); }, REST);
-  };
-})()"""
-
-ONE_MEANING_PER_KEY = """(() => {
-  if (window.observerLabKeys) return;
-  window.observerLabKeys = true;
-  document.documentElement.addEventListener('keydown', event => {
-    const walks = /^Key[WASDQE]$/.test(event.code), turns = event.code.startsWith('Arrow');
-    const widget = event.target !== document.body && event.target?.tagName !== 'CANVAS';
-    if (walks || (turns && widget)) event.stopPropagation();
-  });
-})()"""
-
-FOLDERS_BY_KEY = """(() => {
-  if (window.observerLabFolders) return;
-  const dress = () => document.querySelectorAll('svg[class*="tabler-icon-chevron"]').forEach(icon => {
-    const head = icon.parentElement, box = head?.parentElement;
-    if (!head?.matches('.mantine-Paper-root') || !box?.matches('.mantine-Paper-root')) return;
-    const open = String(icon.matches('[class*="chevron-up"]'));
-    if (head.getAttribute('aria-expanded') === open) return;
-    head.tabIndex = 0;
-    head.setAttribute('role', 'button');
-    head.setAttribute('aria-expanded', open);
-  });
-  let due = 0;
-  window.observerLabFolders = new MutationObserver(() => {
-    due ||= setTimeout(() => { due = 0; dress(); }, 200);
-  });
-  window.observerLabFolders.observe(document.body, {childList: true, subtree: true});
-  addEventListener('keydown', event => {
-    if ((event.key !== 'Enter' && event.key !== ' ') || !event.target?.matches?.('[role=button][aria-expanded]')) return;
-    event.preventDefault();
-    event.stopPropagation();
-    event.target.click();
-  }, {capture: true});
-  dress();
-})()"""
 
 
 def page_of_our_own() -> str:
@@ -117,9 +33,10 @@ def page_of_our_own() -> str:
     Without a graphics card the view is drawn without multisampling, which doubles the price of a frame there; a scene at
     rest is drawn finer instead (`frugal_frames`).
     """
-    page = Path(viser.__file__).parent / "client" / "build" / "index.html"
-    text = re.sub(r'<link\s+rel="icon".*?/>', "", page.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
-    ours = f'<link rel="icon" href="{ICON}" /><title>{NAME}</title><script>{WITHOUT_GRAPHICS_CARD}</script>'
+    theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
+    icon = "data:image/svg+xml," + quote(page.text("icon.svg"))
+    ours = f'<link rel="icon" href="{icon}" /><title>{NAME}</title><script>{page.call("software")}</script>'
     return text.replace("<title>Viser</title>", ours, 1)
 
 
@@ -224,12 +141,12 @@ def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused
 
 def name_page(client: viser.ClientHandle, title: str, language: str) -> None:
     """What the browser's own tab is called, and the language that a screen reader speaks."""
-    _run(client, f"document.title = {json.dumps(title)}; document.documentElement.lang = {json.dumps(language)}")
+    _run(client, "name", title=title, language=language)
 
 
-def _run(client: viser.ClientHandle, source: str) -> None:
-    """Run a script in one browser: only for the calls below, for which viser has none."""
-    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=source))
+def _run(client: viser.ClientHandle, name: str, **given: object) -> None:
+    """Run a script of ours in one browser: only for the calls below, for which viser has none."""
+    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=page.call(name, **given)))
 
 
 def frugal_frames(client: viser.ClientHandle) -> None:
@@ -241,17 +158,17 @@ def frugal_frames(client: viser.ClientHandle) -> None:
     quarter of a second after every change: here the moving scene has 0.6 of its pixels each way, and is drawn once more,
     sharp, when it rests.
     """
-    _run(client, FRUGAL_FRAMES)
+    _run(client, "frames")
 
 
 def one_meaning_per_key(client: viser.ClientHandle) -> None:
     """Keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands."""
-    _run(client, ONE_MEANING_PER_KEY)
+    _run(client, "keys")
 
 
 def folders_by_key(client: viser.ClientHandle) -> None:
     """Let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone."""
-    _run(client, FOLDERS_BY_KEY)
+    _run(client, "folders")
 
 
 def id_of(widget: Any) -> str:
@@ -270,17 +187,18 @@ def write(widget: Any, value: Any) -> None:
 
 def write_tab_storage(client: viser.ClientHandle, text: str) -> None:
     """Keep a text in the browser's sessionStorage: it belongs to one tab and survives a reload."""
-    _run(client, f"sessionStorage.setItem({json.dumps(STORAGE)}, {json.dumps(text)})")
+    _run(client, "remember", key=STORAGE, text=text)
 
 
-def read_tab_storage(client: viser.ClientHandle, timeout: float = 3.0) -> str | None:
-    """The text that this tab kept, by way of localStorage, the only storage that viser reads. Blocks; not for the loop."""
-    passage = f"{STORAGE}-{secrets.token_hex(8)}"
-    _run(client, f"localStorage.setItem({json.dumps(VISERS_OWN + passage)}, sessionStorage.getItem({json.dumps(STORAGE)}) || '')")
+def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None], object]) -> None:
+    """Ask for the text that this tab kept; `answer` is called on the event loop when it comes, which may be never."""
+    request, connection = secrets.token_hex(8), client._websock_connection
+
+    def heard(client_id: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
+        if message.request_uuid == request:
+            connection.unregister_handler(_messages.LocalStorageGetItemResponseMessage, heard)
+            answer(message.value if isinstance(message.value, str) else None)
+
+    connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
+    _run(client, "recall", key=STORAGE, request=request)
     client.flush()
-    try:
-        return client.local_storage.get_item(passage, timeout=timeout) or None
-    except (TimeoutError, RuntimeError):  # a script as client, a browser without storage, or a tab already gone
-        return None
-    finally:
-        client.local_storage.remove_item(passage)

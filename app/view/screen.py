@@ -188,9 +188,9 @@ class Screen:
             self._help = None
             self._client.flush()
 
-    def recall(self) -> str | None:
-        """What this tab's own storage kept through a reload."""
-        return quirks.read_tab_storage(self._client)
+    def recall(self, answer: Callable[[str | None], object]) -> None:
+        """Ask for what this tab's own storage kept through a reload."""
+        quirks.read_tab_storage(self._client, answer)
 
     def remember(self, text: str) -> None:
         """Keep a text in this tab's own storage."""

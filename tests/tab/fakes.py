@@ -70,9 +70,11 @@ class Clock:
 class FakeView:
     """Records every call in order as (name, argument). Refuses to show a gain of UNSHOWABLE."""
 
-    def __init__(self, kept: str | None = None) -> None:
+    def __init__(self, kept: str | None = None, answers: bool = True) -> None:
         self.calls: list[tuple[str, Any]] = []
         self.kept = kept
+        self.answers = answers  # whether it says at once what it kept
+        self.asked: list[Callable[[str | None], object]] = []
 
     def build(self, picture: Picture) -> None:
         self.calls.append(("build", picture))
@@ -100,8 +102,10 @@ class FakeView:
     def answer(self, question: float) -> None:
         self.calls.append(("answer", question))
 
-    def recall(self) -> str | None:
-        return self.kept
+    def recall(self, answer: Callable[[str | None], object]) -> None:
+        self.asked.append(answer)
+        if self.answers:
+            answer(self.kept)
 
     def remember(self, text: str) -> None:
         self.kept = text
@@ -183,6 +187,7 @@ class Tab:
         self.lessons = dict(lessons) if lessons is not None else {"toy": toy()}
         self.view, self.clock = FakeView(), Clock()
         self.session = Session(self.lessons, self.view, lesson or next(iter(self.lessons)), clock=self.clock, **options)
+        self.session.restore(None)
         self.session.open()
         self.view.clear()
 

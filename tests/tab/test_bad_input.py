@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from fakes import BROKEN, FORBIDDEN, UNDRAWABLE, UNSHOWABLE, FakeView, Tab, toy, toy_compute
+from fakes import BROKEN, FORBIDDEN, UNDRAWABLE, UNSHOWABLE, Tab, toy, toy_compute
 
 from app.tab.commands import (
     AnswerExam,
@@ -28,7 +27,6 @@ from app.tab.commands import (
     UploadPlant,
 )
 from app.tab.history import MERGE
-from app.tab.session import Session
 from app.text import Text
 
 GOOD = 2.0
@@ -173,28 +171,6 @@ def test_a_lesson_that_cannot_open_leaves_the_present_one_open() -> None:
     assert tab["gain"] == 3.0
     tab.do(Undo())
     assert tab["gain"] == GOOD
-
-
-@pytest.mark.parametrize("kept", ["", "{", "[]", "null", "3", '{"version": 1}', '{"version": 9, "lesson": "toy", "knobs": {}}',
-                                  '{"version": 1, "lesson": "nowhere", "knobs": {}}', '{"version":1,"lesson":[],"knobs":{}}',
-                                  '{"version": 1, "lesson": "toy", "knobs": {"gain": "NaN"}}',
-                                  '{"version": 1, "lesson": "toy", "knobs": {"gain": 1e999}}',
-                                  '{"version": 1, "lesson": "toy", "knobs": {"nobody": 1}}', "[" * 50_000,
-                                  "9" * 10_000, "x" * 1_000_000])
-def test_a_torn_memory_of_the_tab_opens_the_lesson_at_its_start(kept: str) -> None:
-    session = Session({"toy": toy()}, FakeView(), "toy")
-    session.restore(kept)
-    session.open()
-    assert session.picture is not None and session.picture.design == toy().start()
-
-
-def test_a_memory_with_a_design_that_cannot_be_computed_does_not_lock_the_tab_out() -> None:
-    """Reload after reload would end in the same empty page."""
-    view = FakeView(json.dumps({"version": 1, "lesson": "toy", "knobs": {"gain": str(BROKEN)}}))
-    session = Session({"toy": toy()}, view, "toy")
-    session.restore(view.recall())
-    session.open()
-    assert session.picture is not None and session.picture.design == toy().start()
 
 
 def test_numbers_from_numpy_are_numbers() -> None:

@@ -25,7 +25,7 @@ from app.view.server import LabServer
 
 PATIENCE = 60.0  # s for something that must come; a busy machine is slow, and a test that waits is not one that fails
 MARK = re.compile(r'<i class="ol-mark" hidden data-ask="([^"]+)" data-answer="([^"]+)" data-rests="([01])">')
-STORED = re.compile(r"^sessionStorage\.setItem\((.*)\)$", re.S)
+CALLED = re.compile(r"// (\w+)\.js\n.*\n\)\((\{.*\})\)", re.S)  # a script of ours and what it is given
 
 
 def eventually(condition: Callable[[], Any], what: str) -> None:
@@ -45,7 +45,7 @@ class WireTab:
     """One connection. `widgets` and `nodes` are kept up to date by everything that waits."""
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
-                 camera: bool = True, hosts: Sequence[str] = ()) -> None:
+                 camera: bool = True, hosts: Sequence[str] = (), answers: bool = True) -> None:
         self.widgets: dict[str, dict[str, Any]] = {}  # uuid → message with its props
         self.commands: dict[str, str] = {}  # label → uuid
         self.nodes: dict[str, dict[str, Any]] = {}  # scene nodes by name
@@ -53,6 +53,8 @@ class WireTab:
         self.messages: list[dict[str, Any]] = []  # everything received
         self.kept = kept  # what the page's sessionStorage holds
         self._questions = 0
+        self.url = url
+        self.answers = answers  # whether it says what it holds
         place = urlsplit(url)
         name, *more = hosts or (place.netloc,)
         self._socket = connect(f"ws://{name}", origin=Origin(origin) if origin else None,
@@ -199,13 +201,16 @@ class WireTab:
             self.commands[message["props"]["label"]] = message["uuid"]
         elif kind in ("NotificationShowMessage", "NotificationUpdateMessage"):
             self.notes.append(message["props"]["body"])
-        elif kind == "RunJavascriptMessage" and (stored := STORED.match(message["source"])):
-            self.kept = json.loads(f"[{stored[1]}]")[1]
-        elif kind == "LocalStorageGetItemRequestMessage":
-            self.send("LocalStorageGetItemResponseMessage", value=self.kept or "", error=None,
-                      request_uuid=message["request_uuid"])
+        elif kind == "RunJavascriptMessage" and (called := CALLED.fullmatch(message["source"])):
+            self._run(called[1], json.loads(called[2]))
         elif "name" in message and "props" in message:
             self.nodes[message["name"]] = message
+
+    def _run(self, script: str, given: dict[str, Any]) -> None:
+        if script == "remember":
+            self.kept = given["text"]
+        elif script == "recall" and self.answers:
+            self.send("LocalStorageGetItemResponseMessage", value=self.kept, error=None, request_uuid=given["request"])
 
     # --- seeing ----------------------------------------------------------------------------------------------------
     def find(self, label: str) -> str:

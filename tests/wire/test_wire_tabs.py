@@ -224,3 +224,40 @@ def test_a_heading_stands_over_its_knobs_and_goes_with_them(enter: Enter, newest
     wanted = {k.group.en for k in lesson.knobs if k.group is not None and lesson.shown(k, start)}
     every = {k.group.en for k in lesson.knobs if k.group is not None and not k.hidden}
     assert wanted and headings(True) == wanted and headings(True) | headings(False) == every
+
+
+def test_a_reload_brings_back_the_lesson_that_was_open_and_the_one_before(enter: Enter, newest: Newest) -> None:
+    tab, other = enter(), LESSONS["noise"]
+    tab.update(STIFFNESS, value=12.0)
+    tab.until(lambda: newest().picture.design["stiffness_error"] == 12.0)  # type: ignore[union-attr]
+    tab.update("lesson", value=other.words["en"].title)
+    tab.until(lambda: '"lesson": "noise"' in (tab.kept or ""), "the other lesson in the tab's memory")
+    tab.close()
+    again = WireTab(tab.url, kept=tab.kept)
+    try:
+        again.until(lambda: again.has("lesson") and again.value("lesson") == other.words["en"].title, "the lesson of before")
+        again.update("lesson", value=LESSONS["separation"].words["en"].title)
+        again.until(lambda: again.has(STIFFNESS) and again.value(STIFFNESS) == 12.0, "the design of before")
+    finally:
+        again.close()
+
+
+def test_a_browser_that_answers_late_or_never_is_not_written_to(enter: Enter, newest: Newest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 42 reloads under load 23 lost their design."""
+    first = enter()
+    first.update(STIFFNESS, value=12.0)
+    first.until(lambda: '"stiffness_error": "12' in (first.kept or ""), "the tab's memory")
+    kept = first.kept
+    first.close()
+    monkeypatch.setattr("app.tab.session.PATIENCE", 0.1)
+    tab = enter(kept=kept, answers=False)
+    assert tab.value(STIFFNESS) == 0.0
+    tab.update(DELAY, value=6.0)
+    tab.until(lambda: newest().picture.design["delay"] == 6.0, "the work goes on")  # type: ignore[union-attr]
+    tab.until(lambda: newest().picture.resting, "rest")  # type: ignore[union-attr]
+    assert tab.kept == kept
+    tab.answers = True
+    tab.until(lambda: tab.kept != kept, "the answer to a later question")
+    assert newest().picture.design["delay"] == 6.0  # type: ignore[union-attr]
+    tab.command("Undo")
+    tab.until(lambda: tab.value(STIFFNESS) == 12.0, "what was kept, one step of undo away")

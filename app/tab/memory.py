@@ -1,0 +1,113 @@
+"""What a tab keeps in its browser through a reload: every desk, and what the person has chosen around them.
+
+It has been out of our hands when it comes back, so all of it is judged anew. A desk is judged when its lesson is opened.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from ..engine import EngineError
+from ..lesson.knobs import KnobError
+from ..lesson.lesson import Design, Lesson, Verdict
+from ..plants.own import canonical, plant_of
+from ..text import languages, text
+from .desk import Desk
+from .history import History
+from .picture import State, TaskState
+from .state import from_plain, plain
+
+VERSION = 2
+MOST = 300_000  # bytes that a tab keeps; what was worked on longest ago is left out
+SOLVED = text("Solved before the page was loaded again.")
+
+
+@dataclass(frozen=True)
+class Memory:
+    """What came back: `desks` are as they were written, by lesson."""
+
+    lesson: str
+    language: str = "en"
+    lecture: bool = False
+    plant: str = ""
+    desks: Mapping[str, object] = field(default_factory=dict)
+
+
+def write_desk(lesson: Lesson, design: Design, state: State) -> str:
+    """The desk of a lesson as JSON: its present design, the prediction, and how far its tasks are."""
+    tasks = {name: [task.hints, task.solution, task.verdict is not None and task.verdict.solved]
+             for name, task in state.tasks.items()}
+    return json.dumps({**plain(lesson, design), "predicted": state.predicted, "revealed": state.revealed, "tasks": tasks,
+                       "exam": state.exam is not None and state.exam.solved}, ensure_ascii=False)
+
+
+def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) -> str:
+    """The tab as JSON: the lesson that is open and, latest first, as many written desks as there is room for."""
+    head = {"version": VERSION, "lesson": lesson, "language": state.language, "lecture": state.lecture}
+    if state.plant:
+        head["yours"] = json.loads(state.plant)
+    start = json.dumps(head, ensure_ascii=False)[:-1] + ', "desks": {'
+    left, parts = MOST - _size(start) - 2, []
+    for name, desk in desks:
+        part = f"{json.dumps(name)}: {desk}"
+        left -= _size(part) + 2
+        if left < 0:
+            break
+        parts.append(part)
+    return start + ", ".join(parts) + "}}"
+
+
+def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> Memory | None:
+    """The tab that `write_memory` wrote, None if there is none that can be read."""
+    try:
+        data = json.loads(written) if written and _size(written) <= MOST else None
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(data, dict) or data.get("version") != VERSION:
+        return None
+    lesson, language, desks = data.get("lesson"), data.get("language"), data.get("desks")
+    if not isinstance(lesson, str) or lesson not in lessons or not isinstance(desks, dict):
+        return None
+    return Memory(lesson, language if language in languages() else "en", data.get("lecture") is True,
+                  _plant(data.get("yours")), {name: desk for name, desk in desks.items() if name in lessons})
+
+
+def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk | None:
+    """The desk that `write_desk` wrote for a lesson, None if it is not one."""
+    try:
+        design = from_plain(data, lessons)
+    except (KnobError, EngineError, RecursionError, OverflowError):
+        return None
+    if not isinstance(data, dict) or design.lesson != lesson:
+        return None
+    options, predicted = len(lessons[lesson].words["en"].options), data.get("predicted")
+    known = isinstance(predicted, int) and not isinstance(predicted, bool) and -1 <= predicted < options
+    return Desk(History(design), predicted if known else None, known and data.get("revealed") is True,
+                _tasks(data.get("tasks"), lessons[lesson]), _solved(data.get("exam")))
+
+
+def _tasks(data: object, lesson: Lesson) -> dict[str, TaskState]:
+    out = {}
+    for task in lesson.tasks:
+        match data.get(task.id) if isinstance(data, dict) else None:
+            case [int(hints), bool(solution), bool(solved)] if 0 <= hints <= 100:
+                out[task.id] = TaskState(_solved(solved), hints, solution)
+    return out
+
+
+def _solved(solved: object) -> Verdict | None:
+    return Verdict(True, SOLVED) if solved is True else None
+
+
+def _plant(data: object) -> str:
+    """The plant that the person brought."""
+    try:
+        return canonical(plant_of(json.dumps(data))) if data is not None else ""
+    except (EngineError, RecursionError, OverflowError):
+        return ""
+
+
+def _size(written: str) -> int:
+    return len(written.encode("utf-8", "surrogatepass"))

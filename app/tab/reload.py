@@ -1,0 +1,69 @@
+"""A reload: what the tab kept is asked for, and nothing is written over it before the answer is here.
+
+The answer may be late, on a busy server or a bad line, and it may never come: a script as client keeps nothing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from ..text import text
+from .memory import Memory, read_memory
+from .presenter import Presenter
+
+PATIENCE = 3.0  # s that a tab waits for the answer before it opens without
+RARELY = 60.0  # s between two questions at last; the time between them doubles
+LATE = text("Your work from before the reload has arrived late: one step of undo brings it back.")
+
+
+class Recall:
+    """The question what the tab kept, asked until it is answered."""
+
+    def __init__(self, show: Presenter, answer: Callable[[str | None], object]) -> None:
+        self._show, self._answer = show, answer
+        self._pause, self._next = PATIENCE, 0.0
+
+    def ask(self) -> None:
+        """Ask now, and later again."""
+        self._next = self._show.clock() + self._pause
+        self._pause = min(2 * self._pause, RARELY)
+        self._show.view.recall(self._answer)
+
+    def wait(self, now: float) -> float | None:
+        """Seconds until the next question, None once there is an answer."""
+        return None if self._show.recalled else max(0.0, self._next - now)
+
+    def go_on(self, now: float) -> None:
+        """Ask again if it is time."""
+        if not self._show.recalled and now >= self._next:
+            self.ask()
+
+
+def recalled(show: Presenter, kept: str | None) -> None:
+    """The answer: go on where this tab was, or keep what the person has done meanwhile and put what was kept beside it."""
+    if show.recalled:
+        return
+    show.recalled = True
+    memory = read_memory(kept, show.lessons)
+    if memory is not None and show.touched:
+        _put_beside(show, memory)
+    elif memory is not None:
+        show.desks.forget()
+        show.desks.take_back(memory.desks)
+        show.lesson = show.lessons[memory.lesson]
+        show.state = replace(show.state, language=memory.language, lecture=memory.lecture,
+                             plant=memory.plant or show.state.plant)
+        if show.shown is not None:
+            show.open()
+    if show.shown is not None:
+        show.remember()
+
+
+def _put_beside(show: Presenter, memory: Memory) -> None:
+    met = show.desks.take_back(memory.desks)
+    desk = show.desk
+    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, tasks=desk.tasks, exam=desk.exam,
+                        plant=show.state.plant or memory.plant))
+    if met:
+        show.view.say(LATE, False)

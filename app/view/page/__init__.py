@@ -1,0 +1,27 @@
+"""The page's own files: scripts and styles that every browser gets, as they are.
+
+A script is one function; what it must know from here goes into its only argument as JSON, never into its text.
+"""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+from pathlib import Path
+
+FOLDER = Path(__file__).parent
+BREAKS = (("<", "\\u003c"), ("\u2028", "\\u2028"), ("\u2029", "\\u2029"))  # what would end an element or a line of a script
+
+
+@cache
+def text(name: str) -> str:
+    """The text of one of the files."""
+    return (FOLDER / name).read_text(encoding="utf-8")
+
+
+def call(name: str, **given: object) -> str:
+    """The source that calls a script's function with what it is given, under the script's name for whoever debugs it."""
+    argument = json.dumps(given, ensure_ascii=False)
+    for sign, written in BREAKS:
+        argument = argument.replace(sign, written)
+    return f"// {name}.js\n(\n{text(name + '.js')})({argument})"

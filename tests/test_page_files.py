@@ -1,0 +1,82 @@
+"""The page's own scripts and styles are files of their own, and what Python tells them goes in as JSON."""
+
+from __future__ import annotations
+
+import ast
+import json
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.view import page
+from app.view.style import sheet
+
+VIEW = Path(page.FOLDER).parent
+SCRIPTS = sorted(file.stem for file in page.FOLDER.glob("*.js"))
+STYLES = sorted(file.name for file in page.FOLDER.glob("*.css"))
+FUNCTION = re.compile(r"(?:// .*\n)+\((?:\{([\w, ]+)\})?\) => \{\n.*\n\}\n", re.S)
+CODE = re.compile(r"\b(document|window|localStorage|sessionStorage)\.\w|=>\s*\{|\bfunction\s*\(|[\w-]+\s*\{[a-z-]{2,}:[^}]*\}")
+
+
+def calls() -> dict[str, set[str]]:
+    """Script → the names of what it is given, at every place of app/view that calls one."""
+    out: dict[str, set[str]] = {}
+    for file in VIEW.glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("_run", "page.call"):
+                names = [a.value for a in node.args if isinstance(a, ast.Constant)]
+                if names:
+                    out.setdefault(names[0], set()).update(k.arg for k in node.keywords if k.arg)
+    return out
+
+
+def test_every_script_is_called_with_just_what_it_takes() -> None:
+    assert sorted(calls()) == SCRIPTS
+    for name, given_names in calls().items():
+        found = FUNCTION.fullmatch(page.text(f"{name}.js"))
+        assert found, f"{name}.js is one function under a line that says what it does"
+        assert {word.strip() for word in (found[1] or "").split(",")} - {""} == given_names, name
+
+
+@pytest.mark.parametrize("name", STYLES)
+def test_every_style_is_used_and_closed(name: str) -> None:
+    text = page.text(name)
+    assert text.strip() in sheet(True, True)
+    assert text.count("{") == text.count("}") and "<" not in text and "%(" not in text
+
+
+def test_the_sheet_says_what_is_asked() -> None:
+    plain, large, veiled = sheet(False, False), sheet(True, False), sheet(False, True)
+    assert len({plain, large, veiled, sheet(True, True)}) == 4
+    assert plain in (large.replace(page.text("lecture.css"), ""), veiled.replace(page.text("veil.css"), ""))
+
+
+@given(st.text(), st.text())
+def test_what_a_script_is_given_arrives_as_it_was_and_ends_nothing(key: str, text: str) -> None:
+    source = page.call("remember", key=key, text=text)
+    code = page.text("remember.js")
+    assert source.startswith(f"// remember.js\n(\n{code})(") and source.endswith(")")
+    argument = source.removeprefix(f"// remember.js\n(\n{code})(").removesuffix(")")
+    assert json.loads(argument) == {"key": key, "text": text}
+    assert not re.search("[<\u2028\u2029\n]", argument)
+
+
+def test_no_script_and_no_style_sheet_stands_in_python() -> None:
+    found = []
+    for file in sorted(VIEW.rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        words = {id(d.value) for n in ast.walk(tree) if isinstance(n, (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef))
+                 for d in n.body[:1] if isinstance(d, ast.Expr)}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in words and CODE.search(node.value):
+                found.append(f"{file.name}:{node.lineno}: {node.value[:60]}")
+    assert not found, found
+
+
+@pytest.mark.parametrize("code", ["document.title = x", "(() => {", "function (a) {}", ".ol{color:red}", "sessionStorage.setItem(1)"])
+def test_the_rule_on_code_in_python_sees_a_breach(code: str) -> None:
+    assert CODE.search(code)
+    assert not CODE.search('<div class="ol-note">the document. A window (x) {0}</div> {title: x}')
