@@ -24,11 +24,11 @@ from .observers import (
     functional_observer,
     residual_generator,
     rlo,
-    run_functional,
     simulate_bilinear,
+    simulate_functional,
     unknown_input_observer,
 )
-from .sampled import run_trial, sampled_loop, sampled_lqg
+from .sampled import sampled_loop, sampled_lqg, simulate_trial
 from .simulation import Scenario, autonomous_error, simulate
 from .structure import (
     balanced_truncation,
@@ -107,14 +107,14 @@ __all__ = [
     "recover",
     "residual_generator",
     "rlo",
-    "run_functional",
-    "run_trial",
     "sampled_loop",
     "sampled_lqg",
     "sensitivity",
     "simulate",
     "simulate_bilinear",
+    "simulate_functional",
     "simulate_network",
+    "simulate_trial",
     "to_control",
     "to_json",
     "to_mat",

@@ -60,12 +60,12 @@ def _entry(n: int, row: int, column: int, value: float = 1.0) -> np.ndarray:
 _PLANT_1 = Plant(np.array([[0, -3], [1, -4]]), np.array([[2], [1]]), np.array([[0, 1]]), name="Duan 1")
 EXAMPLE_1 = Example(
     _PLANT_1, np.array([[-30.0, 50.0]]),
-    perturbations(_PLANT_1, [_entry(2, 1, 0), _entry(2, 1, 1)], [np.array([[0.0, 1.0]])]),
+    perturbations(_PLANT_1, A=[_entry(2, 1, 0), _entry(2, 1, 1)], C=[np.array([[0.0, 1.0]])]),
     (0.1, -0.4), (0.05,), (1.0, 1.0), (-0.3,))
 
 _PLANT_2 = Plant(np.array([[0, 1, 0], [0, 0, 1], [0, -2, -3]]), np.array([[0], [0], [1]]), np.array([[1, 0, 0]]),
                  name="Duan 2")  # a0 = 0, a1 = 2, a2 = 3, b = c = 1
 EXAMPLE_2 = Example(
     _PLANT_2, np.array([[-4.0, -4.0, -1.0]]),
-    perturbations(_PLANT_2, [_entry(3, 2, 1, -1.0), _entry(3, 2, 2, -1.0)], [np.array([[1.0, 0.0, 0.0]])]),
+    perturbations(_PLANT_2, A=[_entry(3, 2, 1, -1.0), _entry(3, 2, 2, -1.0)], C=[np.array([[1.0, 0.0, 0.0]])]),
     (0.01, 0.05), (0.03,), (0.1, 0.1, 0.1), (0.1, 2.19), np.array([[1.0, 1.2], [0.0, 1.0]]))

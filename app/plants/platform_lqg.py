@@ -76,4 +76,4 @@ def lqg(plant: Plant, weights: Weights = FIGURES) -> Lqg:
     Answers with K, L, the controller y → u (sign included), both Riccati solutions and the least cost. Equations (79),
     (87)–(89).
     """
-    return _lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, ground(plant))
+    return _lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, G=ground(plant))

@@ -101,7 +101,7 @@ def from_channels(vertical: Plant | None, rotation: Plant | None, horizontal: Pl
     `mixing` S (3×3) is that of eq. (20), by default none.
     """
     T = T_u if mixing is None else T_u @ as_matrix(mixing, "The mixing")
-    return diagonal_controller((vertical, rotation, horizontal), T_y[:3], T, name)
+    return diagonal_controller((vertical, rotation, horizontal), T_y[:3], T, name=name)
 
 
 def horizontal_by_poles(control: Sequence[complex] = BESIDE_THE_ZEROS[0], observer: Sequence[complex] = BESIDE_THE_ZEROS[1],
@@ -158,6 +158,7 @@ def decoupled_lqg(weights: Weights = FIGURES, orders: tuple[int, int, int] = (2,
     for channel, order, magnitude, coils in zip(THREE, orders, (V_MAG, V_MAG, H_MAG), (2, 2, 1), strict=True):
         plant, G = reduced_channel(channel, order)
         Q = weights.alpha_q * 2 / magnitude**2 * plant.C.T @ plant.C
-        design = lqg(plant, Q, weights.alpha_r * coils, weights.beta_q * GROUND_UNIT, weights.beta_r * weights.v0 / 2, G)
+        design = lqg(plant, Q, weights.alpha_r * coils, weights.beta_q * GROUND_UNIT, weights.beta_r * weights.v0 / 2,
+                     G=G)
         controllers.append(design.controller)
     return from_channels(*controllers, name="decoupled LQG")

@@ -43,7 +43,7 @@ def pole_as_printed() -> float:
 
 def run(form: BilinearForm, horizon: float = 6.0) -> BilinearRun:
     """u = sin 2t, x(0) all ones, χ(0) = 0, as in the paper's figure."""
-    return simulate_bilinear(PLANT, form, K, lambda t: np.sin(2 * t), X0, [0.0], horizon)
+    return simulate_bilinear(PLANT, form, K, lambda t: np.sin(2 * t), X0, [0.0], horizon=horizon)
 
 
 def start() -> tuple[float, float]:

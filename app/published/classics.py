@@ -28,7 +28,7 @@ def gain_limit(q: float, sigma: float) -> float:
     low, high = 1.0, 2.0
     for _ in range(60):
         m = (low + high) / 2
-        stable = closed_loop(Plant(UNSTABLE.A, m * UNSTABLE.B, UNSTABLE.C), K, L, UNSTABLE).stable
+        stable = closed_loop(Plant(UNSTABLE.A, m * UNSTABLE.B, UNSTABLE.C), K, L, model=UNSTABLE).stable
         low, high = (m, high) if stable else (low, m)
     return low
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engine import EngineError, functional_observer, rlo, run_functional
+from ..engine import EngineError, functional_observer, rlo, simulate_functional
 from ..engine.observers import FunctionalObserver, Region, RobustObserver, perturbed_loop, vertices, worst_error_gain
 from ..engine.structure import coprime_factors
 from ..plants.duan import EXAMPLE_1, EXAMPLE_2, push
@@ -24,17 +24,17 @@ TURN = np.array([[2.0, 1.0], [0.5, -1.0]])  # Λ of remark 3
 
 def first(s: float, norm: Any = 2) -> FunctionalObserver:
     """Example 1 with its pole at s, in the source's sign."""
-    return functional_observer(EXAMPLE_1.plant, EXAMPLE_1.K_printed, 1, [s], wrong=EXAMPLE_1.wrong, norm=norm)
+    return functional_observer(EXAMPLE_1.plant, EXAMPLE_1.K_printed, 1, poles=[s], wrong=EXAMPLE_1.wrong, norm=norm)
 
 
 def second(W: Any = None, poles: tuple[float, float] = PAIR) -> FunctionalObserver:
     """Example 2 in the source's sign."""
-    return functional_observer(EXAMPLE_2.plant, EXAMPLE_2.K_printed, 2, poles, W=W, wrong=EXAMPLE_2.wrong)
+    return functional_observer(EXAMPLE_2.plant, EXAMPLE_2.K_printed, 2, poles=poles, W=W, wrong=EXAMPLE_2.wrong)
 
 
 def house(example: Any, poles: Any, W: Any = None) -> FunctionalObserver:
     """The observer in our sign, which the loops need."""
-    return functional_observer(example.plant, example.K, len(poles), poles, W=W, wrong=example.wrong)
+    return functional_observer(example.plant, example.K, len(poles), poles=poles, W=W, wrong=example.wrong)
 
 
 def matrices(o: FunctionalObserver) -> np.ndarray:
@@ -58,8 +58,9 @@ def closed_poles(example: Any) -> tuple[float, ...]:
 def best(example: int, norm: Any) -> RobustObserver:
     """RLO: example 1 with Re s ≤ −0.004 (the default region), example 2 with Re s ≤ −2."""
     if example == 1:
-        return rlo(EXAMPLE_1.plant, EXAMPLE_1.K, EXAMPLE_1.wrong, norm)
-    return rlo(EXAMPLE_2.plant, EXAMPLE_2.K, EXAMPLE_2.wrong, norm, Region(-20, -2), worst_condition=1e6)
+        return rlo(EXAMPLE_1.plant, EXAMPLE_1.K, wrong=EXAMPLE_1.wrong, norm=norm)
+    return rlo(EXAMPLE_2.plant, EXAMPLE_2.K, wrong=EXAMPLE_2.wrong, norm=norm, region=Region(-20, -2),
+               worst_condition=1e6)
 
 
 def optimum_1(norm: Any) -> tuple[float, float]:
@@ -79,19 +80,20 @@ def starts() -> tuple[float, ...]:
     E = EXAMPLE_1
     values = []
     for s, dA, dC in ((BEST, None, None), (-5.0, None, None), (-5.0, E.dA, E.dC)):
-        values.append(float(run_functional(house(E, [s]), push, E.x0, E.z0, 0.1, dA=dA, dC=dC).e_u[0, 0]))
+        run = simulate_functional(house(E, [s]), push, x0=E.x0, z0=E.z0, horizon=0.1, dA=dA, dC=dC)
+        values.append(float(run.e_u[0, 0]))
     return tuple(values)
 
 
 def amplitude(s: float) -> float:
     """Steady amplitude of e_u on the true plant of figure 1 under v = −4 sin(5t + π/2)."""
-    loop = perturbed_loop(house(EXAMPLE_1, [s]), EXAMPLE_1.dA, None, EXAMPLE_1.dC)
+    loop = perturbed_loop(house(EXAMPLE_1, [s]), dA=EXAMPLE_1.dA, dB=None, dC=EXAMPLE_1.dC)
     return float(4 * np.abs(loop.C @ np.linalg.solve(5j * np.eye(loop.n) - loop.A, loop.B))[0, 0])
 
 
 def true_loop_poles(s: float) -> tuple[float, ...]:
     """Poles of the loop with the true plant of figure 1: the pair's Re and Im, then the real one."""
-    poles = perturbed_loop(house(EXAMPLE_1, [s]), EXAMPLE_1.dA, None, EXAMPLE_1.dC).poles
+    poles = perturbed_loop(house(EXAMPLE_1, [s]), dA=EXAMPLE_1.dA, dB=None, dC=EXAMPLE_1.dC).poles
     pair, real = next(p for p in poles if p.imag > 0), next(p for p in poles if abs(p.imag) < 1e-9)
     return float(pair.real), float(pair.imag), float(real.real)
 
@@ -127,15 +129,17 @@ def felt_change() -> tuple[float, float]:
     E = EXAMPLE_2
     assert E.turn is not None
     plain, turned = house(E, PAIR), house(E, PAIR, E.turn)
-    loops = [perturbed_loop(o, E.dA, None, E.dC).poles for o in (plain, turned)]
-    runs = [run_functional(o, push, E.x0, z0) for o, z0 in ((plain, np.array(E.z0)), (turned, E.turn @ np.array(E.z0)))]
+    loops = [perturbed_loop(o, dA=E.dA, dB=None, dC=E.dC).poles for o in (plain, turned)]
+    runs = [simulate_functional(o, push, x0=E.x0, z0=z0)
+            for o, z0 in ((plain, np.array(E.z0)), (turned, E.turn @ np.array(E.z0)))]
     return float(np.abs(loops[0] - loops[1]).max()), float(np.abs(runs[0].e_u - runs[1].e_u).max())
 
 
 def change_by_start() -> float:
     """e_u(0) for W = I less e_u(0) for the W of figure 2, both from the printed z(0), with our s1, s2."""
     E = EXAMPLE_2
-    values = [run_functional(house(E, PAIR, W), push, E.x0, E.z0, 0.1).e_u[0, 0] for W in (None, E.turn)]
+    values = [simulate_functional(house(E, PAIR, W), push, x0=E.x0, z0=E.z0, horizon=0.1).e_u[0, 0]
+              for W in (None, E.turn)]
     return float(values[0] - values[1])
 
 

@@ -15,9 +15,9 @@ from ..engine.filters import (
     UnscentedFilters,
     errors_squared,
     joseph,
-    march_many,
     short_form,
     sigma_weights,
+    simulate_filters,
 )
 from ..plants import falling_body, growth
 from .record import Published
@@ -63,7 +63,7 @@ def growth_square(filter_: ManyFilters) -> float:
     x1 = growth.step(np.full((1, RUNS), growth.X0), first) + rng.standard_normal((1, RUNS))
     start = filter_.predict(Beliefs.alike([growth.X0], [[growth.P0]], RUNS), first)
     e = Experiment(growth.step, growth.seen, ONE, ONE, x1, start, inputs, {"one": filter_})
-    return float(np.mean([np.mean((s.x - s.corrections["one"].beliefs.mean)**2) for s in march_many(e, rng)]))
+    return float(np.mean([np.mean((s.x - s.corrections["one"].beliefs.mean)**2) for s in simulate_filters(e, rng)]))
 
 
 def extended_on_growth() -> float:
@@ -87,7 +87,8 @@ def fall() -> tuple[float, float]:
     filters = {"UKF": UnscentedFilters(flow, plant.output, np.zeros((3, 3)), R),
                "EKF": ExtendedFilters(flow, plant.output, np.zeros((3, 3)), R, h_expand=plant.observe)}
     start = Beliefs.alike(falling_body.GUESS, np.diag(np.square(falling_body.SPREAD)), runs)
-    *_, last = march_many(Experiment(flow, plant.output, np.zeros((3, 3)), R, x0, start, np.zeros((31, 0)), filters), rng)
+    *_, last = simulate_filters(Experiment(flow, plant.output, np.zeros((3, 3)), R, x0, start, np.zeros((31, 0)),
+                                           filters), rng)
     ukf, ekf = (float(np.median(errors_squared((last.x - step.beliefs.mean).T, step.beliefs.covariance)))
                 for step in last.corrections.values())
     return ukf, ekf

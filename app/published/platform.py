@@ -123,7 +123,7 @@ def designed_on(order: int) -> tuple[float, float, np.ndarray]:
     weights, full = Weights(), plant()
     small = balanced_truncation(full, order).plant
     design = lqg(small, weights)
-    loop = noisy_loop(coils(full), design.controller, ground(full), weights.W, weights.V)
+    loop = noisy_loop(coils(full), design.controller, ground(full), weights.W, V=weights.V)
     f = np.concatenate([np.geomspace(0.01, 300, 300), modes()[0]])
     return float(np.linalg.norm(design.K)), sum(loop.cost(weights.Q(full), weights.R)), loop.psd(f)
 

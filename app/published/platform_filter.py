@@ -116,7 +116,7 @@ def memory() -> float:
 def colour(noise: str) -> float:
     """Density of the innovations below 2 Hz over that above 50 Hz, mean of the four sensors."""
     r = record(noise)
-    seen = psd(r.innovations, 1 / DT, 4000)
+    seen = psd(r.innovations, 1 / DT, segment=4000)
     f, density = seen.frequency, seen.density.mean(axis=1)
     return float(density[(f > 0) & (f < 2)].mean() / density[f > 50].mean())
 
@@ -156,7 +156,8 @@ def recursion_and_riccati() -> tuple[float, float]:
 def figure_eleven() -> tuple[float, float]:
     """dB by which the output error lies below the output at 0.16 Hz, and the error there with the force over without."""
     loud, quiet = record(force=FORCE), record()
-    at = [psd(np.column_stack([r.clean[:, 0], r.clean[:, 0] - r.filtered[:, 0]]), 1 / DT, 18_750) for r in (loud, quiet)]
+    at = [psd(np.column_stack([r.clean[:, 0], r.clean[:, 0] - r.filtered[:, 0]]), 1 / DT,
+              segment=18_750) for r in (loud, quiet)]
     near = int(np.argmin(np.abs(at[0].frequency - SINE)))
     return (float(10 * np.log10(at[0].density[near, 0] / at[0].density[near, 1])),
             float(at[0].density[near, 1] / at[1].density[near, 1]))
@@ -164,7 +165,8 @@ def figure_eleven() -> tuple[float, float]:
 
 RECORDS = (
     Published(SOURCE, "chapter 4, NIS of one step, four sensors, 95 %", "", lambda: chi2_band(4), "beyond", "0.484, 11.143"),
-    Published(SOURCE, "mean of 1000 NIS, 95 %", "", lambda: chi2_band(4, 1000), "beyond", "3.827, 4.177", tolerance=6e-4),
+    Published(SOURCE, "mean of 1000 NIS, 95 %", "", lambda: chi2_band(4, count=1000), "beyond", "3.827, 4.177",
+              tolerance=6e-4),
     Published(SOURCE, "NIS tuned to the number of measurements", "near 4", nis_mean, right="4", tolerance=0.08,
               note=f"eight states watching ten; {OURS}"),
     Published(SOURCE, "share of single NIS in the one-step band", "", share_in_band, "beyond", "0.95", tolerance=0.006, note=OURS),

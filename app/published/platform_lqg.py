@@ -43,7 +43,7 @@ def whole() -> Plant:
 def loop(V: float | None, sensor: float = LITERAL_V) -> NoisyLoop:
     """The loop designed for V (None: no control) under the report's ground and sensor noise of intensity `sensor`."""
     p = whole()
-    return noisy_loop(coils(p), None if V is None else lqg(p, Weights(v0=V)).controller, ground(p), FIGURES.W, sensor)
+    return noisy_loop(coils(p), None if V is None else lqg(p, Weights(v0=V)).controller, ground(p), FIGURES.W, V=sensor)
 
 
 def suppression(closed: NoisyLoop) -> np.ndarray:
@@ -86,9 +86,10 @@ def regulator_poles() -> tuple[float, float]:
 def late_computer() -> np.ndarray:
     """Suppression of the literal design at 1 kHz, weights taken per step, the answer one sample late."""
     p = whole()
-    s = sampled_lqg(coils(p), LITERAL.Q(p), LITERAL.R, LITERAL.W, LITERAL.V, DT, ground(p))
+    s = sampled_lqg(coils(p), LITERAL.Q(p), LITERAL.R, LITERAL.W, LITERAL.V, DT, G=ground(p))
     K = dlqr(s.plant.A, s.plant.B, LITERAL.Q(p), LITERAL.R).gain
-    return suppression(noisy_loop(s.plant, compensator(s.plant, K, s.filter.steady.predictor_gain), np.eye(10), s.filter.Q, s.filter.R))
+    return suppression(noisy_loop(s.plant, compensator(s.plant, K, s.filter.steady.predictor_gain), np.eye(10),
+                                  s.filter.Q, V=s.filter.R))
 
 
 def recursive_against_steady() -> float:
@@ -96,13 +97,13 @@ def recursive_against_steady() -> float:
     120 s at 200 Hz and the loop with the Riccati gain."""
     p = whole()
     w = Weights(v0=1e-10)
-    s = sampled_lqg(coils(p), w.Q(p), w.R, w.W, w.V, 5 * DT, ground(p))
+    s = sampled_lqg(coils(p), w.Q(p), w.R, w.W, w.V, 5 * DT, G=ground(p))
     belief, kf = Belief(np.zeros(10), loop(None).covariance), s.filter
     M = _gain_after(kf, belief, 24)
     f = np.geomspace(0.05, 50, 60)
     densities = []
     for built in (s.controller, s.controller_with(M)):
-        z = noisy_loop(s.plant, built, np.eye(10), kf.Q, kf.R)
+        z = noisy_loop(s.plant, built, np.eye(10), kf.Q, V=kf.R)
         densities.append(z.psd(f, z.outputs(T_y[:3])))
     return float(np.abs(densities[1] / densities[0] - 1).max())
 
@@ -119,7 +120,7 @@ def eight_states() -> float:
     """Largest difference in dB between the loop designed on ten states and the one designed on eight."""
     p = whole()
     d = lqg(balanced_truncation(p, 8).plant)
-    return float(np.abs(suppression(noisy_loop(coils(p), d.controller, ground(p), FIGURES.W, LITERAL_V))
+    return float(np.abs(suppression(noisy_loop(coils(p), d.controller, ground(p), FIGURES.W, V=LITERAL_V))
                         - suppression(loop(FIGURE_V))).max())
 
 

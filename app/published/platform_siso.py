@@ -108,14 +108,15 @@ def _three() -> Plant:
 def mixing(low: float, high: float, count: int = 100) -> np.ndarray:
     """a, b of the least J over a band in Hz, and 10 log₁₀ of what it gains over no mixing."""
     G = dominance(_three(), 2 * np.pi * np.geomspace(low, high, count)).response
-    found = best_mixing(G, (1, 2))
+    found = best_mixing(G, channels=(1, 2))
     return np.array([found.a, found.b, 10 * np.log10(found.plain_J / found.J)])
 
 
 def grid_dependence() -> tuple[float, float, float]:
     """Gain in dB of the optimum over 0.1–10 Hz of 100 points on those points and on 400; of the optimum of 400 points."""
     rough, fine = (dominance(_three(), 2 * np.pi * np.geomspace(0.1, 10, n)).response for n in (100, 400))
-    one, best, J = best_mixing(rough, (1, 2)), best_mixing(fine, (1, 2)), coupling(fine, (1, 2))
+    one, best, J = best_mixing(rough, channels=(1, 2)), best_mixing(fine, channels=(1, 2)), coupling(fine,
+                                                                                                     channels=(1, 2))
     gains = one.plain_J / one.J, J(0, 0) / J(one.a, one.b), best.plain_J / best.J
     return float(10 * np.log10(gains[0])), float(10 * np.log10(gains[1])), float(10 * np.log10(gains[2]))
 
@@ -123,7 +124,8 @@ def grid_dependence() -> tuple[float, float, float]:
 def mixing_and_the_ground() -> tuple[float, float]:
     """Suppression of rotation in dB by the published pair, without mixing and with that of least J over 2–10 Hz."""
     a, b, _ = mixing(2, 10)
-    mixed = siso.from_channels(siso.published_cv(), None, negated(siso.published_ch()), mixing=mixing_matrix(a, b, 3, (1, 2)))
+    mixed = siso.from_channels(siso.published_cv(), None, negated(siso.published_ch()),
+                               mixing=mixing_matrix(a, b, size=3, channels=(1, 2)))
     return float(suppression(siso.published())[1]), float(suppression(mixed)[1])
 
 

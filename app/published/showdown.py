@@ -25,7 +25,7 @@ def controllers(v: float) -> tuple[Plant, ...]:
     """None, our SISO pair, full LQG, the same designed for the samples, decoupled LQG."""
     plant, weights = balanced_truncation(platform.plant(), 8).plant, Weights(v0=v)
     nothing = Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)))
-    sampled = sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, DT, ground(plant))
+    sampled = sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, DT, G=ground(plant))
     return nothing, siso.designed(), lqg(plant, weights).controller, sampled.controller, siso.decoupled_lqg(weights)
 
 

@@ -193,7 +193,8 @@ class BoardView:
             to = self.s_at(event.end_position)
             if not (math.isfinite(to.real) and math.isfinite(to.imag)):
                 return  # a camera or a pointer of nonsense
-            self._drag({board.knob: move_pole(poles, origin, to, SNAP * board.im_high), **dict(board.also)}, self._grip)
+            self._drag({board.knob: move_pole(poles, origin, to, axis_snap=SNAP * board.im_high), **dict(board.also)},
+                       self._grip)
             if event.phase == "end":
                 self._grabbed = None
         return moved

@@ -132,7 +132,7 @@ class PolesWidget:
         asked = (*self._poles[:at], to, *self._poles[at + 1:])  # what is not finite is refused by the knob
         snap = 1e-6 * min(1.0, self._knob.im_high)
         if _finite(to):
-            asked = self._poles = move_pole(self._poles, at, to, snap)
+            asked = self._poles = move_pole(self._poles, at, to, axis_snap=snap)
         return self._post(self._knob.name, asked)
 
     def show(self, value: Any, visible: bool, picture: Picture) -> None:

@@ -97,7 +97,8 @@ def watch(plant: BilinearPlant, K: np.ndarray, plain: BilinearForm, exact: Bilin
     at = int(design["kick"] / DT + 1e-9) if design["kick"] >= 0 else None
 
     def run(x: np.ndarray, z: np.ndarray, begin: int, end: int) -> BilinearRun:
-        return simulate_bilinear(plant, form, rows, lambda t: u(t + begin * DT), x, z, (end - begin) * DT, DT)
+        return simulate_bilinear(plant, form, rows, lambda t: u(t + begin * DT), x, z, horizon=(end - begin) * DT,
+                                 dt=DT)
 
     last = round(HORIZON / DT)
     pieces = [run(x0, z0, 0, last)] if at is None else _kicked(plant, form, run, x0, z0, min(at, last - 1), last)

@@ -106,7 +106,7 @@ def channels() -> Dominance:
 @lru_cache(maxsize=128)
 def band_of(low: float, high: float) -> tuple[Coupling, Mixing, np.ndarray]:
     """J over a band in Hz, its optimum, and its map over the grid."""
-    J = coupling(dominance(three(), 2 * np.pi * np.geomspace(low, high, SAMPLES)).response, (1, 2))
+    J = coupling(dominance(three(), 2 * np.pi * np.geomspace(low, high, SAMPLES)).response, channels=(1, 2))
     return J, best_mixing(J.response), J.map(GRID_A, GRID_B)
 
 
@@ -118,7 +118,7 @@ def mixed(design: Design) -> Mixed:
                              f"频带的上限至少应为 {1.5 * low:.3g} Hz（下限为 {low:g} Hz）。"))
     J, best, over = band_of(low, high)
     a, b = {NONE: (0.0, 0.0), OWN: (design["a"], design["b"]), BEST: (best.a, best.b)}[design["mix"]]
-    return Mixed(J, best, over, a, b, J(a, b), mixing_matrix(a, b, 3, (1, 2)))
+    return Mixed(J, best, over, a, b, J(a, b), mixing_matrix(a, b, size=3, channels=(1, 2)))
 
 
 # --- controllers -------------------------------------------------------------------------------------------------------
@@ -143,7 +143,7 @@ def shape_of(design: Design) -> LoopShape:
 
 def close(controller: Plant, noise: float = 0.0) -> NoisyLoop:
     """The loop with unit ground and sensors of one-sided density noise², in m/s/√Hz."""
-    return noisy_loop(COILS, controller, GROUND, 1.0, noise**2 / 2)
+    return noisy_loop(COILS, controller, GROUND, 1.0, V=noise**2 / 2)
 
 
 def rightmost(loop: NoisyLoop, controller: Plant) -> tuple[float, float]:

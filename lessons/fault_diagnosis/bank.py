@@ -46,9 +46,10 @@ class Guard:
 def guard() -> Guard:
     """Four members that each leave out one sensor, three that each ignore one coil."""
     kf = model()
-    sensors = [residual_generator(kf, name, [j for j in range(4) if j != i]) for i, name in enumerate(NAMES[:4])]
-    coils = [residual_generator(kf, name, None, kf.B[:, [j]]) for j, name in enumerate(NAMES[4:])]
-    return Guard(FaultBank(kf, (*sensors, *coils)), residual_generator(kf, "all"))
+    sensors = [residual_generator(kf, name=name, outputs=[j for j in range(4) if j != i])
+               for i, name in enumerate(NAMES[:4])]
+    coils = [residual_generator(kf, name=name, E=kf.B[:, [j]]) for j, name in enumerate(NAMES[4:])]
+    return Guard(FaultBank(kf, (*sensors, *coils)), residual_generator(kf, name="all"))
 
 
 @lru_cache(maxsize=8)

@@ -44,7 +44,7 @@ class Trials:
 
     def band(self, rate: float) -> tuple[float, float]:
         """Where the share of alarms of one member is to lie."""
-        return binomial_band(self.windows, rate, LEVEL)
+        return binomial_band(self.windows, rate, level=LEVEL)
 
 
 @dataclass(frozen=True, eq=False)

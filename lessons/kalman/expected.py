@@ -69,8 +69,8 @@ def expected(noise: str, q: float, r: float) -> Expected:
     excess, memory = _colour(A, H, A @ Z @ H.T + v @ real.R, seen)
     dof = 16 * LAGS
     return Expected(
-        float(np.trace(np.linalg.solve(promised, seen))), chi2_band(4, SAMPLES, LEVEL),
-        float(np.trace(np.linalg.solve(who.steady.filtered[:6, :6], error))), chi2_band(6, who.independent),
+        float(np.trace(np.linalg.solve(promised, seen))), chi2_band(4, count=SAMPLES, level=LEVEL),
+        float(np.trace(np.linalg.solve(who.steady.filtered[:6, :6], error))), chi2_band(6, count=who.independent),
         float(ncx2.sf(chi2.ppf(LEVEL, dof), dof, max(excess, 1e-9))), memory, float(seen[0, 0] / kf.R[0, 0]),
         float(promised[0, 0] / kf.R[0, 0]))
 

@@ -104,7 +104,7 @@ def _independent(kf: KalmanFilter) -> float:
     """Errors hang together from sample to sample by (I − M C) A, which the filter knows of itself."""
     steady = kf.steady
     Phi = (np.eye(kf.n) - steady.filter_gain @ kf.C) @ kf.A
-    return independent_errors(Phi, steady.filtered, COUNT - SKIP, np.eye(6, kf.n))
+    return independent_errors(Phi, steady.filtered, COUNT - SKIP, T=np.eye(6, kf.n))
 
 
 def _believing(q: float, r: float, p0: float) -> tuple[KalmanFilter, Belief]:

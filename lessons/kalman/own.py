@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from app.engine import chi2_band, innovation_test, nees, nis
-from app.engine.filters import FilterTrial, InnovationTest, SquaredError, filter_trial
+from app.engine.filters import FilterTrial, InnovationTest, SquaredError, simulate_filter
 from app.lesson.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure
 from app.lesson.knobs import Choice, Knob, KnobError, Number
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
@@ -66,8 +66,9 @@ def tried(model: Model, design: Design, seed: int) -> FilterTrial:
     """The filter of a design on the record of a seed. Raises EngineError where there is no filter."""
     G, W, V = noise_units(model)
     kick = (design["kick"], np.array(model.kick)) if design["kick"] >= 0 else None
-    found = filter_trial(model.plant, G, design["w"] ** 2 * W, design["v"] ** 2 * V, model.horizon / SAMPLES, SAMPLES,
-                         (design["q"], design["r"]), seed, kick)
+    found = simulate_filter(model.plant, G, design["w"] ** 2 * W, design["v"] ** 2 * V, model.horizon / SAMPLES,
+                            SAMPLES,
+                         believed=(design["q"], design["r"]), seed=seed, kick=kick)
     if len(found.run.t) < 2 * SKIP:
         raise KnobError(Text("The plant runs away before the filter can be judged.", "在能评判滤波器之前，对象已经发散。"))
     return found
@@ -211,7 +212,7 @@ def _squares(outcome: Outcome, name: str, title: Text, dof: int, which: int) -> 
     study = outcome.study
     trials = study.trials
     count, shown = (1, (study.nis, study.nees)[which]) if trials is None else (trials[2], trials[which])
-    t, (low, high) = study.found.run.t[:len(shown)], chi2_band(dof, count)
+    t, (low, high) = study.found.run.t[:len(shown)], chi2_band(dof, count=count)
     inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
     who = Text("One run", "单次运行") if trials is None else Text(f"Mean of {count} runs", f"{count} 次运行的平均")
     n = len(t)

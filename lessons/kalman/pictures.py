@@ -177,7 +177,7 @@ def _correlation(outcome: Outcome) -> PlaneFigure:
 def _squares(outcome: Outcome, name: str, title: Text, dof: int, values: np.ndarray, tried: np.ndarray | None) -> TimeFigure:
     trials = outcome.study.trials
     count = 1 if trials is None else trials.count
-    low, high = chi2_band(dof, count)
+    low, high = chi2_band(dof, count=count)
     shown, n = values if tried is None else tried, len(values)
     inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
     who = Text("One run", "单次运行") if trials is None else Text(f"Mean of {count} runs", f"{count} 次运行的平均")
@@ -225,7 +225,7 @@ def _tracking(outcome: Outcome) -> FrequencyFigure:
     s = outcome.study
     clean = s.truth.clean[SKIP:, 0]
     guess = s.track.means[SKIP:, :6] @ s.watcher.filter.C[0, :6]
-    both = psd(1e3 * np.column_stack([clean, clean - guess]), 1 / DT, len(clean))
+    both = psd(1e3 * np.column_stack([clean, clean - guess]), 1 / DT, segment=len(clean))
     f, floor = both.frequency[1:], np.maximum(both.density[1:], 1e-9)
     near = int(np.argmin(np.abs(f - 0.16)))
     drop = 10 * np.log10(floor[near, 0] / floor[near, 1])
@@ -238,7 +238,7 @@ def _tracking(outcome: Outcome) -> FrequencyFigure:
 
 def _colour(outcome: Outcome) -> FrequencyFigure:
     s = outcome.study
-    seen = psd(1e3 * s.track.innovations[SKIP:, 0], 1 / DT, 64)
+    seen = psd(1e3 * s.track.innovations[SKIP:, 0], 1 / DT, segment=64)
     f, promised = seen.frequency[1:], 2e6 * DT * float(s.track.S[-1, 0, 0])
     carried = outcome.design["noise"] == CARRIED
     low, high = (float(np.mean(seen.density[1:][part])) for part in (f < 3.0, f > 6.0))

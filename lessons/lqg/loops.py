@@ -84,7 +84,7 @@ def loop(case: Case, setting: Setting) -> NoisyLoop:
     real = Plant(case.plant.A, setting.gain * case.plant.B, case.plant.C, setting.gain * np.asarray(case.plant.D))
     f = setting.factors
     return noisy_loop(real, compensator(case.plant, reg.gain, est.gain), case.G, case.true_disturbance(f) * case.W,
-                      f.sensor * case.V).watching(case.rows)
+                      V=f.sensor * case.V).watching(case.rows)
 
 
 # --- cost ------------------------------------------------------------------------------------------------------------
@@ -227,7 +227,7 @@ def computer(case: Case, factors: Factors, recovery: float, dt: float) -> Sample
     """The design sampled every dt seconds."""
     f = factors
     return sampled_lqg(case.plant, f.alpha_q * case.Q, f.alpha_r * case.R, believed(case, f.beta_q, recovery), f.beta_r * case.V, dt,
-                       np.eye(case.plant.n))
+                       G=np.eye(case.plant.n))
 
 
 @lru_cache(maxsize=8)

@@ -57,7 +57,7 @@ def bench_of(case: Case, setting: Setting) -> Bench:
     truth = Plant(s.A, setting.gain * s.B, s.C, s.D, s.dt)
     process = step_covariance(case.plant.A, case.true_disturbance(f) * case.G @ case.W @ case.G.T, s.dt)
     readings = f.sensor * case.V / s.dt
-    loop = noisy_loop(truth, sampled.controller, np.eye(s.n), process, readings).watching(case.rows)
+    loop = noisy_loop(truth, sampled.controller, np.eye(s.n), process, V=readings).watching(case.rows)
     if not loop.stable:
         raise KnobError(Text("This loop is unstable on a computer, so it has no spectrum to measure; bring the gain m back to 1.",
                              "这个回路在计算机上运行时不稳定，没有可测的频谱；请把增益 m 调回 1。"))

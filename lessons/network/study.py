@@ -108,8 +108,8 @@ def tell(design: Design) -> Study:
         watched=who, run=run, x=_held(run.x), xhat=_held(run.xhat), asked=_held(run.u_asked), applied=_held(run.u_applied),
         heard=np.isin(np.arange(SAMPLES), run.draw.sensed), fresh=np.isin(np.arange(SAMPLES), run.draw.acted),
         teeth=np.clip(np.column_stack([who.ratio(after), who.ratio(before)]), 1 / MOST, MOST), lower=lower, upper=upper,
-        size=_held(size), promised=_held(goal), meter=min(network_meter(run, promised), MOST),
-        loop=delayed_loop(s.plant, s.K, who.steady.filter_gain, delay, told, ahead),
+        size=_held(size), promised=_held(goal), meter=min(network_meter(run, promised=promised), MOST),
+        loop=delayed_loop(s.plant, s.K, who.steady.filter_gain, delay, told=told, ahead=ahead),
         ages=(_held(run.sensor_age), _held(run.actuator_age)))
 
 

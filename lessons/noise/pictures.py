@@ -132,7 +132,7 @@ def error_curves(e: np.ndarray, quiet: np.ndarray, spread: np.ndarray) -> tuple[
 
 def variance_curves(promised: np.ndarray, tried: np.ndarray | None, count: int) -> tuple[tuple[Curve, ...], float]:
     """The promised variance and its band over `count` runs, beside what the runs gave; percent of the instants inside, NaN before any."""
-    low, high = chi2_band(1, count, LEVEL)
+    low, high = chi2_band(1, count=count, level=LEVEL)
     curves = (Curve(Text("Lyapunov", "Lyapunov 方程"), promised, "reference", "dash"),
               Curve(Text(f"95 % band, {count} runs", f"95 % 带，{count} 次"), high * promised, "muted", "dot", 1.4),
               Curve(Text("lower edge", "下沿"), low * promised, "muted", "dot", 1.4))

@@ -19,7 +19,7 @@ from app.engine.filters import (
     Steering,
     UnscentedFilters,
     errors_squared,
-    march_many,
+    simulate_filters,
 )
 from app.lesson.lesson import Design
 
@@ -103,7 +103,7 @@ def studies(design: Design, runs: int, count: int, block: int) -> Iterator[Study
     case, experiment = experiment_of(design, runs, count, rng)
     tally = _Tally(case, experiment, runs)
     pending: list[Sample] = []
-    for sample in march_many(experiment, rng):
+    for sample in simulate_filters(experiment, rng):
         pending.append(sample)
         if len(pending) == block:
             tally.add(pending)
@@ -128,7 +128,7 @@ class _Tally:
         self.parts: dict[str, list[tuple[np.ndarray, ...]]] = {name: [] for name in FILTERS}
         self.apart: dict[str, float] = dict.fromkeys((EKF, UKF), 0.0)
         self.honest: dict[str, float] = dict.fromkeys(FILTERS, 0.0)
-        self.point = chi2_band(self.n, 1, 0.98)[1]
+        self.point = chi2_band(self.n, count=1, level=0.98)[1]
 
     def add(self, samples: list[Sample]) -> None:
         x = np.stack([s.x for s in samples])  # (k, n, N)

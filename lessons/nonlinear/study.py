@@ -18,7 +18,7 @@ from .runs import FILTERS, Study, draft
 @lru_cache(maxsize=16)
 def band_of(dof: int, runs: int) -> tuple[float, float]:
     """Where the mean of `runs` values lies with 95 %."""
-    return chi2_band(dof, runs)
+    return chi2_band(dof, count=runs)
 
 
 def verdict(values: np.ndarray, dof: int, runs: int) -> Text:

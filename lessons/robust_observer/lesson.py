@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine import run_functional
+from app.engine import simulate_functional
 from app.engine.observers import FunctionalObserver, FunctionalRun, error_index, perturbed_loop
 from app.lesson.figures import Figure
 from app.lesson.knobs import Choice, Number, Poles, Switch
@@ -127,11 +127,11 @@ def compute(design: Design) -> Outcome:
     case = CASES[design["example"]]
     example, observer, (dA, dC) = case.example, observer_of(design), errors(design)
     z0 = start_of(design)
-    model = run_functional(observer, push, example.x0, z0, HORIZON, DT)
-    true = shown(run_functional(observer, push, example.x0, z0, HORIZON, DT, dA=dA, dC=dC))
+    model = simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT)
+    true = shown(simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dC=dC))
     gains, peak = gains_over_frequency(observer, ((dA, dC), *vertices_of(design)))
     story = Story(observer, model, true, gains[0], gains[1:].max(axis=0))
-    loop = perturbed_loop(observer, dA, None, dC)
+    loop = perturbed_loop(observer, dA=dA, dB=None, dC=dC)
     late = true.t > 0.75 * HORIZON
     metrics = {
         "J": observer.J, "error_index": min(error_index(observer), 1e9), "order": float(observer.order),
@@ -158,7 +158,8 @@ def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
     if design["example"] == ONE:
         return 0.0
     example = CASES[TWO].example
-    plain = run_functional(observer_of(design, np.eye(2)), push, example.x0, example.z0, HORIZON, DT)
+    plain = simulate_functional(observer_of(design, np.eye(2)), push, x0=example.x0, z0=example.z0, horizon=HORIZON,
+                                dt=DT)
     return float(np.abs(plain.e_u - model.e_u).max())
 
 

@@ -85,7 +85,7 @@ def observer_of(design: Design, W: np.ndarray | None = None) -> FunctionalObserv
     if len(poles) == 2 and abs(poles[0] - poles[1]) < NEAR:
         raise KnobError(Text("The two poles coincide, so [T; C] is singular and K cannot be reached; move them apart.",
                              "两个极点重合，[T; C] 奇异，K 无法由它们给出；请把极点分开。"))
-    return functional_observer(case.example.plant, case.example.K, len(poles), poles,
+    return functional_observer(case.example.plant, case.example.K, len(poles), poles=poles,
                                W=turn(design) if W is None else W, wrong=weighted(design), norm=norm_of(design))
 
 
@@ -138,7 +138,7 @@ def gains_over_frequency(observer: FunctionalObserver, pairs: Any) -> tuple[np.n
 
     MOST where a loop is unstable. The peak is exact for the pair that is highest on the grid.
     """
-    loops = [perturbed_loop(observer, dA, None, dC) for dA, dC in pairs]
+    loops = [perturbed_loop(observer, dA=dA, dB=None, dC=dC) for dA, dC in pairs]
     A, B, C = (np.stack([getattr(loop, name) for loop in loops]) for name in "ABC")
     s = 2j * np.pi * np.append(FREQUENCIES, 1e-7)  # and all but a constant
     solved = np.linalg.solve(s[None, :, None, None] * np.eye(A.shape[1]) - A[:, None], B[:, None] + 0j)

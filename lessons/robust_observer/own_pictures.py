@@ -74,7 +74,7 @@ def _parts(o: FunctionalObserver) -> tuple[str, ...]:
     """The three sums of J."""
     w, nothing = o.wrong, np.zeros
     T, L, M = nothing(o.T.shape), nothing(o.L.shape), nothing(o.M.shape)
-    return tuple(f"{criterion(*rows, w, o.norm):.4g}" for rows in ((o.T, L, M), (T, o.L, M), (T, L, o.M)))
+    return tuple(f"{criterion(*rows, w, norm=o.norm):.4g}" for rows in ((o.T, L, M), (T, o.L, M), (T, L, o.M)))
 
 
 def _compared(outcome: Outcome, story: Story) -> TableFigure:

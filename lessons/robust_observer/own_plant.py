@@ -45,7 +45,8 @@ class Scaled:
 
     def observer(self, row: np.ndarray, poles: tuple[complex, ...], wrong: Perturbations, norm: Any = 2) -> FunctionalObserver:
         """The observer of row · x with these poles, for the plant that was given."""
-        found = functional_observer(self.inner, row * self.unit, len(poles), np.array(poles) / self.rate, wrong=self.within(wrong),
+        found = functional_observer(self.inner, row * self.unit, len(poles), poles=np.array(poles) / self.rate,
+                                    wrong=self.within(wrong),
                                     norm=norm)
         return self.given(found, row, wrong)
 

@@ -40,8 +40,9 @@ def search(here: Here, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     units, row, result = here.scaled, wanted_of(here, design)[1], None
     region = Region(design["region_low"] / units.rate, design["region_high"] / units.rate, 0.0, design["region_tall"] / units.rate)
     try:
-        for part, found in rlo_steps(units.inner, row * units.unit, units.within(weighted(here, design)), NORMS[design["norm"]], region,
-                                     here.highest, worst_condition=WORST_CONDITION):
+        for part, found in rlo_steps(units.inner, row * units.unit, wrong=units.within(weighted(here, design)),
+                                     norm=NORMS[design["norm"]], region=region,
+                                     max_order=here.highest, worst_condition=WORST_CONDITION):
             result = found
             yield 0.99 * part, outcome
     except (EngineError, np.linalg.LinAlgError) as problem:

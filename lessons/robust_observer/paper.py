@@ -42,7 +42,7 @@ class Gaps:
 @lru_cache(maxsize=1)
 def printed_observer() -> FunctionalObserver:
     """Example 2 with poles −4, −3 and W = I, in the paper's sign."""
-    return functional_observer(EXAMPLE_2.plant, EXAMPLE_2.K_printed, 2, [-4, -3], wrong=EXAMPLE_2.wrong)
+    return functional_observer(EXAMPLE_2.plant, EXAMPLE_2.K_printed, 2, poles=[-4, -3], wrong=EXAMPLE_2.wrong)
 
 
 def _gap(a: np.ndarray, b: np.ndarray) -> float | None:

@@ -44,7 +44,8 @@ def search(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     region = Region(design["region_low"], design["region_high"])
     for name, norm in NORMS.items():
         best: RobustObserver | None = None
-        for part, found in rlo_steps(example.plant, example.K, wrong, norm, region, worst_condition=WORST_CONDITION):
+        for part, found in rlo_steps(example.plant, example.K, wrong=wrong, norm=norm, region=region,
+                                     worst_condition=WORST_CONDITION):
             best = found
             yield before + SHARE * part, outcome
         assert best is not None
@@ -67,7 +68,7 @@ def swept(design: Design, s: float) -> FunctionalObserver:
     """The observer with its pole at s, or its poles at s and s − 1."""
     example = CASES[design["example"]].example
     poles = [s] if design["example"] == ONE else [s, s - 1]
-    return functional_observer(example.plant, example.K, len(poles), poles, wrong=weighted(design))
+    return functional_observer(example.plant, example.K, len(poles), poles=poles, wrong=weighted(design))
 
 
 def with_search(outcome: Outcome, result: Search) -> Outcome:

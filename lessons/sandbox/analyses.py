@@ -24,7 +24,7 @@ from app.engine import (
 )
 from app.engine.design import in_natural_units
 from app.engine.feedback import ChannelMargins, ClosedLoop, Sensitivity
-from app.engine.filters import ErrorParts, Ladder, SquaredError, filter_trial, noise_ladder
+from app.engine.filters import ErrorParts, Ladder, SquaredError, noise_ladder, simulate_filter
 from app.engine.structure import Controllability, KalmanDecomposition, Observability, split_stable
 from app.lesson.knobs import KnobError
 from app.plants import Model
@@ -194,8 +194,9 @@ def trial(model: Model, sensor: float, belief: float, seed: int) -> Trial:
 def _trial(plant: Plant, G: bytes, W: bytes, V: bytes, step: float, belief: float, seed: int) -> Trial:
     G_ = np.frombuffer(G).reshape(plant.n, -1)
     q = G_.shape[1]
-    found = filter_trial(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), step, SAMPLES,
-                         (belief, 1.0), seed)
+    found = simulate_filter(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p),
+                            step, SAMPLES,
+                         believed=(belief, 1.0), seed=seed)
     track = found.track
     if len(found.run.t) <= 2 * SKIP:
         raise KnobError(Text("The plant runs away before the filter can be judged.", "在能评判滤波器之前，对象已经发散。"))

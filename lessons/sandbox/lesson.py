@@ -186,7 +186,7 @@ def try_recovery(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcom
         outcome = replace(outcome, study=replace(outcome.study, margins=attempt(lambda: margins(plant, K, outcome.gains["L"], True))))
     grid, steps = _frequencies(plant_rate=typical_rate(plant), dt=plant.dt), ()
     for k, q in enumerate(STEPS, start=1):
-        found = recover(plant, K, W, V, float(q) * size, G)
+        found = recover(plant, K, W, V, float(q) * size, G=G)
         built = loop_margins(plant, found.compensator)
         steps = (*steps, (float(q), float(built.input_disk.alpha), float(target)))
         outcome = replace(outcome, study=replace(outcome.study, steps=steps, recovered=pictures.largest(built.loop, grid)))

@@ -233,7 +233,7 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
     title = Text("NIS of a filter with this belief", "当前设定值下滤波器的 NIS")
     if isinstance(found, Refusal):
         return empty_time("nis", title, NOISE_TAB, why(found))
-    low, high = chi2_band(outputs, 1)
+    low, high = chi2_band(outputs, count=1)
     n, test = len(found.t), found.test
     said = {"consistent": ("as it should be", "符合预期"),
             "overconfident": ("above it, as with a filter that trusts its model too much", "偏大，像是滤波器过于相信模型"),

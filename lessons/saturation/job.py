@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.engine import Scenario
-from app.engine.simulation import recovery_map
+from app.engine.simulation import simulate_recovery
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Job, Outcome
 from app.text.words import Text
@@ -60,7 +60,7 @@ def survey(scenario: Scenario, known: Starts | None) -> Iterator[tuple[float, St
         if not len(across) or np.all(values[np.ix_(up, across)] != UNKNOWN):
             continue
         recovered = np.zeros((len(across), len(up)), dtype=bool)
-        for fraction, found in recovery_map(scenario, ANGLE, np.radians(GRID[across]), ANGLE, np.radians(GRID[up]),
+        for fraction, found in simulate_recovery(scenario, ANGLE, np.radians(GRID[across]), ANGLE, np.radians(GRID[up]),
                                             threshold=NEAR, bound=FAR, slice_seconds=SLICE):
             recovered = found.recovered
             yield (k + fraction) / len(passes), starts

@@ -10,7 +10,7 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from app.engine import Plant, Scenario, autonomous_error, simulate
-from app.engine.simulation import Run, recovery_map, separation_meter
+from app.engine.simulation import Run, separation_meter, simulate_recovery
 from app.engine.systems import sorted_poles
 from app.lesson.figures import Curve, Figure, MapFigure
 from app.lesson.knobs import Choice, Knob, KnobError, Number
@@ -170,7 +170,8 @@ def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[floa
     for k in range(STRIDE):
         rows = up[k::STRIDE]
         recovered = np.zeros((len(GRID), len(rows)), dtype=bool)
-        for fraction, found in recovery_map(scenario, 0, GRID, 0, GRID[rows], threshold=NEAR, bound=FAR, slice_seconds=SLICE):
+        for fraction, found in simulate_recovery(scenario, 0, GRID, 0, GRID[rows], threshold=NEAR, bound=FAR,
+                                                 slice_seconds=SLICE):
             recovered = found.recovered
             yield (k + fraction) / STRIDE, known
         values = values.copy()

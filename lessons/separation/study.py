@@ -60,7 +60,7 @@ def compute(here: Setting, design: Design) -> Outcome[ClosedLoop]:
     """Gains on the believed plant, the 2n-pole loop on the true one, one run."""
     model, truth, belief = here.model, here.truth(design), here.belief(design)
     K, L = gains(design, belief, model)
-    loop = closed_loop(truth, K, L, belief)
+    loop = closed_loop(truth, K, L, model=belief)
     limit = design["u_max"] if design["limited"] else None
     run = simulate(Scenario(
         truth, K, L, model=belief, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt,

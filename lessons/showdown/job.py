@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.engine.sampled import loop_density, mechanics_response, monte_carlo
+from app.engine.sampled import loop_density, mechanics_response, simulate_trials
 from app.lesson.lesson import Design, Job, Outcome
 from app.plants import platform
 from app.text.words import Text
@@ -38,7 +38,7 @@ def _all(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
         loop = loop_of(world, player)
         if not loop.stable:
             continue
-        for share, result in monte_carlo(loop, RUNS, SECONDS, seed, SEGMENT, RUNS):
+        for share, result in simulate_trials(loop, RUNS, SECONDS, seed, segment=SEGMENT, together=RUNS):
             if result is not None:
                 found = replace(found, noise=(*found.noise[:i], result, *found.noise[i + 1:]))
             yield 0.14 * (i + share), found

@@ -45,7 +45,7 @@ def _feedback() -> tuple[np.ndarray, SampledLqg]:
     """What does not depend on the believed noise: K in continuous time, and the sampled design with its own K."""
     weights, plant = Weights(), reduced()
     return (lqr(plant.A, coils(plant).B, weights.Q(plant), weights.R).gain,
-            sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, DT, ground(plant)))
+            sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, DT, G=ground(plant)))
 
 
 @lru_cache(maxsize=3)

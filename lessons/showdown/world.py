@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from app.engine import Plant, run_trial, sampled_loop
+from app.engine import Plant, sampled_loop, simulate_trial
 from app.engine.sampled import (
     Hardware,
     MechanicsResponse,
@@ -156,7 +156,7 @@ def respond(world: World, player: Player, step: bool) -> Response | None:
         u = w @ loop.feedback.T
         if begun >= LAST - PART or player.id == OPEN or np.abs(u).max() <= loop.hardware.limit:
             break
-        run = run_trial(quiet, PART + 1, start=w0, disturbance=np.tile(STEP, (PART + 1, 1)) if step else None)
+        run = simulate_trial(quiet, PART + 1, start=w0, disturbance=np.tile(STEP, (PART + 1, 1)) if step else None)
         head.append(run.w[:-1])
         w0, begun = run.w[-1], begun + PART
     clipped = np.concatenate(head)
@@ -215,7 +215,7 @@ def shake(world: World, player: Player, seed: int, step: bool, kick: float) -> t
         ground[TOUCH:] = STEP
     if kick >= 0:
         kicks.append((min(round(kick / DT), RUN - 1), PUSH))
-    run = run_trial(quiet, RUN, seed, disturbance=ground, kicks=tuple(kicks))
+    run = simulate_trial(quiet, RUN, seed=seed, disturbance=ground, kicks=tuple(kicks))
     x, u = np.zeros((RUN, 10)), np.zeros((RUN, 3))
     x[:len(run.x)], u[:len(run.x)] = run.x, run.applied
     x[len(run.x):], u[len(run.x):] = run.x[-1], run.applied[-1]

@@ -76,7 +76,7 @@ def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
     weights = Weights(v0=v0)
     small = model(s, order)
     Q = weights.Q(small) if pressed == OUTPUTS else EQUAL * np.eye(order)
-    design = lqg(coils(small), Q, weights.R, weights.W, weights.V, ground(small))
+    design = lqg(coils(small), Q, weights.R, weights.W, weights.V, G=ground(small))
     K, L = by_pair(design.K), by_pair(design.L.T)
     loop = _closed(s, design.controller, weights)
     rightmost = float(loop.poles.real.max())
@@ -106,4 +106,4 @@ def by_pair(gain: np.ndarray) -> np.ndarray:
 
 
 def _closed(s: System, controller: Plant, weights: Weights) -> NoisyLoop:
-    return noisy_loop(coils(s.plant), controller, ground(s.plant), weights.W, weights.V)
+    return noisy_loop(coils(s.plant), controller, ground(s.plant), weights.W, V=weights.V)

@@ -60,7 +60,7 @@ def walk(knob: Knob, value: Any, rng: np.random.Generator) -> Iterator[Any]:
             pole = int(rng.integers(len(value)))
             to = value[pole] + complex(rng.normal(0, 0.05) * (knob.re_high - knob.re_low), rng.normal(0, 0.1) * knob.im_high)
             to = complex(np.clip(to.real, knob.re_low, knob.re_high), np.clip(to.imag, -knob.im_high, knob.im_high))
-            value = move_pole(value, pole, to, SNAP * knob.im_high)
+            value = move_pole(value, pole, to, axis_snap=SNAP * knob.im_high)
         yield value
 
 

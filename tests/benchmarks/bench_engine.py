@@ -27,7 +27,7 @@ from stopwatch import median as patient_median
 from stopwatch import row
 
 from app.engine import Plant, Scenario, frequency_response, simulate
-from app.engine.simulation import march_starts, recovery_map
+from app.engine.simulation import simulate_recovery, simulate_starts
 
 PATIENCE = float(sys.argv[1]) if len(sys.argv) > 1 else 2.0
 median = partial(patient_median, patience=PATIENCE)
@@ -100,7 +100,7 @@ def saturated(plant: Plant, K: np.ndarray, L: np.ndarray) -> None:
     if "--short" in sys.argv:
         return
     starts = np.random.default_rng(2).uniform(-1, 1, (1000, 2 * n))
-    batch = median(lambda: [None for _ in march_starts(s, starts)], patience=0.0)
+    batch = median(lambda: [None for _ in simulate_starts(s, starts)], patience=0.0)
     row("1000 saturated starts together", batch)
     row("  … against input_output_response one by one", batch, 1000 * loose, 1000)
     small = Scenario(Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]]), [[5.0, 4.0]], [[12.0], [37.0]], x0=[0.4, 0],
@@ -110,7 +110,7 @@ def saturated(plant: Plant, K: np.ndarray, L: np.ndarray) -> None:
 
     def whole_map() -> None:
         last = time.perf_counter()
-        for _ in recovery_map(small, 0, np.linspace(-1.5, 1.5, 41), 0, np.linspace(-1, 1, 41)):
+        for _ in simulate_recovery(small, 0, np.linspace(-1.5, 1.5, 41), 0, np.linspace(-1, 1, 41)):
             gaps.append(time.perf_counter() - last)
             last = time.perf_counter()
 

@@ -54,14 +54,14 @@ def control_gains() -> tuple[np.ndarray, np.ndarray]:
 
 
 DESIGN = platform_lqg.lqg(P)
-LOOP = noisy_loop(COILS, DESIGN.controller, G, W.W, W.V)
+LOOP = noisy_loop(COILS, DESIGN.controller, G, W.W, V=W.V)
 ROWS = LOOP.outputs(T_y[:3])
 SOURCES = 2 * np.diag(LOOP.noise)
 
 
 def ours_psd() -> np.ndarray:
     """Loop and densities of three channels at 200 frequencies."""
-    loop = noisy_loop(COILS, DESIGN.controller, G, W.W, W.V)
+    loop = noisy_loop(COILS, DESIGN.controller, G, W.W, V=W.V)
     return loop.psd(F, loop.outputs(T_y[:3]))
 
 
@@ -91,9 +91,9 @@ def main() -> None:
             {"python-control": control_gains, "SciPy": scipy_gains}),
         "3 channels, 200 frequencies": (ours_psd, {"python-control": control_psd, "SciPy": scipy_psd}),
         "variances by Lyapunov": (
-            lambda: noisy_loop(COILS, DESIGN.controller, G, W.W, W.V).variance(),
+            lambda: noisy_loop(COILS, DESIGN.controller, G, W.W, V=W.V).variance(),
             {"SciPy": lambda: solve_continuous_lyapunov(LOOP.A, -LOOP.B @ LOOP.noise @ LOOP.B.T)}),
-        "whole design (K, L, compensator, costs)": (lambda: lqg(COILS, Q, R, W.W, W.V, G), {}),
+        "whole design (K, L, compensator, costs)": (lambda: lqg(COILS, Q, R, W.W, W.V, G=G), {}),
     }
     for name, peer in {"python-control": control_psd, "SciPy (by polynomials)": scipy_psd}.items():
         print(f"densities: {name} differs from ours by {np.abs(peer() / ours_psd() - 1).max():.1e} relative")

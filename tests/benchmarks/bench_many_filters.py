@@ -21,7 +21,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from app.engine.filters import Beliefs, Experiment, ExtendedFilters, UnscentedFilters, march_many
+from app.engine.filters import Beliefs, Experiment, ExtendedFilters, UnscentedFilters, simulate_filters
 from app.plants import nonlinear_platform
 
 RUNS, STEPS, FEW = 200, 100, 4
@@ -85,7 +85,8 @@ def main() -> None:
     inputs = np.zeros((STEPS, 3))
 
     def many(filters: dict) -> list:
-        return list(march_many(Experiment(FLOW, PLANT.output, Q, R, x0, Beliefs.alike(np.zeros(6), P0, RUNS), inputs, filters),
+        return list(simulate_filters(Experiment(FLOW, PLANT.output, Q, R, x0, Beliefs.alike(np.zeros(6), P0, RUNS),
+                                                inputs, filters),
                                np.random.default_rng(1)))
 
     def seconds(work: Callable[[], object]) -> float:

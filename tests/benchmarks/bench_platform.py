@@ -25,8 +25,8 @@ from scipy.integrate import solve_ivp
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from app.engine import balanced_truncation, run_trial, sampled_loop
-from app.engine.sampled import Hardware, SampledLoop, monte_carlo, sampled_controller
+from app.engine import balanced_truncation, sampled_loop, simulate_trial
+from app.engine.sampled import Hardware, SampledLoop, sampled_controller, simulate_trials
 from app.plants import platform
 from app.plants.platform_lqg import Weights, lqg
 
@@ -103,7 +103,7 @@ def plain_clipped(s: SampledLoop) -> None:
 
 def thousand(s: SampledLoop) -> float:
     began = time.perf_counter()
-    for _ in monte_carlo(s, RUNS, STEPS * DT, 1, 8192):
+    for _ in simulate_trials(s, RUNS, STEPS * DT, 1, segment=8192):
         pass
     return time.perf_counter() - began
 
@@ -111,21 +111,21 @@ def thousand(s: SampledLoop) -> float:
 def main() -> None:
     linear, clipped = loop(Hardware()), loop(Hardware(limit=LIMIT))
     rounded = loop(Hardware(step=1e-6))
-    one = median(lambda: run_trial(linear, STEPS, 1))
+    one = median(lambda: simulate_trial(linear, STEPS, seed=1))
     print("| one run of 20 s at 1 kHz | median [ms] | ratio |\n|---|---|---|")
-    print(f"| run_trial, linear, noise drawn | {one:.1f} | 1 |", flush=True)
+    print(f"| simulate_trial, linear, noise drawn | {one:.1f} | 1 |", flush=True)
     slow = {}
     for name, (work, part) in peers(linear).items():
         slow[name] = median(work, 3) / part
         print(f"| {name}{'' if part == 1 else ', scaled from 2 %'} | {slow[name]:.1f} | {slow[name] / one:.1f} |", flush=True)
-    bent = median(lambda: run_trial(clipped, STEPS, 1), 3)
+    bent = median(lambda: simulate_trial(clipped, STEPS, seed=1), 3)
     plain = median(lambda: plain_clipped(clipped), 3)
-    print(f"| run_trial, clipped at {LIMIT:g} N | {bent:.1f} | |\n| run_trial, rounded to 1 µm/s | "
-          f"{median(lambda: run_trial(rounded, STEPS, 1), 3):.1f} | |")
+    print(f"| simulate_trial, clipped at {LIMIT:g} N | {bent:.1f} | |\n| simulate_trial, rounded to 1 µm/s | "
+          f"{median(lambda: simulate_trial(rounded, STEPS, seed=1), 3):.1f} | |")
     print(f"| NumPy by the definition, clipped | {plain:.1f} | {plain / bent:.1f} to clipped |", flush=True)
     print("\n| 1000 runs with their Welch spectra | [s] | ratio |\n|---|---|---|")
     many = thousand(linear)
-    print(f"| monte_carlo, linear | {many:.1f} | 1 |\n| monte_carlo, clipped and rounded | "
+    print(f"| simulate_trials, linear | {many:.1f} | 1 |\n| simulate_trials, clipped and rounded | "
           f"{thousand(loop(Hardware(limit=LIMIT, step=1e-6))):.1f} | |", flush=True)
     for name, each in slow.items():
         print(f"| {name}, 1000 times one run, no spectra | {each:.0f} | {each / many:.1f} |")

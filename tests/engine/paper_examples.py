@@ -8,8 +8,8 @@ ONE, TWO = EXAMPLE_1.plant, EXAMPLE_2.plant
 
 def one(s, **more):
     """Example 1 in the sign of the source."""
-    return functional_observer(ONE, EXAMPLE_1.K_printed, 1, [s], wrong=EXAMPLE_1.wrong, **more)
+    return functional_observer(ONE, EXAMPLE_1.K_printed, 1, poles=[s], wrong=EXAMPLE_1.wrong, **more)
 
 
 def two(s1, s2, **more):
-    return functional_observer(TWO, EXAMPLE_2.K_printed, 2, [s1, s2], wrong=EXAMPLE_2.wrong, **more)
+    return functional_observer(TWO, EXAMPLE_2.K_printed, 2, poles=[s1, s2], wrong=EXAMPLE_2.wrong, **more)

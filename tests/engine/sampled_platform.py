@@ -9,7 +9,7 @@ import numpy as np
 from scipy import signal
 
 from app.engine import Plant, balanced_truncation, compensator, lqe, lqr, sampled_loop
-from app.engine.sampled import Hardware, MonteCarlo, SampledLoop, coil_driver, monte_carlo, sampled_controller
+from app.engine.sampled import Hardware, MonteCarlo, SampledLoop, coil_driver, sampled_controller, simulate_trials
 from app.plants import platform
 
 DT = 1e-3
@@ -37,7 +37,7 @@ def loop_of(hardware: Hardware = IDEAL) -> SampledLoop:
 
 
 def finished(loop: SampledLoop, runs: int, seconds: float, seed: int, segment: int) -> tuple[MonteCarlo, list[float]]:
-    yielded = list(monte_carlo(loop, runs, seconds, seed, segment))
+    yielded = list(simulate_trials(loop, runs, seconds, seed, segment=segment))
     result = yielded[-1][1]
     assert result is not None
     return result, [fraction for fraction, _ in yielded]

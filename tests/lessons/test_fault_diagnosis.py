@@ -77,7 +77,7 @@ def test_a_lie_of_VL_looks_almost_like_coil_1():
 
 def test_without_HR_a_lasting_lie_of_HL_could_not_be_told_from_coil_3():
     kf = model()
-    alone = FaultBank(kf, (residual_generator(kf, "u3", [0, 1, 2], kf.B[:, [2]]),))
+    alone = FaultBank(kf, (residual_generator(kf, name="u3", outputs=[0, 1, 2], E=kf.B[:, [2]]),))
     both = np.linalg.norm(guard().bank.response(1.0)[6, :, 1])
     assert np.linalg.norm(alone.response(1.0)[0, :, 1]) < 1e-3 * both
     parity = 1 / (np.sqrt(2) * 1e-3)  # HL + HR has twice the variance
@@ -133,7 +133,7 @@ def test_the_threshold_is_the_quantile(statistic, window, rate):
                                     {"rate": 1e-2, "loop": OPEN, "force": 4.0}])
 def test_false_alarms_come_as_designed(values):
     trials = worked_through(place=NONE, **values)
-    low, high = binomial_band(trials.windows, values["rate"], 1 - 0.01 / 7)
+    low, high = binomial_band(trials.windows, values["rate"], level=1 - 0.01 / 7)
     assert np.all((trials.alarms >= low * trials.windows) & (trials.alarms <= high * trials.windows))
     assert trials.any <= 7 * values["rate"] * trials.windows * 1.2
 

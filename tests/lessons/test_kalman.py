@@ -206,7 +206,7 @@ def test_single_precision_ruins_the_short_form_first():
 # --- the report --------------------------------------------------------------------------------------------------------
 def test_published_bands_of_nis():
     assert chi2_band(4) == pytest.approx((0.484, 11.143), abs=5e-4)
-    assert chi2_band(4, 1000) == pytest.approx((3.827, 4.177), abs=1e-3)
+    assert chi2_band(4, count=1000) == pytest.approx((3.827, 4.177), abs=1e-3)
 
 
 def test_slips_of_the_report_are_named_with_numbers():

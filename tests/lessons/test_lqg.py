@@ -26,7 +26,7 @@ def at(**values: object) -> Outcome:
 @pytest.mark.parametrize("q, sigma", [(1.0, 1.0), (5.0, 21.0), (60.0, 5.0), (1000.0, 1000.0), (1e4, 1e4)])
 def test_doyles_gains_and_the_edge_of_stability_are_his_closed_forms(q: float, sigma: float) -> None:
     p, one = doyle.plant(), doyle.TOGETHER
-    d = lqg(p, q * one @ one.T, 1.0, sigma, 1.0, one)
+    d = lqg(p, q * one @ one.T, 1.0, sigma, 1.0, G=one)
     f, dd = doyle.gains(q, sigma)
     assert pytest.approx(np.full((1, 2), f), rel=1e-9) == d.K
     assert pytest.approx(np.full((2, 1), dd), rel=1e-9) == d.L
@@ -56,7 +56,7 @@ def test_the_lessons_recovery_is_the_engines() -> None:
     one, p = doyle.TOGETHER, doyle.plant()
     outcome = at(case="doyle", q=60.0, sigma=60.0, recovery=3.0)
     unit = np.trace(one @ one.T) / np.trace(p.B @ p.B.T)
-    found = recover(p, outcome.gains["K"], 60.0, 1.0, float(np.sqrt((10**3 - 1) * unit * 60.0)), one)
+    found = recover(p, outcome.gains["K"], 60.0, 1.0, float(np.sqrt((10**3 - 1) * unit * 60.0)), G=one)
     assert outcome.gains["L"] == pytest.approx(found.gain_L, rel=1e-9)
 
 

@@ -38,7 +38,7 @@ def test_without_bends_extended_and_unscented_are_the_kalman_filter_to_rounding(
 @pytest.mark.parametrize("seed", SEEDS)
 def test_all_three_are_consistent_where_nothing_bends(seed):
     study = many(**LINEAR, seed=seed)
-    low, high = chi2_band(6, MANY, 0.99999)
+    low, high = chi2_band(6, count=MANY, level=0.99999)
     assert ((study.nees[KF] > low) & (study.nees[KF] < high)).all()
 
 
@@ -75,7 +75,7 @@ def test_on_the_falling_body_the_extended_filter_is_overconfident_and_the_unscen
 
 
 def test_on_the_falling_body_most_ensembles_of_the_unscented_filter_lie_in_the_band():
-    low, high = chi2_band(3, MANY, 0.99)
+    low, high = chi2_band(3, count=MANY, level=0.99)
     studies_ = [many(case=FALL, seed=seed) for seed in range(30)]
     ends = np.array([s.nees[UKF][-1] for s in studies_])
     assert low < np.median(ends) < high and np.mean(ends < high) > 0.5 and (ends > low * 0.8).all()
@@ -101,7 +101,7 @@ def test_on_the_platform_the_extended_filter_is_honest_up_to_an_amplitude(seed):
     small, one, two = (many(size=size, seed=seed) for size in (0.5, 1.0, 2.0))
     assert says(small, EKF) == says(small, UKF) == says(one, UKF) == "consistent"
     assert says(small, KF) == says(one, KF) == says(two, KF) == "overconfident"
-    high = chi2_band(6, MANY, 0.9999)[1]
+    high = chi2_band(6, count=MANY, level=0.9999)[1]
     after = one.t > 0.6
     assert one.nees[EKF].max() > high and (one.nees[EKF][after] < 1.1 * high).all()
     assert two.nees[EKF].max() > 3000 and 15 < two.nees[UKF].max() < 3000

@@ -283,9 +283,9 @@ def test_of_the_lines_of_example_2_one_has_a_wrong_size():
 def test_the_columns_of_the_free_parameter():
     assert [name for name in COLUMNS if claimed_columns(name) == free_columns()] == ["mp"]
     plant, K = EXAMPLE_2.plant, EXAMPLE_2.K
-    functional_observer(plant, K, 2, [-4, -3], free=np.zeros((1, 0)))
+    functional_observer(plant, K, 2, poles=[-4, -3], free=np.zeros((1, 0)))
     with pytest.raises(ShapeError):
-        functional_observer(plant, K, 2, [-4, -3], free=np.zeros((1, 2)))  # n + p − r*
+        functional_observer(plant, K, 2, poles=[-4, -3], free=np.zeros((1, 2)))  # n + p − r*
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -294,7 +294,7 @@ def test_the_exams_answer_is_the_engines_J(seed):
     n = {k: float(v) for k, v in item.numbers.items()}
     w = EXAMPLE_1.wrong
     wrong = type(w)(w.A, w.C, n["a"] * w.alpha, n["b"] * w.beta, n["c"] * w.gamma)
-    o = functional_observer(EXAMPLE_1.plant, EXAMPLE_1.K, 1, [n["s"]], wrong=wrong, norm=1)
+    o = functional_observer(EXAMPLE_1.plant, EXAMPLE_1.K, 1, poles=[n["s"]], wrong=wrong, norm=1)
     assert pytest.approx(item.answer) == o.J
 
 

@@ -8,7 +8,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-from app.engine import EngineError, Plant, observability, run_functional
+from app.engine import EngineError, Plant, observability, simulate_functional
 from app.engine.observers import criterion, perturbed_loop
 from app.lesson.figures import TableFigure
 from app.lesson.knobs import KnobError
@@ -102,7 +102,7 @@ def test_j_is_that_of_the_matrices_shown_and_rlo_minimises_it() -> None:
     design = lesson.apply(lesson.start(), {"alpha": 0.7, "beta": 1.3, "gamma": 2.1})
     end = finished(lesson, lesson.compute(design))
     for o, value in ((end.study.observer, end.metrics["J"]), (end.study.found.observer, end.metrics["J_rlo"])):
-        assert criterion(o.T, o.L, o.M, o.wrong, o.norm) == pytest.approx(value, rel=1e-12)
+        assert criterion(o.T, o.L, o.M, o.wrong, norm=o.norm) == pytest.approx(value, rel=1e-12)
         plant = o.plant
         by_hand = sum(0.7 * abs(plant.A[i, j]) * np.linalg.norm(o.T[:, i]) for i, j in np.argwhere(plant.A))
         by_hand += sum(abs(plant.C[i, j]) * (1.3 * np.linalg.norm(o.L[:, i]) + 2.1 * np.linalg.norm(o.M[:, i]))
@@ -134,10 +134,11 @@ def test_with_one_input_the_loop_is_that_of_the_engine(name: str) -> None:
     o = lesson.compute(design).study.observer
     dA, dC = errors(here, design)
     np.testing.assert_allclose(np.sort_complex(np.linalg.eigvals(loop_of(here, design, o, dA, dC).A)),
-                               np.sort_complex(perturbed_loop(o, dA, None, dC).poles), rtol=1e-5)
+                               np.sort_complex(perturbed_loop(o, dA=dA, dB=None, dC=dC).poles), rtol=1e-5)
     run = run_of(here, design, o, dA, dC)
     turn = 2 * np.pi * 3 / here.model.horizon
-    engine = run_functional(o, lambda t: design["push"] * np.sin(turn * t), here.model.x0, None, here.model.horizon, here.model.dt,
+    engine = simulate_functional(o, lambda t: design["push"] * np.sin(turn * t), x0=here.model.x0, z0=None,
+                                 horizon=here.model.horizon, dt=here.model.dt,
                             dA=dA, dC=dC)
     size = np.abs(engine.e_u).max()
     count = len(engine.t)

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from app.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
-from app.engine.simulation import recovery_map
+from app.engine.simulation import simulate_recovery
 from app.lesson.lesson import Design, Outcome
 from lessons.saturation.job import JOB, map_scenario
 from lessons.saturation.lesson import LESSON
@@ -120,7 +120,7 @@ def test_beyond_the_ceiling_not_even_a_known_state_comes_home() -> None:
     limit = np.radians(ceiling(PLANT, 4.0))
     K = LESSON.compute(design()).gains["K"]
     s = Scenario(PLANT, K, u_min=-4, u_max=4, state_feedback=True, horizon=8)
-    *_, (_, found) = recovery_map(s, 1, [-1.3 * limit, -1.001 * limit, 0.3 * limit, 1.001 * limit], 1, [0.0],
+    *_, (_, found) = simulate_recovery(s, 1, [-1.3 * limit, -1.001 * limit, 0.3 * limit, 1.001 * limit], 1, [0.0],
                                   threshold=NEAR, bound=FAR)
     assert found.recovered.ravel().tolist() == [False, False, True, False]
 
@@ -137,7 +137,8 @@ def test_interlaced_mirrored_map_is_the_map_of_plain_runs(told_truth: Outcome) -
     starts = told_truth.study.starts
     coarse = np.arange(0, len(GRID), 4)
     s = map_scenario(scenario_of(told_truth.design, told_truth.gains["K"], told_truth.gains["L"]))
-    *_, (_, plain) = recovery_map(s, 1, np.radians(GRID[coarse]), 1, np.radians(GRID[coarse]), threshold=NEAR, bound=FAR)
+    *_, (_, plain) = simulate_recovery(s, 1, np.radians(GRID[coarse]), 1, np.radians(GRID[coarse]), threshold=NEAR,
+                                       bound=FAR)
     assert np.array_equal(starts.values[np.ix_(coarse, coarse)] == HOME, plain.recovered.T)
     assert np.all((starts.values == HOPELESS).any(axis=0) == (np.abs(GRID) >= told_truth.metrics["ceiling"]))
 

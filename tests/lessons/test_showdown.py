@@ -9,7 +9,7 @@ import pytest
 from lesson_checks import carried
 
 from app.engine import noisy_loop, sampled_lqg
-from app.engine.sampled import monte_carlo, welch_expectation
+from app.engine.sampled import simulate_trials, welch_expectation
 from app.lesson.lesson import Outcome
 from app.plants import platform, platform_siso
 from app.plants.platform_channels import T_y
@@ -40,7 +40,7 @@ def test_the_players_are_those_of_the_plants_modules() -> None:
             for s in (2j, 30j):
                 one, two = (c.C @ np.linalg.solve(s * np.eye(c.n) - c.A, c.B) for c in (ours, theirs))
                 assert np.abs(one - two).max() <= 1e-6 * np.abs(two).max()
-        theirs = sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, 1e-3, ground(plant))
+        theirs = sampled_lqg(coils(plant), weights.Q(plant), weights.R, weights.W, weights.V, 1e-3, G=ground(plant))
         assert np.allclose(sampled_design(v).K, theirs.K) and np.allclose(sampled_design(v).filter.R, theirs.filter.R)
 
 
@@ -59,7 +59,7 @@ def test_spectra_and_sizes_are_those_of_the_lyapunov_equation() -> None:
 def test_the_sampled_densities_are_the_continuous_loops_at_low_frequency() -> None:
     start = outcome()
     whole, weights = platform.plant(), Weights(v0=1e-10)
-    loop = noisy_loop(coils(whole), lqg(reduced(), weights).controller, ground(whole), weights.W, weights.V)
+    loop = noisy_loop(coils(whole), lqg(reduced(), weights).controller, ground(whole), weights.W, V=weights.V)
     f = start.study.f
     low = f < 20
     continuous = 1e12 * loop.psd(f[low], loop.outputs(T_y[:3]))
@@ -142,7 +142,7 @@ def test_what_breaks_at_one_kilohertz() -> None:
 def test_monte_carlo_of_a_player_meets_the_drawn_prediction() -> None:
     match = outcome().study
     loop = loop_of(match.world, match.five[ORDER.index("lqe")])
-    result = list(monte_carlo(loop, 24, 16.0, 5, 8192))[-1][1]
+    result = list(simulate_trials(loop, 24, 16.0, 5, segment=8192))[-1][1]
     assert result is not None
     expected = welch_expectation(loop, 8192)
     inside = (result.frequency > 0.3) & (result.frequency < 100)

@@ -111,7 +111,7 @@ def test_the_rigid_channels_are_near_the_true_ones(channel) -> None:
 
 
 def test_rigid_channels_with_a_mixing_are_those_of_the_mixed_deck() -> None:
-    S, deck, w = mixing_matrix(0.17, 0.04, 3, (1, 2)), platform.deck(), 7.0
+    S, deck, w = mixing_matrix(0.17, 0.04, size=3, channels=(1, 2)), platform.deck(), 7.0
     H = T_y[:3] @ frequency_response(deck.A, deck.B, deck.C, deck.D, [w])[0] @ T_u @ S
     for i, channel in enumerate(siso.THREE):
         B, A = siso.rigid_polynomials(channel, S)

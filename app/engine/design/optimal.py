@@ -48,7 +48,7 @@ class DiscreteFilter(Optimal):
         return self.gain
 
 
-def lqr(A: object, B: object, Q: object, R: object, N: object | None = None) -> Optimal:
+def lqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) -> Optimal:
     """K = R⁻¹(BᵀS + Nᵀ) minimising ∫ xᵀQx + 2xᵀNu + uᵀRu dt for ẋ = Ax + Bu, u = −Kx.
 
     S ≥ 0 solves AᵀS + SA − (SB + N)R⁻¹(BᵀS + Nᵀ) + Q = 0. Shapes: A n×n, B n×m, Q n×n symmetric and positive
@@ -59,7 +59,7 @@ def lqr(A: object, B: object, Q: object, R: object, N: object | None = None) -> 
     return _solved(problem, 0.0, _CONTROL)
 
 
-def dlqr(A: object, B: object, Q: object, R: object, N: object | None = None) -> Optimal:
+def dlqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) -> Optimal:
     """K = (R + BᵀSB)⁻¹(BᵀSA + Nᵀ) minimising Σ xᵀQx + 2xᵀNu + uᵀRu for x⁺ = Ax + Bu, u = −Kx.
 
     S solves S = AᵀSA − (AᵀSB + N)(R + BᵀSB)⁻¹(BᵀSA + Nᵀ) + Q; A may be singular. Shapes and errors as `lqr`.

@@ -226,7 +226,7 @@ def negated(plant: Plant) -> Plant:
                  plant.output_names, plant.units, plant.name)
 
 
-def diagonal_controller(channels: Sequence[Plant | None], outputs: object, inputs: object, name: str = "") -> Plant:
+def diagonal_controller(channels: Sequence[Plant | None], outputs: object, inputs: object, *, name: str = "") -> Plant:
     """u = T_u diag(C₁, …, C_k) T_y y: SISO controllers, signs included, between virtual outputs and virtual inputs.
 
     `outputs` is T_y (k×p), `inputs` T_u (m×k); None leaves a channel open. Raises ShapeError where they do not fit.

@@ -63,7 +63,7 @@ def in_natural_units(plant: Plant) -> Plant:
                  np.zeros((plant.p, plant.m)), plant.dt, name=plant.name)
 
 
-def starting_feedback(plant: Plant, eager: float = 1.0) -> StartingGain:
+def starting_feedback(plant: Plant, *, eager: float = 1.0) -> StartingGain:
     """K (m×n) of the regulator with Q = eager·I, R = I once units and the typical rate are divided out.
 
     What no input reaches keeps its poles (`bolted`), stable or not; if even the rest defeats the Riccati equation, K is
@@ -76,7 +76,7 @@ def starting_feedback(plant: Plant, eager: float = 1.0) -> StartingGain:
     size = np.linalg.norm(B, axis=0)
     B = B / np.where(size > 0, size, 1.0)
     for rtol in TOLERANCES:
-        T, r = reachable_subspace(A, B, rtol)
+        T, r = reachable_subspace(A, B, rtol=rtol)
         seen, rest = T[:, :r], T[:, r:]
         bolted = np.linalg.eigvals(rest.T @ A @ rest).astype(complex) if r < plant.n else np.empty(0, dtype=complex)
         if r == 0:
@@ -90,9 +90,9 @@ def starting_feedback(plant: Plant, eager: float = 1.0) -> StartingGain:
     return _start(plant, np.zeros((plant.m, plant.n)), plant.poles)
 
 
-def starting_observer(plant: Plant, eager: float = 25.0) -> StartingGain:
+def starting_observer(plant: Plant, *, eager: float = 25.0) -> StartingGain:
     """L (n×p), by duality; `eager` makes the observer quicker than the controller."""
-    dual = starting_feedback(plant.dual(), eager)
+    dual = starting_feedback(plant.dual(), eager=eager)
     return StartingGain(_frozen(dual.gain.T), dual.moved, dual.bolted)
 
 

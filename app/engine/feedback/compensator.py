@@ -69,7 +69,7 @@ def compensator(plant: Plant, K: object, L: object) -> Plant:
     return Plant(A, L, -K, np.zeros((plant.m, plant.p)), plant.dt, names, plant.output_names, plant.input_names, name=title)
 
 
-def closed_loop(plant: Plant, K: object, L: object, model: Plant | None = None) -> ClosedLoop:
+def closed_loop(plant: Plant, K: object, L: object, *, model: Plant | None = None) -> ClosedLoop:
     """The 2n-state loop of a plant and the compensator built on `model` (None: on the plant itself).
 
     ẋ = A x − B K x̂ and x̂̇ = L C x + (Aₘ − BₘK − LCₘ + L(Dₘ − D)K) x̂, with m for the model. Raises ShapeError where
@@ -101,8 +101,8 @@ def closed_loop(plant: Plant, K: object, L: object, model: Plant | None = None) 
         polynomial_error=_polynomial_error(A_xxhat, (regulated, observed), largest),
         compensator=built,
         compensator_poles=edge,
-        compensator_stable=all_stable(edge, plant.dt),
-        stable=all_stable(poles, plant.dt),
+        compensator_stable=all_stable(edge, dt=plant.dt),
+        stable=all_stable(poles, dt=plant.dt),
     )
 
 

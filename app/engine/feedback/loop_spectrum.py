@@ -45,7 +45,7 @@ class NoisyLoop:
     @property
     def stable(self) -> bool:
         """Whether every pole is stable; only then are there variances."""
-        return all_stable(self.poles, self.dt)
+        return all_stable(self.poles, dt=self.dt)
 
     def outputs(self, T: object | None = None) -> np.ndarray:
         """Rows for T y, k×(p+m); T k×p, by default I."""
@@ -190,7 +190,7 @@ class NoisyLoop:
         return rows
 
 
-def noisy_loop(plant: Plant, controller: Plant | None, G: object, W: object, V: object = 0.0) -> NoisyLoop:
+def noisy_loop(plant: Plant, controller: Plant | None, G: object, W: object, *, V: object = 0.0) -> NoisyLoop:
     """The loop ẋ = A x + B u + G w, y = C x + D u with a controller u = Kc(s)(y + v), sign included; None: u = 0.
 
     G n×q, W q×q and V p×p intensities (a number is that number times I; covariances of a sample where plant and

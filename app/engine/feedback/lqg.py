@@ -38,7 +38,7 @@ class Lqg:
         return self.known_state + self.estimation
 
 
-def lqg(plant: Plant, Q: object, R: object, W: object, V: object, G: object | None = None) -> Lqg:
+def lqg(plant: Plant, Q: object, R: object, W: object, V: object, *, G: object | None = None) -> Lqg:
     """u = −K x̂ minimising the average of xᵀQx + uᵀRu for ẋ = A x + B u + G w, y = C x + D u + v.
 
     Q n×n ≥ 0, R m×m > 0; W q×q ≥ 0, V p×p > 0 intensities of white w, v (a number is that number times I); G n×q, by

@@ -37,7 +37,7 @@ class Recovered:
     minimum_phase: bool | None
 
 
-def recover(plant: Plant, K: object, W: object, V: object, q: float, G: object | None = None) -> Recovered:
+def recover(plant: Plant, K: object, W: object, V: object, q: float, *, G: object | None = None) -> Recovered:
     """Recovery at the plant's input: the filter is told of noise G W Gᵀ + q² B Bᵀ, so L Kc P → K (sI − A)⁻¹ B.
 
     K (m×n) is a state feedback, usually of `lqr`; W, V intensities (a number is that number times I), G n×q_w, default

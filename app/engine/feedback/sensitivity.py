@@ -44,7 +44,7 @@ class Sensitivity:
     @property
     def stable(self) -> bool:
         """Whether the closed loop is stable."""
-        return all_stable(self.poles, self.dt)
+        return all_stable(self.poles, dt=self.dt)
 
     @cached_property
     def omega(self) -> np.ndarray:
@@ -78,7 +78,7 @@ class Sensitivity:
             values = np.empty((flat.size, *self.D.shape), dtype=complex)
             values[~finite] = self.D
             if finite.any():
-                values[finite] = frequency_response(self.A, self.B, self.C, self.D, flat[finite], self.dt)
+                values[finite] = frequency_response(self.A, self.B, self.C, self.D, flat[finite], dt=self.dt)
             return values.reshape(*omega.shape, *self.D.shape)
         residues = self.modal[1].reshape(len(self.A), -1)
         return (self._weights(omega) @ residues).reshape(*omega.shape, *self.D.shape) + self.D

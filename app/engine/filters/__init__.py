@@ -13,7 +13,7 @@ from .consistency import (
     nis,
     whiteness,
 )
-from .filter_trial import FilterTrial, filter_trial
+from .filter_trial import FilterTrial, simulate_filter
 from .kalman import KalmanFilter, gain_of, joseph, short_form
 from .linear_filter import LinearFilter
 from .many_filters import (
@@ -25,7 +25,7 @@ from .many_filters import (
     PrintedUnscentedFilters,
     UnscentedFilters,
 )
-from .many_runs import Experiment, Sample, Steering, errors_squared, march_many
+from .many_runs import Experiment, Sample, Steering, errors_squared, simulate_filters
 from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
 from .sigma_points import sigma_weights
 from .square_root import SquareRootFilter
@@ -64,19 +64,19 @@ __all__ = [
     "chi2_band",
     "error_parts",
     "errors_squared",
-    "filter_trial",
     "gain_of",
     "growing_error",
     "independent_errors",
     "innovation_test",
     "joseph",
-    "march_many",
     "means_along",
     "nees",
     "nis",
     "noise_ladder",
     "short_form",
     "sigma_weights",
+    "simulate_filter",
+    "simulate_filters",
     "whiteness",
     "with_coloured_noise",
 ]

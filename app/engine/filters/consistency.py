@@ -90,7 +90,7 @@ class InnovationTest:
         return not self.failures
 
 
-def chi2_band(dof: int, count: float = 1, level: float = 0.95) -> Band:
+def chi2_band(dof: int, *, count: float = 1, level: float = 0.95) -> Band:
     """Where the mean of `count` independent χ²(dof) values lies with probability `level`, equal tails outside.
 
     Raises EngineError for a level outside (0, 1), or fewer than one degree of freedom or value.
@@ -104,7 +104,7 @@ def chi2_band(dof: int, count: float = 1, level: float = 0.95) -> Band:
     return float(low), float(high)
 
 
-def nis(innovations: object, S: object, level: float = 0.95) -> SquaredError:
+def nis(innovations: object, S: object, *, level: float = 0.95) -> SquaredError:
     """Normalised innovations squared νᵀS⁻¹ν, χ²(p) and independent of each other for a consistent filter.
 
     innovations ν (n_t, p); their covariances S = C P Cᵀ + R (p×p or n_t×p×p), not R alone. Rows with NaN are left out.
@@ -116,7 +116,7 @@ def nis(innovations: object, S: object, level: float = 0.95) -> SquaredError:
     return _judged(values, values[seen], nu.shape[-1], float(seen.sum()), 1, level)
 
 
-def nees(x: object, xhat: object, P: object, level: float = 0.95, independent: float | None = None) -> SquaredError:
+def nees(x: object, xhat: object, P: object, *, level: float = 0.95, independent: float | None = None) -> SquaredError:
     """Normalised estimation errors squared (x − x̂)ᵀP⁻¹(x − x̂), χ²(n) at every sample for a consistent filter.
 
     x, x̂ of one run (n_t, n) or of many (runs, n_t, n); covariances P, of the same shape with n more, or (n_t, n, n) or
@@ -142,7 +142,7 @@ def nees(x: object, xhat: object, P: object, level: float = 0.95, independent: f
     return _judged(each.mean(axis=0), each, e.shape[-1], count, len(each), level)
 
 
-def independent_errors(Phi: object, P: object, steps: int, T: object | None = None) -> float:
+def independent_errors(Phi: object, P: object, steps: int, *, T: object | None = None) -> float:
     """How many independent samples the NEES of `steps` successive errors are worth, if the filter is right.
 
     With e[k+1] = Φ e[k] + white noise and stationary covariance P, Φ = (I − M C) A after the update, ε = eᵀP⁻¹e has
@@ -178,7 +178,7 @@ def independent_errors(Phi: object, P: object, steps: int, T: object | None = No
     return float(steps * len(T) / (weights @ sizes))
 
 
-def whiteness(innovations: object, lags: int = 20, level: float = 0.95) -> Whiteness:
+def whiteness(innovations: object, *, lags: int = 20, level: float = 0.95) -> Whiteness:
     """Whether innovations (n_t, p) are white: r_l within ±z/√N, Ljung and Box (1978), Hosking (1980).
 
     Q = N² Σ_l (N − l)⁻¹ tr(C_lᵀ C₀⁻¹ C_l C₀⁻¹) with C_l = (1/N) Σ ν_k ν_{k−l}ᵀ about the mean. Raises EngineError for
@@ -190,7 +190,7 @@ def whiteness(innovations: object, lags: int = 20, level: float = 0.95) -> White
         raise EngineError("With {n} samples the lags must be between 1 and {n2}.", n=N, n2=N // 2)
     if not np.isfinite(nu).all():
         raise EngineError("A test of whiteness needs every sample; the innovations hold NaN.")
-    chi2_band(1, 1, level)
+    chi2_band(1, count=1, level=level)
     away = nu - nu.mean(axis=0)
     spread = np.sqrt((away**2).mean(axis=0))
     if not (spread > ROUNDING * np.abs(nu).max(axis=0)).all():
@@ -211,7 +211,7 @@ def whiteness(innovations: object, lags: int = 20, level: float = 0.95) -> White
                      chi2.sf(statistics, lags), joint, float(chi2.sf(joint, p * p * lags)), level)
 
 
-def innovation_test(innovations: object, S: object, lags: int = 20, level: float = 0.95) -> InnovationTest:
+def innovation_test(innovations: object, S: object, *, lags: int = 20, level: float = 0.95) -> InnovationTest:
     """Are innovations (n_t, p) what a filter with covariances S (p×p or n_t×p×p) promises: centred, white, of size S?
 
     Leave the transient of a wrongly started filter out first. Raises as `nis` and `whiteness` do.
@@ -221,7 +221,7 @@ def innovation_test(innovations: object, S: object, lags: int = 20, level: float
     covariances = _covariances(S, nu.shape, "S")
     S_bar = covariances.mean(axis=0) if covariances.ndim == 3 else covariances
     third = 1 - (1 - level) / 3
-    white, size, mean = whiteness(nu, lags, third), nis(nu, covariances, third), nu.mean(axis=0)
+    white, size, mean = whiteness(nu, lags=lags, level=third), nis(nu, covariances, level=third), nu.mean(axis=0)
     bias = float(N * _squared(mean[None], S_bar, "S")[0])
     bias_p_value = float(chi2.sf(bias, p))
     failures = (("biased",) if bias_p_value < 1 - third else ()) + (() if white.white else ("coloured",))
@@ -274,10 +274,11 @@ def _judged(values: np.ndarray, single: np.ndarray, dof: int, independent: float
             level: float) -> SquaredError:
     if not single.size:
         raise EngineError("Not one complete sample is left to judge the filter by.")
-    band = chi2_band(dof, runs, level)
+    band = chi2_band(dof, count=runs, level=level)
     shown = values[np.isfinite(values)]
     inside = float(((shown >= band[0]) & (shown <= band[1])).mean())
-    return SquaredError(values, dof, level, band, float(single.mean()), chi2_band(dof, independent, level), independent,
+    return SquaredError(values, dof, level, band, float(single.mean()), chi2_band(dof, count=independent, level=level),
+                        independent,
                         inside)
 
 

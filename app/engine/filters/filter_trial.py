@@ -17,7 +17,7 @@ from .kalman import KalmanFilter
 from .track import Track
 from .trade_off import error_parts
 
-__all__ = ["FilterTrial", "filter_trial"]
+__all__ = ["FilterTrial", "simulate_filter"]
 
 SPREAD = 4.0  # covariance of the start, times that of the settled filter
 
@@ -40,8 +40,9 @@ class FilterTrial:
     expected: float
 
 
-def filter_trial(plant: Plant, G: object, W: object, V: object, step: float, samples: int, believed: tuple[float, float] = (1.0, 1.0),
-                 seed: int = 0, kick: tuple[float, np.ndarray] | None = None) -> FilterTrial:
+def simulate_filter(plant: Plant, G: object, W: object, V: object, step: float, samples: int, *,
+                    believed: tuple[float, float] = (1.0, 1.0), seed: int = 0,
+                    kick: tuple[float, np.ndarray] | None = None) -> FilterTrial:
     """A filter that believes `believed` = (times the true Q, times the true R), on `samples` steps of `step` s.
 
     G n×q, W q×q and V p×p as in `KalmanFilter.from_plant`; `kick` = (time, jump of the state). The record begins from a

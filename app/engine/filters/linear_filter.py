@@ -141,7 +141,7 @@ class LinearFilter(ABC):
         y = as_record(y, "y", len(self.C))
         known, push = y, None
         if u is not None:
-            u = as_record(u, "u", self.B.shape[1], len(y))
+            u = as_record(u, "u", self.B.shape[1], rows=len(y))
             if np.isnan(u).any():
                 raise EngineError("u holds NaN; every input must be known.")
             known, push = y - u @ self.D.T, u @ self.B.T

@@ -12,7 +12,7 @@ from ..systems.flow import Flow, Map
 from ..systems.noise import root
 from .many_filters import Beliefs, Corrections, ExtendedFilters, ManyFilters
 
-__all__ = ["Experiment", "Sample", "Steering", "errors_squared", "march_many"]
+__all__ = ["Experiment", "Sample", "Steering", "errors_squared", "simulate_filters"]
 
 FAR = 1e12  # a state, an estimate or a variance beyond this is given up
 
@@ -62,7 +62,7 @@ class Sample:
     lost: Mapping[str, np.ndarray]
 
 
-def march_many(e: Experiment, rng: np.random.Generator) -> Iterator[Sample]:
+def simulate_filters(e: Experiment, rng: np.random.Generator) -> Iterator[Sample]:
     """Yield one sample after another; noise is drawn from `rng`, the same whichever filters watch.
 
     Raises EngineError where a true state leaves the region in which the plant's equations hold.

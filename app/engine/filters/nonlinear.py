@@ -91,7 +91,8 @@ class NonlinearFilter(ABC):
         """A record y (n_t, p) with the inputs u (n_t, m) filtered; `start` is the belief before the first measurement."""
         y = as_record(y, "y", self.p)
         inputs = np.zeros((len(y), 0)) if u is None else np.asarray(u, dtype=float)
-        inputs = as_record(inputs, "u", inputs.shape[1] if inputs.ndim == 2 else 1, len(y)) if u is not None else inputs
+        inputs = as_record(inputs, "u", inputs.shape[1] if inputs.ndim == 2 else 1,
+                           rows=len(y)) if u is not None else inputs
         prior, rows = self._fitting(start), []
         for k in range(len(y)):
             step = self.correct(prior, y[k], inputs[k])

@@ -87,7 +87,7 @@ class Track:
         return Belief(self.means[-1], self.schedule.posterior[-1])
 
 
-def as_record(value: object, name: str, columns: int, rows: int | None = None) -> np.ndarray:
+def as_record(value: object, name: str, columns: int, *, rows: int | None = None) -> np.ndarray:
     """A time-first array (n_t, columns); a vector is one column, None is zeros of `rows` rows. NaN stays.
 
     Raises ShapeError where the shape is another, EngineError where an entry is infinite.

@@ -234,7 +234,7 @@ def _degenerate(A: np.ndarray, C: np.ndarray) -> bool:
     return any(_rank(C @ shapes[:, group]) < group.sum() for group in alike)
 
 
-def lossy_growth(A: object, C: object, loss: float, steps: int = 4000) -> float:
+def lossy_growth(A: object, C: object, loss: float, *, steps: int = 4000) -> float:
     """Growth a step of X ↦ A X Aᵀ − (1 − loss) A X Cᵀ(C X Cᵀ)⁺ C X Aᵀ, what noise no longer matters to.
 
     The modified Riccati equation has a solution where this is below 1: a test by power iteration, without inequalities

@@ -12,7 +12,8 @@ from ..systems.plant import Plant, as_matrix
 __all__ = ["delayed_loop", "mean_square_growth"]
 
 
-def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, told: Literal["asked", "applied"] = "applied",
+def delayed_loop(plant: Plant, K: np.ndarray, M: np.ndarray, delay: int, *,
+                 told: Literal["asked", "applied"] = "applied",
                  ahead: int = 0) -> np.ndarray:
     """The loop of filter gain M with inputs `delay` samples late, as z⁺ = F z on z = (x, u[k−1] … u[k−delay], e).
 

@@ -165,7 +165,7 @@ def promised_error(run: NetworkRun) -> np.ndarray:
     return -np.array([watch.at(k) for k in range(len(run.t))])
 
 
-def network_meter(run: NetworkRun, promised: np.ndarray | None = None) -> float:
+def network_meter(run: NetworkRun, *, promised: np.ndarray | None = None) -> float:
     """How far e leaves the promise: max‖e − e_promised‖/max‖e_promised‖ over the run; 0 to rounding if separation holds.
 
     A gap below 1e-12 of the largest ‖x‖ is the rounding of x − x̂ and counts as none, in runs that run away too.

@@ -10,7 +10,7 @@ from .functional_loop import (
     error_transfer,
     peak_gain,
     perturbed_loop,
-    run_functional,
+    simulate_functional,
     worst_error_gain,
 )
 from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
@@ -59,8 +59,8 @@ __all__ = [
     "residual_threshold",
     "rlo",
     "rlo_steps",
-    "run_functional",
     "simulate_bilinear",
+    "simulate_functional",
     "unknown_input_observer",
     "vertices",
     "window_energy",

@@ -45,7 +45,7 @@ class BilinearRun:
 
 def simulate_bilinear(
     plant: BilinearPlant, form: BilinearForm, K: np.ndarray, u: Callable[[np.ndarray], Any], x0: object, z0: object,
-    horizon: float = 1.0, dt: float = 0.002
+    *, horizon: float = 1.0, dt: float = 0.002
 ) -> BilinearRun:
     """ẋ = A x + B u + u F x beside ż = A_z z + Y y + B_z u + u U y + R ẏ, by Gauss's method of order 6 on the grid.
 

@@ -129,6 +129,6 @@ class Family:
             return np.inf
         if not row_condition(T, *self.seen) <= self.worst:
             return np.inf
-        return criterion(T, l_rows(self.factors, heads, g), M, self.wrong, self.norm)
+        return criterion(T, l_rows(self.factors, heads, g), M, self.wrong, norm=self.norm)
 
 

@@ -61,7 +61,7 @@ class ResidualGenerator:
         return len(self.whiten)
 
 
-def residual_generator(model: LinearFilter, name: str = "", outputs: Sequence[int] | None = None,
+def residual_generator(model: LinearFilter, *, name: str = "", outputs: Sequence[int] | None = None,
                        E: object | None = None) -> ResidualGenerator:
     """The steady Kalman filter of a model on some of its outputs that an unknown input through E (n×q) cannot reach.
 
@@ -79,7 +79,7 @@ def residual_generator(model: LinearFilter, name: str = "", outputs: Sequence[in
     C, R = model.C[chosen], model.R[np.ix_(chosen, chosen)]
     H, T, N = np.zeros((n, len(chosen))), np.eye(n), np.eye(len(chosen))
     if E is not None:
-        known = decoupling(Plant(model.A, model.B, C, dt=model.dt or 1.0), E, R)
+        known = decoupling(Plant(model.A, model.B, C, dt=model.dt or 1.0), E, weight=R)
         if known.H is None or known.T is None:
             raise EngineError(known.reason)
         if known.rank_E == len(chosen):
@@ -163,7 +163,7 @@ class FaultBank:
         Each row of u is held from its sample on. Raises ShapeError.
         """
         s, y = self.system, as_record(y, "y", len(self.model.C))
-        known = np.hstack([as_record(u, "u", self.model.B.shape[1], len(y)), y])
+        known = np.hstack([as_record(u, "u", self.model.B.shape[1], rows=len(y)), y])
         if np.size(start) != s.n:
             raise ShapeError("The start must have {n} entries; it has {start}.", n=s.n, start=np.size(start))
         states = held_scan(s.A, s.B, known[:-1], start)

@@ -80,7 +80,7 @@ class FunctionalObserver:
 
 
 def functional_observer(
-    plant: Plant, K: object, order: int, poles: Iterable[complex] | None = None, directions: Any = None,
+    plant: Plant, K: object, order: int, *, poles: Iterable[complex] | None = None, directions: Any = None,
     W: object = None, free: object = None, wrong: Perturbations | None = None, norm: Any = 2
 ) -> FunctionalObserver:
     """Observer of order q for K x (K r×n): tᵢ = H(sᵢ) gᵢ, lᵢ = −L(sᵢ) gᵢ, F = W J W⁻¹, T = W T′, L = W L′.
@@ -165,7 +165,7 @@ def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles,
     whole = [[s] if s.imag == 0 else [s, s.conjugate()] for s in heads]
     every = [row[None] if s.imag == 0 else np.array([row, row.conj()]) for s, row in zip(heads, g, strict=True)]
     return FunctionalObserver(plant, *matrices, np.concatenate(whole), np.vstack(every), turn,
-                              criterion(T, L, M, wrong, norm), wrong, norm)
+                              criterion(T, L, M, wrong, norm=norm), wrong, norm)
 
 
 def real_rows(plant: Plant, factors: CoprimeFactors, heads: Poles, g: np.ndarray) -> tuple[np.ndarray, ...]:

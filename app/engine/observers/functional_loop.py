@@ -19,7 +19,7 @@ from ..systems.scan import affine_scan
 from .functional import FunctionalObserver
 from .perturbation import Perturbations
 
-__all__ = ["FunctionalRun", "error_index", "error_transfer", "peak_gain", "perturbed_loop", "run_functional",
+__all__ = ["FunctionalRun", "error_index", "error_transfer", "peak_gain", "perturbed_loop", "simulate_functional",
            "worst_error_gain"]
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(5)
@@ -50,7 +50,7 @@ def _error(value: Any, name: str, shape: tuple[int, int]) -> np.ndarray:
     return matrix
 
 
-def perturbed_loop(observer: FunctionalObserver, dA: Any = None, dB: Any = None, dC: Any = None) -> Plant:
+def perturbed_loop(observer: FunctionalObserver, *, dA: Any = None, dB: Any = None, dC: Any = None) -> Plant:
     """The loop of the true plant (A + ΔA, B + ΔB, C + ΔC) and the observer of the model, from v to e_u.
 
     States (x, z) (n + q), inputs v (m), outputs e_u (m). Raises ShapeError where an error does not fit, or where K
@@ -67,7 +67,7 @@ def perturbed_loop(observer: FunctionalObserver, dA: Any = None, dB: Any = None,
                  output_names=outputs, name=f"{p.name} with functional observer".strip())
 
 
-def error_transfer(observer: FunctionalObserver, omega: Any, dA: Any = None, dC: Any = None) -> np.ndarray:
+def error_transfer(observer: FunctionalObserver, omega: Any, *, dA: Any = None, dC: Any = None) -> np.ndarray:
     """N (jωI − F)⁻¹ Δ₁ + Δ₂ with Δ₁ = L ΔC − T ΔA, Δ₂ = M ΔC: from x to the error of the estimate (n_ω, r, n).
 
     Unlike J it does not depend on the observer's coordinates and sees N. ω in rad/s.
@@ -87,7 +87,7 @@ def _points(plant: Plant, omega: np.ndarray) -> np.ndarray:
     return np.exp(1j * omega * plant.dt) if plant.dt else 1j * omega
 
 
-def error_index(observer: FunctionalObserver, wrong: Perturbations | None = None) -> float:
+def error_index(observer: FunctionalObserver, *, wrong: Perturbations | None = None) -> float:
     """Σ αᵢ ‖N(sI − F)⁻¹ T Aᵢ‖_∞ + Σ βᵢ ‖N(sI − F)⁻¹ L Cᵢ + M Cᵢ‖_∞: bounds ‖N(sI − F)⁻¹Δ₁ + Δ₂‖_∞ for |δᵢ| ≤ αᵢ, βᵢ.
 
     The better index beside J: unchanged by W and by the scale of gᵢ, and large where N is. `wrong`: default that of the
@@ -114,7 +114,7 @@ def worst_error_gain(observer: FunctionalObserver, errors: Iterable[tuple[np.nda
     _continuous(observer)
     worst = 0.0
     for dA, dC in errors:
-        loop = perturbed_loop(observer, dA, None, dC)
+        loop = perturbed_loop(observer, dA=dA, dC=dC)
         worst = max(worst, peak_gain(loop.A, loop.B, loop.C, np.asarray(loop.D))[0])
     return worst
 
@@ -154,7 +154,7 @@ def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tup
     return level, at
 
 
-def run_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], Any] | None = None, x0: Any = None,
+def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], Any] | None, *, x0: Any = None,
                    z0: Any = None, horizon: float = 6.0, dt: float = 0.01, dA: Any = None, dB: Any = None,
                    dC: Any = None) -> FunctionalRun:
     """Run the perturbed loop from x(0) (n,), z(0) (q,) under v(t).
@@ -165,7 +165,7 @@ def run_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], Any] 
     Raises ShapeError and EngineError for shapes, grids and inputs that do not fit.
     """
     o, p = observer, observer.plant
-    loop = perturbed_loop(o, dA, dB, dC)
+    loop = perturbed_loop(o, dA=dA, dB=dB, dC=dC)
     dt = p.dt or float(dt)
     if not (np.isfinite(horizon) and np.isfinite(dt) and 0 < dt <= horizon and horizon / dt <= MOST_STEPS):
         raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",

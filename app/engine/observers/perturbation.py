@@ -28,7 +28,7 @@ class Perturbations:
     gamma: np.ndarray
 
 
-def perturbations(plant: Plant, A: Any = (), C: Any = (), alpha: Any = 1.0, beta: Any = 1.0,
+def perturbations(plant: Plant, *, A: Any = (), C: Any = (), alpha: Any = 1.0, beta: Any = 1.0,
                   gamma: Any = 1.0) -> Perturbations:
     """Known directions Aᵢ (n×n) and Cᵢ (p×n) of ΔA = Σ δᵃᵢ Aᵢ, ΔC = Σ δᶜᵢ Cᵢ with weights αᵢ, βᵢ, γᵢ ≥ 0 (or one each).
 
@@ -50,7 +50,7 @@ def every_entry(plant: Plant) -> Perturbations:
             out.append(single)
         return out
 
-    return perturbations(plant, each(plant.A), each(plant.C))
+    return perturbations(plant, A=each(plant.A), C=each(plant.C))
 
 
 def _stack(given: Any, name: str, shape: tuple[int, int]) -> np.ndarray:
@@ -100,7 +100,7 @@ def check_norm(norm: Any) -> Norm:
     raise EngineError("norm must be 1, 2 or \"inf\".")
 
 
-def criterion(T: np.ndarray, L: np.ndarray, M: np.ndarray, wrong: Perturbations, norm: Norm = 2) -> float:
+def criterion(T: np.ndarray, L: np.ndarray, M: np.ndarray, wrong: Perturbations, *, norm: Norm = 2) -> float:
     """J = Σ [αᵢ ‖T Aᵢ‖ + βᵢ ‖L Cᵢ‖ + γᵢ ‖M Cᵢ‖] for T q×n, L q×p, M r×p.
 
     J depends on the coordinates of the observer and does not see N: compare only observers whose rows of T were

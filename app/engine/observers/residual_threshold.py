@@ -77,7 +77,7 @@ def needed_noncentrality(dof: float, false_alarm: float, power: float) -> float:
     return float(chndtrinc(threshold, dof, 1.0 - power))
 
 
-def binomial_band(count: int, rate: float, level: float = 0.99) -> tuple[float, float]:
+def binomial_band(count: int, rate: float, *, level: float = 0.99) -> tuple[float, float]:
     """Where the share of `count` independent windows that give an alarm lies with at least probability `level`.
 
     Raises EngineError for fewer than one window, or a rate or level outside (0, 1).

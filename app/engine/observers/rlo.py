@@ -53,7 +53,7 @@ class RobustObserver:
     evaluations: int
 
 
-def rlo(plant: Plant, K: object, wrong: Perturbations | None = None, norm: Any = 2,
+def rlo(plant: Plant, K: object, *, wrong: Perturbations | None = None, norm: Any = 2,
         region: Region | Sequence[Region] | None = None, max_order: int | None = None, measure: Measure | None = None,
         seed: int = 0, worst_condition: float = 1e4) -> RobustObserver:
     """The functional observer of K x (r×n) of lowest order with its poles in `region` and the least J.
@@ -68,12 +68,13 @@ def rlo(plant: Plant, K: object, wrong: Perturbations | None = None, norm: Any =
     J. Raises EngineError where no order will do or the request makes no sense.
     Source: Duan, Li, Zhou (1993), algorithm RLO, remarks 2 and 3 (there u = +K x).
     """
-    *_, (_, result) = rlo_steps(plant, K, wrong, norm, region, max_order, measure, seed, worst_condition)
+    *_, (_, result) = rlo_steps(plant, K, wrong=wrong, norm=norm, region=region, max_order=max_order, measure=measure,
+                                seed=seed, worst_condition=worst_condition)
     assert result is not None
     return result
 
 
-def rlo_steps(plant: Plant, K: object, wrong: Perturbations | None = None, norm: Any = 2,
+def rlo_steps(plant: Plant, K: object, *, wrong: Perturbations | None = None, norm: Any = 2,
               region: Region | Sequence[Region] | None = None, max_order: int | None = None,
               measure: Measure | None = None, seed: int = 0,
               worst_condition: float = 1e4) -> Iterator[tuple[float, RobustObserver | None]]:

@@ -76,7 +76,7 @@ class UnknownInputObserver:
         return first, second, third
 
 
-def decoupling(plant: Plant, E: object, weight: object | None = None) -> Decoupling:
+def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Decoupling:
     """The two conditions for ignoring an unknown input that enters through E (n×q).
 
     They are rank(C E) = rank(E), and no invariant zero of (A, E, C), s with rank [sI − A, −E; C, 0] < n + rank(E), in

@@ -2,11 +2,11 @@
 
 from .hardware import Hardware, coil_driver
 from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
-from .monte_carlo import MonteCarlo, monte_carlo, welch_expectation
+from .monte_carlo import MonteCarlo, simulate_trials, welch_expectation
 from .sampled_control import SampledController, recursive_controller, sampled_controller
 from .sampled_loop import SampledLoop, sampled_loop, thin_root
 from .sampled_spectrum import MechanicsResponse, loop_density, mechanics_response
-from .trial import ResponseMeasures, Trial, response_measures, run_trial
+from .trial import ResponseMeasures, Trial, response_measures, simulate_trial
 
 __all__ = [
     "Hardware",
@@ -21,14 +21,14 @@ __all__ = [
     "coil_driver",
     "loop_density",
     "mechanics_response",
-    "monte_carlo",
     "recursive_controller",
     "response_measures",
-    "run_trial",
     "sampled_controller",
     "sampled_cost",
     "sampled_loop",
     "sampled_lqg",
+    "simulate_trial",
+    "simulate_trials",
     "thin_root",
     "welch_expectation",
 ]

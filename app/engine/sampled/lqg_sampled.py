@@ -70,7 +70,8 @@ class SampledLqg:
         By default those that the filter believes. Signals are taken at the samples.
         """
         return noisy_loop(self.plant, self.controller, np.eye(self.plant.n),
-                          self.filter.Q if process is None else process, self.filter.R if readings is None else readings)
+                          self.filter.Q if process is None else process,
+                          V=self.filter.R if readings is None else readings)
 
     def schedule(self, P0: object, steps: int) -> Schedule:
         """Gains of the recursive filter (Joseph's form) over `steps` samples, from the covariance P0 of x̂⁻[0]."""
@@ -153,7 +154,8 @@ def sampled_cost(plant: Plant, Q: object, R: object, dt: float) -> tuple[np.ndar
     return whole[:n, :n], whole[n:, n:], whole[:n, n:]
 
 
-def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: float, G: object | None = None) -> SampledLqg:
+def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: float, *,
+                G: object | None = None) -> SampledLqg:
     """The LQG loop that minimises the continuous cost average of xᵀQx + uᵀRu with a computer's held input.
 
     Plant, cost and noise are sampled exactly (Van Loan), R = V/dt; K from the discrete Riccati equation. Weights and
@@ -171,7 +173,7 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
         raise EngineError("A sampled loop that answers in the same sample needs a plant without a direct path (D "
                           "= 0).")
     Qd, Rd, Nd = sampled_cost(plant, Q, R, dt)
-    regulator = dlqr(sampled.A, sampled.B, Qd, Rd, Nd)
+    regulator = dlqr(sampled.A, sampled.B, Qd, Rd, N=Nd)
     return SampledLqg(sampled, regulator.gain, regulator, kf)
 
 

@@ -14,7 +14,7 @@ from ..systems.spectrum import Spectrum
 from .sampled_loop import SampledLoop, thin_root
 from .trial import DIVERGED, fused
 
-__all__ = ["MonteCarlo", "monte_carlo", "welch_expectation"]
+__all__ = ["MonteCarlo", "simulate_trials", "welch_expectation"]
 
 CHUNK = 200  # samples between two looks at the caller
 TOGETHER = 50  # runs that go along in one product
@@ -50,7 +50,7 @@ class MonteCarlo:
         return np.maximum(self.density - error, 0.0), self.density + error
 
 
-def monte_carlo(loop: SampledLoop, runs: int, seconds: float, seed: int, segment: int | None = None,
+def simulate_trials(loop: SampledLoop, runs: int, seconds: float, seed: int, *, segment: int | None = None,
                 together: int = TOGETHER) -> Iterator[tuple[float, MonteCarlo | None]]:
     """Run the loop `runs` times on fresh noise; yields (fraction, result so far), the result None until one batch is in.
 

@@ -50,7 +50,7 @@ class SampledController:
         return Plant(A + E @ C, B + E @ D, C, D, self.dt)
 
 
-def sampled_controller(controller: Plant, dt: float, method: Method = "tustin") -> SampledController:
+def sampled_controller(controller: Plant, dt: float, *, method: Method = "tustin") -> SampledController:
     """A controller (y to u, sign included) run every dt seconds; one that is sampled already is taken as it is.
 
     "tustin": s = 2(z − 1)/(dt(z + 1)), which answers in its own sample and keeps the response at low frequencies whatever
@@ -83,7 +83,7 @@ def _steady(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, dt: floa
 
 
 def recursive_controller(estimator: LinearFilter, K: object, start: Belief, steps: int,
-                         told: Literal["commanded", "applied"] = "commanded") -> SampledController:
+                         *, told: Literal["commanded", "applied"] = "commanded") -> SampledController:
     """The recursive Kalman filter with feedback u = −K x̂[k|k]; its gain M[k] follows from the belief `start`.
 
     c = x̂[k|k−1]: u = −K(I − M C)c − K M y, c⁺ = A(I − M C)c + A M y + B u. With told = "applied" the filter predicts

@@ -34,7 +34,8 @@ def mechanics_response(loop: SampledLoop, frequency: object) -> MechanicsRespons
     jump = loop.jump[part]
     jump = jump[:, np.any(jump != 0, axis=0)]
     enter = np.hstack([soon, late, jump])
-    H = frequency_response(loop.F[-1][part, part], enter, rows, np.zeros((len(rows), enter.shape[1])), 2 * np.pi * f, loop.dt)
+    H = frequency_response(loop.F[-1][part, part], enter, rows, np.zeros((len(rows), enter.shape[1])), 2 * np.pi * f,
+                           dt=loop.dt)
     back = np.exp(-2j * np.pi * f * loop.dt)[:, None, None]
     return MechanicsResponse(f, (H[:, :, :m] + H[:, :, m:2 * m] * back) * back**whole, H[:, :, 2 * m:])
 
@@ -50,8 +51,8 @@ def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:
     own, last = loop.control, -1
     closed = loop.F[last][own, own] + loop.F_s[last][own] @ loop.U[last][:, own]
     enter = loop.F_m[last][own] + loop.F_s[last][own] @ loop.T[last]
-    K = frequency_response(closed, enter, loop.U[last][:, own], loop.T[last], 2 * np.pi * f, loop.dt) if own.stop > own.start \
-        else np.broadcast_to(loop.T[last].astype(complex), (len(f), m, p))
+    K = frequency_response(closed, enter, loop.U[last][:, own], loop.T[last], 2 * np.pi * f, dt=loop.dt) \
+        if own.stop > own.start else np.broadcast_to(loop.T[last].astype(complex), (len(f), m, p))
     P, G = mechanics.force, mechanics.ground
     S = np.linalg.solve(np.eye(m) - K @ P[:, :p], K)  # from readings' noise to u
     from_ground = S @ G[:, :p]

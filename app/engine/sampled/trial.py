@@ -11,7 +11,7 @@ from ..systems.plant import as_matrix
 from ..systems.scan import affine_scan
 from .sampled_loop import SampledLoop
 
-__all__ = ["ResponseMeasures", "Trial", "response_measures", "run_trial"]
+__all__ = ["ResponseMeasures", "Trial", "response_measures", "simulate_trial"]
 
 MOST_NUMBERS = 40_000_000  # state numbers in one run
 DIVERGED = 1e12
@@ -58,7 +58,7 @@ class ResponseMeasures:
     energy: float
 
 
-def run_trial(loop: SampledLoop, steps: int, seed: int | None = None, *, start: object | None = None,
+def simulate_trial(loop: SampledLoop, steps: int, *, seed: int | None = None, start: object | None = None,
               disturbance: object | None = None, kicks: tuple[tuple[int, object], ...] = ()) -> Trial:
     """`steps` samples from the state `start` (N,), by default rest, with the noise of a seed (None: none).
 
@@ -273,7 +273,8 @@ def fused(loop: SampledLoop, k: int, unit: float) -> np.ndarray:
     return np.vstack([top, loop.Y @ top / unit, loop.U[j] @ top])
 
 
-def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, final: float = 0.0) -> ResponseMeasures:
+def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, *,
+                      final: float = 0.0) -> ResponseMeasures:
     """Recovery, overshoot, peak and energy of one response y (n_t,) with inputs u (n_t, m), each held up to the next t.
 
     The first side is the side of the first excursion beyond `band`, or of the largest deviation if there is none. Raises

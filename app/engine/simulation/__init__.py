@@ -1,8 +1,8 @@
 """Runs of a loop: scenarios, disturbances, saturation, batches and maps of recovery."""
 
-from .batch import march_starts
+from .batch import simulate_starts
 from .loop import emulated_gain
-from .recovery import RecoveryMap, recovery_map, starts_of
+from .recovery import RecoveryMap, simulate_recovery, starts_of
 from .scenario import Run, Scenario
 from .simulate import autonomous_error, separation_meter, simulate
 
@@ -12,9 +12,9 @@ __all__ = [
     "Scenario",
     "autonomous_error",
     "emulated_gain",
-    "march_starts",
-    "recovery_map",
     "separation_meter",
     "simulate",
+    "simulate_recovery",
+    "simulate_starts",
     "starts_of",
 ]

@@ -12,12 +12,12 @@ from .saturation import ROUNDING, TERMS, Mode, Switcher, bounds
 from .scenario import Scenario
 from .simulate import loop_of
 
-__all__ = ["march_starts"]
+__all__ = ["simulate_starts"]
 
 NEWTON = 60
 
 
-def march_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarray]:
+def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarray]:
     """Yield the states z = (x, x̂) of every start, (n_runs, N), at grid points 0, 1, … n_t − 1.
 
     The scenario's own x0 and xhat0 are not used; its noise and impulses are the same for all starts. A yielded

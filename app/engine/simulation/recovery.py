@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..systems.errors import EngineError, ShapeError
-from .batch import march_starts
+from .batch import simulate_starts
 from .scenario import Scenario
 
-__all__ = ["RecoveryMap", "recovery_map"]
+__all__ = ["RecoveryMap", "simulate_recovery"]
 
 SLICE = 0.010  # seconds of work between two yields
 MOST_STARTS = 250_000
@@ -60,7 +60,7 @@ def starts_of(s: Scenario, x_index: int, x_values: np.ndarray, e_index: int, e_v
     return np.concatenate([x, x - e], axis=2).reshape(-1, 2 * n)
 
 
-def recovery_map(scenario: Scenario, x_index: int, x_values: object, e_index: int, e_values: object, *,
+def simulate_recovery(scenario: Scenario, x_index: int, x_values: object, e_index: int, e_values: object, *,
                  threshold: float | None = None, bound: float | None = None,
                  slice_seconds: float = SLICE) -> Iterator[tuple[float, RecoveryMap]]:
     """Run every start of the grid and yield (fraction done, map so far) about every `slice_seconds`, (1.0, map) last.
@@ -80,7 +80,7 @@ def recovery_map(scenario: Scenario, x_index: int, x_values: object, e_index: in
     lost = np.zeros(len(starts), dtype=bool)
     last_out = np.full(len(starts), -1)
     began = time.perf_counter()
-    for k, Z in enumerate(march_starts(scenario, starts)):
+    for k, Z in enumerate(simulate_starts(scenario, starts)):
         square = np.einsum("ij,ij->i", Z[:, :n], Z[:, :n])
         last_out[square >= near**2] = k
         gone = square > far**2

@@ -120,7 +120,7 @@ def _distances(A: np.ndarray, C: np.ndarray, poles: np.ndarray) -> np.ndarray:
 
 def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple[Mode, ...]:
     """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
-    T, hidden = unobservable_subspace(A, C, rtol)
+    T, hidden = unobservable_subspace(A, C, rtol=rtol)
     seen, turned = A.shape[0] - hidden, T.T @ A @ T
     poles = np.concatenate([np.linalg.eigvals(turned[:seen, :seen]), np.linalg.eigvals(turned[seen:, seen:])])
     poles = poles.astype(complex)
@@ -152,7 +152,7 @@ def _frozen(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return matrix, values
 
 
-def observability(plant: Plant, rtol: float | None = None) -> Observability:
+def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
     """Whether, and how nearly not, the output determines the state.
 
     O = [C; CA; …; CAⁿ⁻¹] (pn×n); pole λ is hidden when [A − λI; C] loses rank. Hidden means: found so by the
@@ -164,7 +164,7 @@ def observability(plant: Plant, rtol: float | None = None) -> Observability:
     return Observability(*_frozen(_powers(plant.A, plant.C)), sum(mode.visible for mode in modes), modes)
 
 
-def controllability(plant: Plant, rtol: float | None = None) -> Controllability:
+def controllability(plant: Plant, *, rtol: float | None = None) -> Controllability:
     """Whether, and how nearly not, the input reaches every state: `observability` of (Aᵀ, Bᵀ).
 
     matrix = [B, AB, …, Aⁿ⁻¹B] (n×nm); pole λ is out of reach when [A − λI, B] loses rank.

@@ -73,7 +73,7 @@ def _staircase(A: np.ndarray, B: np.ndarray, rtol: float, size: float) -> tuple[
     return Q, done
 
 
-def reachable_subspace(A: np.ndarray, B: np.ndarray, rtol: float | None = None) -> tuple[np.ndarray, int]:
+def reachable_subspace(A: np.ndarray, B: np.ndarray, *, rtol: float | None = None) -> tuple[np.ndarray, int]:
     """The states that an input can reach: im [B, AB, …, Aⁿ⁻¹B].
 
     A n×n, B n×m. Returns an orthogonal T (n×n) and r: the first r columns of T span the reachable
@@ -89,13 +89,13 @@ def reachable_subspace(A: np.ndarray, B: np.ndarray, rtol: float | None = None) 
     return np.linalg.qr(np.hstack([scale[:, None] * Q[:, :r], Q[:, r:] / scale[:, None]]))[0], r
 
 
-def unobservable_subspace(A: np.ndarray, C: np.ndarray, rtol: float | None = None) -> tuple[np.ndarray, int]:
+def unobservable_subspace(A: np.ndarray, C: np.ndarray, *, rtol: float | None = None) -> tuple[np.ndarray, int]:
     """The states that leave no trace in y: ker [C; CA; …; CAⁿ⁻¹], by duality.
 
     A n×n, C p×n. Returns an orthogonal T (n×n) and h: the last h columns of T span the hidden subspace, so
     TᵀAT = [A₁ 0; A₂₁ A₂] and CT = [C₁ 0].
     """
-    Q, seen = reachable_subspace(A.T, C.T, rtol)
+    Q, seen = reachable_subspace(A.T, C.T, rtol=rtol)
     return Q, A.shape[0] - seen
 
 
@@ -166,7 +166,7 @@ def _basis(plant: Plant, rtol: float) -> tuple[np.ndarray, tuple[int, int, int, 
     return T, (R.shape[1] - k, k, rest.shape[1], N.shape[1] - k)
 
 
-def kalman_decomposition(plant: Plant, rtol: float | None = None) -> KalmanDecomposition:
+def kalman_decomposition(plant: Plant, *, rtol: float | None = None) -> KalmanDecomposition:
     """Split the state into what is reached and seen, reached only, seen only, and neither.
 
     x = T z, ż = T⁻¹AT z + T⁻¹B u, y = CT z + D u; shapes as the plant's. T has unit columns, orthonormal

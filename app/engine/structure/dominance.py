@@ -55,7 +55,7 @@ def dominance(plant: Plant, omega: object) -> Dominance:
     if plant.m != plant.p:
         raise ShapeError("Dominance is about a square transfer matrix; this one is {p}×{m}.", p=plant.p, m=plant.m)
     w = np.atleast_1d(np.asarray(omega, dtype=float))
-    return dominance_of(w, frequency_response(plant.A, plant.B, plant.C, plant.D, w, plant.dt))
+    return dominance_of(w, frequency_response(plant.A, plant.B, plant.C, plant.D, w, dt=plant.dt))
 
 
 def dominance_of(omega: np.ndarray, response: np.ndarray) -> Dominance:

@@ -89,7 +89,7 @@ class Mixing:
     count: int
 
 
-def mixing_matrix(a: float, b: float, size: int = 2, channels: tuple[int, int] = (0, 1)) -> np.ndarray:
+def mixing_matrix(a: float, b: float, *, size: int = 2, channels: tuple[int, int] = (0, 1)) -> np.ndarray:
     """The identity of `size` with [[1, b], [a, 1]] at two channels: T_u,opt = T_u S, eq. (20).
 
     Raises EngineError where 1 − ab is nearly zero: the two mixed inputs would then be one.
@@ -106,7 +106,7 @@ def mixing_matrix(a: float, b: float, size: int = 2, channels: tuple[int, int] =
     return S
 
 
-def coupling(response: object, channels: tuple[int, int] = (0, 1)) -> Coupling:
+def coupling(response: object, *, channels: tuple[int, int] = (0, 1)) -> Coupling:
     """The index J(a, b) of two channels of a response G (n_ω, k, k). Raises ShapeError or EngineError."""
     G = np.asarray(response)
     if (G.ndim != 3 or G.shape[1] != G.shape[2] or not len(G) or not all(0 <= i < G.shape[1] for i in channels)
@@ -120,14 +120,14 @@ def coupling(response: object, channels: tuple[int, int] = (0, 1)) -> Coupling:
     return Coupling(np.ascontiguousarray(block) / np.abs(block).max())  # J has no unit, and squares stay in range
 
 
-def best_mixing(response: object, channels: tuple[int, int] = (0, 1)) -> Mixing:
+def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixing:
     """(a, b) that minimises J of eq. (21): a closed-form start, then simplices without derivatives.
 
     Start: least squares of the numerators over the unmixed diagonal, b = −mean Re(g₁₂/g₁₁), a = −mean Re(g₂₁/g₂₂).
     J has several valleys where resonances lie inside the band; simplices start from the closed form and from no mixing,
     and the better end is kept, so J is never above that of either.
     """
-    J = coupling(response, channels)
+    J = coupling(response, channels=channels)
     G = J.response
     start = (-float(np.mean((G[:, 1, 0] / G[:, 1, 1]).real)), -float(np.mean((G[:, 0, 1] / G[:, 0, 0]).real)))
     spread = max(0.05, *(abs(v) for v in start))

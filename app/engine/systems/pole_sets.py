@@ -24,7 +24,7 @@ def sorted_poles(A: np.ndarray) -> Poles:
     return np.sort_complex(np.linalg.eigvals(A).astype(complex))
 
 
-def all_stable(poles: Poles, dt: float = 0.0) -> bool:
+def all_stable(poles: Poles, *, dt: float = 0.0) -> bool:
     """Whether every pole is stable: Re s < 0, or |s| < 1 where dt > 0."""
     return bool(np.all(np.abs(poles) < 1) if dt else np.all(poles.real < 0))
 
@@ -100,7 +100,7 @@ def match_poles(a: Sequence[complex] | np.ndarray, b: Sequence[complex] | np.nda
 
 
 def move_pole(
-    poles: Sequence[complex], index: int, to: complex, axis_snap: float = 0.0, fixed: Sequence[int] = ()
+    poles: Sequence[complex], index: int, to: complex, *, axis_snap: float = 0.0, fixed: Sequence[int] = ()
 ) -> tuple[complex, ...]:
     """The set after pole `index` was dragged to `to`; the set stays closed under conjugation.
 

@@ -33,7 +33,7 @@ class Spectrum:
         return self.density.sum(axis=0) * (self.frequency[1] - self.frequency[0])
 
 
-def psd(series: object, fs: float, segment: int | None = None, window: str = "hann") -> Spectrum:
+def psd(series: object, fs: float, *, segment: int | None = None, window: str = "hann") -> Spectrum:
     """Welch's one-sided density of a series (n_t,) or (n_t, channels) sampled at fs Hz.
 
     Calibrated so that the area is the variance; white noise of variance σ² lies at 2σ²/fs. Segments of `segment`
@@ -70,7 +70,7 @@ def modal_coordinates(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.n
     return poles.astype(complex), (C * scale) @ vectors, np.linalg.solve(vectors, B / scale[:, None])
 
 
-def frequency_response(A: object, B: object, C: object, D: object, omega: object, dt: float = 0.0) -> np.ndarray:
+def frequency_response(A: object, B: object, C: object, D: object, omega: object, *, dt: float = 0.0) -> np.ndarray:
     """H = C (λ I − A)⁻¹ B + D at λ = jω, or at e^{jω dt} where dt > 0: complex (n_ω, p, m), ω in rad/s.
 
     By modal residues, H = Σ (C vᵢ)(wᵢ B)/(λ − λᵢ) + D; by solving at each frequency where the eigenvectors are ill
@@ -113,6 +113,6 @@ def _solved_once(pencil: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray
         return np.full(d.shape, np.inf + 0j)
 
 
-def amplitude_response(A: object, B: object, C: object, D: object, omega: object, dt: float = 0.0) -> np.ndarray:
+def amplitude_response(A: object, B: object, C: object, D: object, omega: object, *, dt: float = 0.0) -> np.ndarray:
     """|H(jω)| entry by entry, (n_ω, p, m): see `frequency_response`."""
-    return np.abs(frequency_response(A, B, C, D, omega, dt))
+    return np.abs(frequency_response(A, B, C, D, omega, dt=dt))

@@ -13,32 +13,32 @@ from app.engine.systems import check_poles, move_pole
 
 
 def test_a_pair_moves_together():
-    assert move_pole((-1 + 2j, -3, -1 - 2j), 0, -2 + 5j, 0.1) == (-2 + 5j, -3, -2 - 5j)
-    assert move_pole((-1 + 2j, -3, -1 - 2j), 2, -2 - 5j, 0.1) == (-2 + 5j, -3, -2 - 5j)
+    assert move_pole((-1 + 2j, -3, -1 - 2j), 0, -2 + 5j, axis_snap=0.1) == (-2 + 5j, -3, -2 - 5j)
+    assert move_pole((-1 + 2j, -3, -1 - 2j), 2, -2 - 5j, axis_snap=0.1) == (-2 + 5j, -3, -2 - 5j)
 
 
 def test_a_pair_dragged_to_the_axis_becomes_real():
-    assert move_pole((-1 + 2j, -1 - 2j), 0, -2 + 0.05j, 0.1) == (-2, -2)
+    assert move_pole((-1 + 2j, -1 - 2j), 0, -2 + 0.05j, axis_snap=0.1) == (-2, -2)
 
 
 def test_a_real_pole_dragged_off_the_axis_takes_the_nearest_one_along():
-    assert move_pole((-1, -5, -2), 0, -1.2 + 1j, 0.1) == (-1.2 + 1j, -5, -1.2 - 1j)
-    assert move_pole((-1, -5, -2), 0, -1.2 + 1j, 0.1, fixed=(2,)) == (-1.2 + 1j, -1.2 - 1j, -2)
+    assert move_pole((-1, -5, -2), 0, -1.2 + 1j, axis_snap=0.1) == (-1.2 + 1j, -5, -1.2 - 1j)
+    assert move_pole((-1, -5, -2), 0, -1.2 + 1j, axis_snap=0.1, fixed=(2,)) == (-1.2 + 1j, -1.2 - 1j, -2)
 
 
 def test_a_lone_real_pole_stays_on_the_axis():
-    assert move_pole((-1, -2 + 1j, -2 - 1j), 0, -3 + 4j, 0.1) == (-3, -2 + 1j, -2 - 1j)
+    assert move_pole((-1, -2 + 1j, -2 - 1j), 0, -3 + 4j, axis_snap=0.1) == (-3, -2 + 1j, -2 - 1j)
 
 
 def test_fixed_poles_do_not_move():
-    assert move_pole((-1, 2), 1, -3, 0.1, fixed=(1,)) == (-1, 2)
-    assert move_pole((-1 + 1j, -1 - 1j), 0, -3, 0.1, fixed=(1,)) == (-1 + 1j, -1 - 1j)
+    assert move_pole((-1, 2), 1, -3, axis_snap=0.1, fixed=(1,)) == (-1, 2)
+    assert move_pole((-1 + 1j, -1 - 1j), 0, -3, axis_snap=0.1, fixed=(1,)) == (-1 + 1j, -1 - 1j)
 
 
 @pytest.mark.parametrize(("index", "to"), [(2, -1), (-1, -1), (0, np.nan), (0, complex(0, np.inf))])
 def test_senseless_moves_are_refused(index, to):
     with pytest.raises(PoleError):
-        move_pole((-1, -2), index, to, 0.1)
+        move_pole((-1, -2), index, to, axis_snap=0.1)
 
 
 @settings(max_examples=200, deadline=None)
@@ -49,7 +49,7 @@ def test_senseless_moves_are_refused(index, to):
 def test_any_sequence_of_moves_keeps_the_set_closed_under_conjugation(moves, snap):
     poles = (-1, -2 + 1j, -2 - 1j, -2 + 1j, -2 - 1j)
     for index, real, imag in moves:
-        poles = move_pole(poles, index, complex(real, imag), snap)
+        poles = move_pole(poles, index, complex(real, imag), axis_snap=snap)
     np.testing.assert_array_equal(check_poles(poles, 5), poles)
     assert Counter(np.conj(poles).tolist()) == Counter(poles)
 
@@ -59,7 +59,7 @@ def largest_step_of_the_gain(seed, m, count):
     A, B = random_pair(seed, 6, m)
     gains = []
     for t in np.linspace(0, 0.2, count + 1):
-        poles = move_pole((-1 + 2j, -1 - 2j, -2, -3, -4, -5), 0, -1 - t + 1j * (2 + 2 * t), 0.1)
+        poles = move_pole((-1 + 2j, -1 - 2j, -2, -3, -4, -5), 0, -1 - t + 1j * (2 + 2 * t), axis_snap=0.1)
         gains.append(place(A, B, poles).gain)
     return np.linalg.norm(np.diff(gains, axis=0), axis=(1, 2)).max() / np.linalg.norm(gains[0])
 

@@ -149,7 +149,7 @@ def test_the_discrete_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     Q, R = weight(seed + 1, n, 0.1), weight(seed + 2, m, 0.1)
     N = 0.05 * np.random.default_rng(seed).standard_normal((n, m))
     Q = Q + N @ np.linalg.solve(R, N.T)
-    optimal = dlqr(A, B, Q, R, N)
+    optimal = dlqr(A, B, Q, R, N=N)
     K, S = optimal.gain, optimal.solution
     stage = Q - N @ K - K.T @ N.T + K.T @ R @ K
     cost = solve_discrete_lyapunov((A - B @ K).T, stage)
@@ -245,7 +245,7 @@ def test_cross_weight_equals_a_change_of_input():
     shift = np.linalg.solve(R, N.T)
     Q = weight(1, 4, 1.0)
     np.testing.assert_allclose(
-        lqr(A, B, Q + N @ shift, R, N).gain, lqr(A - B @ shift, B, Q, R).gain + shift, rtol=1e-9, atol=1e-10
+        lqr(A, B, Q + N @ shift, R, N=N).gain, lqr(A - B @ shift, B, Q, R).gain + shift, rtol=1e-9, atol=1e-10
     )
 
 
@@ -288,7 +288,7 @@ def test_shapes_that_do_not_fit_are_refused():
         lambda: lqr(DOYLE_A, DOYLE_B, np.eye(3), 1),
         lambda: lqr(DOYLE_A, DOYLE_B, np.eye(2), np.eye(2)),
         lambda: lqr(DOYLE_A, np.ones((3, 1)), np.eye(2), 1),
-        lambda: lqr(DOYLE_A, DOYLE_B, np.eye(2), 1, np.ones((1, 2))),
+        lambda: lqr(DOYLE_A, DOYLE_B, np.eye(2), 1, N=np.ones((1, 2))),
         lambda: lqe(DOYLE_A, np.ones((3, 1)), DOYLE_C, 1, 1),
         lambda: lqe(DOYLE_A, DOYLE_B, np.ones((1, 3)), 1, 1),
         lambda: lqr(np.ones((2, 3)), DOYLE_B, np.eye(2), 1),
@@ -299,4 +299,4 @@ def test_shapes_that_do_not_fit_are_refused():
 
 def test_a_cross_weight_that_makes_the_cost_indefinite_is_refused():
     with pytest.raises(EngineError, match="N R⁻¹ Nᵀ"):
-        lqr(DOYLE_A, DOYLE_B, np.eye(2), 1, 10 * np.ones((2, 1)))
+        lqr(DOYLE_A, DOYLE_B, np.eye(2), 1, N=10 * np.ones((2, 1)))

@@ -105,7 +105,7 @@ def test_series_is_the_product_of_python_control() -> None:
 def test_a_diagonal_controller_is_the_product_of_its_parts() -> None:
     T_y, T_u = np.array([[0.5, 0.5, 0.0], [0.5, -0.5, 0.0], [0.0, 0.0, 1.0]]), np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]])
     first, third = loop_shaped(LoopShape(-3.0, roll_off=5.0)), negated(rational([1.0, 2.0], [1.0, 0.2, 9.0]))
-    whole = diagonal_controller((first, None, third), T_y, T_u, "two loops")
+    whole = diagonal_controller((first, None, third), T_y, T_u, name="two loops")
     H = frequency_response(whole.A, whole.B, whole.C, whole.D, OMEGA)
     middle = np.zeros((len(OMEGA), 3, 3), dtype=complex)
     middle[:, 0, 0], middle[:, 2, 2] = response(first), response(third)

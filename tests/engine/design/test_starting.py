@@ -134,4 +134,4 @@ def test_a_gain_that_is_asked_to_be_lazier_than_nothing_is_refused_and_not_zero(
     plant = plant_of(1, 3, 1, 1)
     for eager in (0.0, -1.0, np.nan):
         with pytest.raises(EngineError, match="positive number"):
-            starting_feedback(plant, eager)
+            starting_feedback(plant, eager=eager)

@@ -66,7 +66,7 @@ def test_both_coordinates_describe_one_system_whatever_the_model(seed, n, m, p):
     plant, model = random_plant(seed, n, m, p, 1.0), random_plant(seed + 1, n, m, p, 1.0)
     rng = np.random.default_rng(seed)
     K, L = rng.standard_normal((m, n)), rng.standard_normal((n, p))
-    loop = closed_loop(plant, K, L, model)
+    loop = closed_loop(plant, K, L, model=model)
     np.testing.assert_allclose(loop.T @ loop.A_xxhat @ np.linalg.inv(loop.T), loop.A_xe, atol=1e-11 * (1 + n * m * p))
     believed = closed_loop(model, K, L)
     np.testing.assert_array_equal(loop.controller_poles, believed.controller_poles)
@@ -75,7 +75,7 @@ def test_both_coordinates_describe_one_system_whatever_the_model(seed, n, m, p):
 
 def test_a_wrong_model_breaks_separation():
     wrong = Plant([[0, 1], [-1.5, -0.5]], SPRING.B, SPRING.C)
-    loop = closed_loop(SPRING, [[1, 1]], [[1.5], [-0.75]], wrong)
+    loop = closed_loop(SPRING, [[1, 1]], [[1.5], [-0.75]], model=wrong)
     assert np.abs(loop.A_xe[2:, :2]).max() > 0.4
     assert loop.union_error > 0.01
 
@@ -97,7 +97,7 @@ def test_the_loop_closed_by_python_control_has_the_same_poles(seed, dt):
     model = Plant(plant.A * 1.05, plant.B * 0.9, plant.C, plant.D + 0.1, dt)
     rng = np.random.default_rng(seed)
     K, L = rng.standard_normal((2, 3)), rng.standard_normal((3, 2))
-    loop = closed_loop(plant, K, L, model)
+    loop = closed_loop(plant, K, L, model=model)
     C = loop.compensator
     theirs = control.feedback(
         control.StateSpace(plant.A, plant.B, plant.C, plant.D, dt), control.StateSpace(C.A, C.B, C.C, C.D, dt), sign=1
@@ -137,7 +137,7 @@ def test_doyle_1978_the_gain_margin_is_one_over_df(q, sigma):
     edge = 1 + 1 / ((2 + np.sqrt(4 + q)) * (2 + np.sqrt(4 + sigma)))
     for factor, stable in ((edge - 1e-6, True), (edge + 1e-6, False)):
         truth = Plant(model.A, factor * model.B, model.C)
-        assert closed_loop(truth, K, L, model).stable is stable
+        assert closed_loop(truth, K, L, model=model).stable is stable
 
 
 # --- transfer functions ----------------------------------------------------------------------------------------------
@@ -172,8 +172,8 @@ def test_gains_and_models_that_do_not_fit_are_refused():
     for call in (
         lambda: compensator(SPRING, [[1, 1, 1]], [[1], [1]]),
         lambda: compensator(SPRING, [[1, 1]], [[1, 1]]),
-        lambda: closed_loop(SPRING, [[1, 1]], [[1], [1]], Plant(1, 1, 1)),
-        lambda: closed_loop(SPRING, [[1, 1]], [[1], [1]], Plant(SPRING.A, SPRING.B, SPRING.C, dt=0.1)),
+        lambda: closed_loop(SPRING, [[1, 1]], [[1], [1]], model=Plant(1, 1, 1)),
+        lambda: closed_loop(SPRING, [[1, 1]], [[1], [1]], model=Plant(SPRING.A, SPRING.B, SPRING.C, dt=0.1)),
     ):
         with pytest.raises(ShapeError):
             call()

@@ -19,7 +19,7 @@ def random_loop(seed: int, n: int = 3, m: int = 2, p: int = 2) -> tuple[Plant, P
     A -= (max(np.linalg.eigvals(A).real.max(), 0.0) + 0.3) * np.eye(n)
     plant = Plant(A, rng.standard_normal((n, m)), rng.standard_normal((p, n)))
     G = rng.standard_normal((n, 2))
-    return plant, lqg(plant, np.eye(n), np.eye(m), np.eye(2), 0.1 * np.eye(p), G).controller, G
+    return plant, lqg(plant, np.eye(n), np.eye(m), np.eye(2), 0.1 * np.eye(p), G=G).controller, G
 
 
 def area(loop, rows, points: int = 40_000) -> np.ndarray:
@@ -35,7 +35,7 @@ def area(loop, rows, points: int = 40_000) -> np.ndarray:
 @given(st.integers(0, 10_000))
 def test_the_area_under_the_density_is_the_lyapunov_variance(seed: int) -> None:
     plant, controller, G = random_loop(seed)
-    loop = noisy_loop(plant, controller, G, np.eye(2), 0.3)
+    loop = noisy_loop(plant, controller, G, np.eye(2), V=0.3)
     rows = np.vstack([loop.outputs(np.array([[1.0, -0.5]])), loop.inputs()])
     assert area(loop, rows) == pytest.approx(loop.variance(rows), rel=1e-4)
 
@@ -44,7 +44,7 @@ def test_the_area_under_the_density_is_the_lyapunov_variance(seed: int) -> None:
 @given(st.integers(0, 10_000))
 def test_samples_of_a_loop_keep_its_variance_and_fold_its_density(seed: int) -> None:
     plant, controller, G = random_loop(seed)
-    loop = noisy_loop(plant, controller, G, np.eye(2), 0.3)
+    loop = noisy_loop(plant, controller, G, np.eye(2), V=0.3)
     dt = 0.2
     sampled = loop.sampled(dt)
     assert sampled.variance(sampled.outputs()) == pytest.approx(loop.variance(), rel=1e-8)
@@ -68,7 +68,7 @@ def test_a_static_output_feedback_lets_white_noise_through_to_the_input() -> Non
     a, k, W, V = 1.0, 2.0, 0.5, 0.2
     plant = Plant([[-a]], [[1.0]], [[1.0]])
     gain = Plant(np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0)), [[-k]])
-    loop = noisy_loop(plant, gain, [[1.0]], W, V)
+    loop = noisy_loop(plant, gain, [[1.0]], W, V=V)
     assert loop.variance() == pytest.approx(np.array([(W + k**2 * V) / (2 * (a + k))]), rel=1e-12)
     assert np.isinf(loop.variance(loop.inputs())).all() and np.isinf(loop.cost(np.eye(1), np.eye(1))[1])
     assert loop.psd(1e6, loop.inputs())[0, 0] == pytest.approx(2 * k**2 * V, rel=1e-6)
@@ -80,7 +80,7 @@ def test_a_direct_path_of_the_plant_is_closed_as_python_control_closes_it() -> N
     rng = np.random.default_rng(5)
     plant = Plant(-np.eye(2) + 0.3 * rng.standard_normal((2, 2)), rng.standard_normal((2, 1)), rng.standard_normal((1, 2)), [[0.4]])
     controller = Plant([[-2.0]], [[1.0]], [[-0.5]], [[-0.3]])
-    loop = noisy_loop(plant, controller, plant.B, 1.0, 1.0)
+    loop = noisy_loop(plant, controller, plant.B, 1.0, V=1.0)
     P, K = (control.ss(s.A, s.B, s.C, s.D) for s in (plant, controller))
     for w in (0.0, 0.7, 9.0):
         p, k = complex(P(1j * w)), complex(K(1j * w))
@@ -92,12 +92,12 @@ def test_a_direct_path_of_the_plant_is_closed_as_python_control_closes_it() -> N
 
 def test_a_shaped_ground_replaces_the_white_one() -> None:
     plant, controller, G = random_loop(3)
-    loop = noisy_loop(plant, controller, G, np.diag([0.5, 2.0]), 0.0)
+    loop = noisy_loop(plant, controller, G, np.diag([0.5, 2.0]), V=0.0)
     f = np.geomspace(0.01, 10, 30)
     flat = np.tile([1.0, 4.0], (30, 1))  # one-sided: 2W
     assert loop.psd(f, ground=flat) == pytest.approx(loop.psd(f), rel=1e-12)
     assert loop.psd(f, ground=3.0 * np.ones(30)) == pytest.approx(
-        noisy_loop(plant, controller, G, 1.5, 0.0).psd(f), rel=1e-12)
+        noisy_loop(plant, controller, G, 1.5, V=0.0).psd(f), rel=1e-12)
     with pytest.raises(ShapeError, match="density"):
         loop.psd(f, ground=-np.ones(30))
 
@@ -107,8 +107,8 @@ def test_monte_carlo_lies_within_its_chi_square_band_of_the_prediction() -> None
     plant, controller, G = random_loop(11)
     n, dt, count, records = plant.n, 0.05, 1024, 40
     W, V = np.diag([1.0, 0.4]), 0.2
-    loop = noisy_loop(plant, controller, G, W, V)
-    design = lqg(plant, np.eye(n), np.eye(2), np.eye(2), 0.1 * np.eye(2), G)
+    loop = noisy_loop(plant, controller, G, W, V=V)
+    design = lqg(plant, np.eye(n), np.eye(2), np.eye(2), 0.1 * np.eye(2), G=G)
     seen = loop.sampled(dt)
     factor = np.linalg.cholesky(loop.covariance + 1e-14 * np.eye(2 * n))
     rng, total = np.random.default_rng(8), 0.0
@@ -127,7 +127,7 @@ def test_monte_carlo_lies_within_its_chi_square_band_of_the_prediction() -> None
 
 def test_causes_add_up_and_states_can_be_watched() -> None:
     plant, controller, G = random_loop(21)
-    loop = noisy_loop(plant, controller, G, np.eye(2), 0.3)
+    loop = noisy_loop(plant, controller, G, np.eye(2), V=0.3)
     f = np.geomspace(0.01, 3, 9)
     assert loop.only(sensors=0.0).psd(f) + loop.only(disturbances=0.0).psd(f) == pytest.approx(loop.psd(f), rel=1e-12)
     assert loop.only(disturbances=0.0).variance() + loop.only(sensors=0.0).variance() == pytest.approx(loop.variance(), rel=1e-9)
@@ -160,8 +160,8 @@ def test_parts_that_do_not_fit_are_refused_in_a_sentence() -> None:
 def test_the_riccati_cost_is_the_lyapunov_cost_and_no_other_gain_is_cheaper(seed: int) -> None:
     plant, _, G = random_loop(seed)
     n = plant.n
-    d = lqg(plant, np.eye(n), 0.5 * np.eye(2), np.eye(2), 0.1, G)
-    least = sum(noisy_loop(plant, d.controller, G, np.eye(2), 0.1).cost(np.eye(n), 0.5 * np.eye(2)))
+    d = lqg(plant, np.eye(n), 0.5 * np.eye(2), np.eye(2), 0.1, G=G)
+    least = sum(noisy_loop(plant, d.controller, G, np.eye(2), V=0.1).cost(np.eye(n), 0.5 * np.eye(2)))
     assert d.cost == pytest.approx(least, rel=1e-8)
     # the other way to split it: tr(P Q) + tr(S L V Lᵀ)
     other = np.trace(d.estimator.solution) + 0.1 * np.trace(d.regulator.solution @ d.L @ d.L.T)
@@ -169,7 +169,7 @@ def test_the_riccati_cost_is_the_lyapunov_cost_and_no_other_gain_is_cheaper(seed
     rng = np.random.default_rng(seed)
     for _ in range(3):
         K, L = d.K * (1 + 0.1 * rng.standard_normal(d.K.shape)), d.L * (1 + 0.1 * rng.standard_normal(d.L.shape))
-        loop = noisy_loop(plant, compensator(plant, K, L), G, np.eye(2), 0.1)
+        loop = noisy_loop(plant, compensator(plant, K, L), G, np.eye(2), V=0.1)
         if loop.stable:
             assert sum(loop.cost(np.eye(n), 0.5 * np.eye(2))) >= least * (1 - 1e-9)
 
@@ -207,7 +207,7 @@ SUPPRESSION = {1e-18: (110, 96, 113), 1e-12: (61, 61, 57), 1e-10: (41, 26, 37), 
 def test_the_lqg_of_the_report_suppresses_the_peaks_as_the_table_says(V: float) -> None:
     p = platform.plant()
     d = platform_lqg.lqg(p, platform_lqg.Weights(v0=V))
-    loops = (noisy_loop(platform_lqg.coils(p), c, platform_lqg.ground(p), 1e-12, platform_lqg.LITERAL_V)
+    loops = (noisy_loop(platform_lqg.coils(p), c, platform_lqg.ground(p), 1e-12, V=platform_lqg.LITERAL_V)
              for c in (None, d.controller))
     f = np.unique(np.concatenate([np.geomspace(0.01, 100, 400), np.linspace(0.9, 1.6, 1500)]))
     opened, closed = (loop.psd(f, loop.outputs(T_y[:3])).max(axis=0) for loop in loops)
@@ -219,7 +219,7 @@ def test_the_lqg_of_the_report_suppresses_the_peaks_as_the_table_says(V: float) 
 def test_at_v_1e_9_the_pitch_is_amplified_at_a_tenth_of_a_hertz() -> None:
     p = platform.plant()
     d = platform_lqg.lqg(p)
-    loops = [noisy_loop(platform_lqg.coils(p), c, platform_lqg.ground(p), 1e-12, platform_lqg.LITERAL_V)
+    loops = [noisy_loop(platform_lqg.coils(p), c, platform_lqg.ground(p), 1e-12, V=platform_lqg.LITERAL_V)
              for c in (None, d.controller)]
     opened, closed = (loop.psd(0.1, loop.outputs(T_y[:3]))[0] for loop in loops)
     assert closed[1] > 100 * opened[1]  # 31 dB

@@ -10,7 +10,7 @@ from app.engine.feedback import recover_at_output, transmission_zeros
 
 def test_recovery_brings_doyles_margins_back():
     K = lqr(DOYLE.A, DOYLE.B, ONES, 1).gain
-    steps = [recover(DOYLE, K, 1.0, 1.0, q, [[1], [1]]) for q in (0, 10, 1e3, 1e5, 1e7)]
+    steps = [recover(DOYLE, K, 1.0, 1.0, q, G=[[1], [1]]) for q in (0, 10, 1e3, 1e5, 1e7)]
     gaps = [step.gap for step in steps]
     assert (np.diff(gaps) < 0).all() and gaps[-1] < 3e-3
     channel, target = steps[-1].margins.inputs[0], steps[-1].target.inputs[0]
@@ -36,7 +36,7 @@ def test_recovery_at_the_output_is_the_dual_problem():
     plant = Plant(rng.standard_normal((3, 3)), rng.standard_normal((3, 1)), rng.standard_normal((1, 3)))
     L = lqe(plant.A, np.eye(3), plant.C, np.eye(3), 1.0).gain
     one = recover_at_output(plant, L, np.eye(3), 1.0, 50.0)
-    twin = recover(plant.dual(), L.T, 1.0, 1.0, 50.0, np.eye(3))
+    twin = recover(plant.dual(), L.T, 1.0, 1.0, 50.0, G=np.eye(3))
     np.testing.assert_allclose(one.gain_K, twin.gain_L.T, rtol=1e-9)
     assert one.gap == pytest.approx(twin.gap, rel=1e-6)
     assert one.margins.outputs[0].disk.alpha == pytest.approx(twin.margins.inputs[0].disk.alpha, rel=1e-6)

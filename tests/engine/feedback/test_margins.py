@@ -250,7 +250,7 @@ def test_platform_lqg_has_named_margins_and_a_loop_stable_to_them():
     (lambda: loop_margins(Plant([[-1]], [[1]], [[1]], [[2]]), [[0.5]]), "ill-posed"),
     (lambda: recover(DOYLE, [[4, 4]], 1, 1, -1), "not negative"),
     (lambda: recover(discretise(DOYLE, 0.1), [[4, 4]], 1, 1, 1), "continuous"),
-    (lambda: recover(DOYLE, [[4, 4]], 1, 1, 1, [[1]]), "G must have 2 rows"),
+    (lambda: recover(DOYLE, [[4, 4]], 1, 1, 1, G=[[1]]), "G must have 2 rows"),
 ])
 def test_bad_input_gets_one_sentence(call, sentence):
     with pytest.raises((EngineError, ShapeError), match=sentence):

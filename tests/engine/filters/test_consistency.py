@@ -35,13 +35,13 @@ def innovations(filter_, seed, steps=1200, noise=None, cut=200):
 def test_bands_are_the_published_ones():
     """Platform report, four sensors: one step [0.484, 11.143], the mean over 1000 in [3.827, 4.177]."""
     np.testing.assert_allclose(chi2_band(4), (0.484, 11.143), atol=5e-4)
-    np.testing.assert_allclose(chi2_band(4, 1000), (3.827, 4.177), atol=5e-4)
+    np.testing.assert_allclose(chi2_band(4, count=1000), (3.827, 4.177), atol=5e-4)
 
 
 @settings(max_examples=30, deadline=None)
 @given(dof=st.integers(1, 20), level=st.floats(0.5, 0.999))
 def test_band_holds_its_probability(dof, level):
-    low, high = chi2_band(dof, 1, level)
+    low, high = chi2_band(dof, count=1, level=level)
     assert chi2.cdf(low, dof) == pytest.approx((1 - level) / 2, rel=1e-9)
     assert chi2.sf(high, dof) == pytest.approx((1 - level) / 2, rel=1e-9)
 
@@ -52,7 +52,7 @@ def test_nis_is_the_quadratic_form_and_chi_squared():
     by_hand = [float(v @ np.linalg.inv(M) @ v) for v, M in zip(nu, S, strict=True)]
     np.testing.assert_allclose(result.values, by_hand, rtol=1e-10)
     assert result.dof == 2 and result.independent == 1000 and result.verdict == "consistent"
-    np.testing.assert_allclose(result.mean_band, chi2_band(2, 1000))
+    np.testing.assert_allclose(result.mean_band, chi2_band(2, count=1000))
     assert result.inside == pytest.approx(0.95, abs=0.025)
     np.testing.assert_allclose(nis(nu, S[-1]).mean, result.mean, rtol=1e-6)
     assert kstest(result.values, chi2(2).cdf).pvalue > 0.01
@@ -126,7 +126,7 @@ def test_nees_over_runs_is_n_and_its_band_shrinks_with_the_runs():
         mean[i], cov = track.means, track.covariances
     result = nees(true, mean, cov)
     assert result.dof == 2 and result.verdict == "consistent"
-    np.testing.assert_allclose(result.band, chi2_band(2, runs))
+    np.testing.assert_allclose(result.band, chi2_band(2, count=runs))
     assert result.inside > 0.85
     assert 40 < result.independent <= 2400
     assert nees(true, mean, cov / 4).verdict == "overconfident"
@@ -194,7 +194,7 @@ def test_coloured_noise_fails_the_plain_filter_and_passes_the_one_that_carries_i
 
 @pytest.mark.parametrize("call, sentence", [
     (lambda: chi2_band(0), "degree of freedom"),
-    (lambda: chi2_band(4, 1, 1.0), "between 0 and 1"),
+    (lambda: chi2_band(4, count=1, level=1.0), "between 0 and 1"),
     (lambda: nis(np.zeros((5, 2)), np.eye(3)), "S must be 2×2"),
     (lambda: nis(np.zeros((5, 2)), np.ones((2, 2))), "not positive definite"),
     (lambda: nis(np.zeros((5, 2)), np.diag([1.0, 0.0])), "zero or negative"),
@@ -202,9 +202,9 @@ def test_coloured_noise_fails_the_plain_filter_and_passes_the_one_that_carries_i
     (lambda: nis(np.full((5, 1), np.inf), [[1.0]]), "infinity"),
     (lambda: nees(np.zeros((5, 2)), np.zeros((4, 2)), np.eye(2)), "must both be"),
     (lambda: nees(np.full((5, 1), np.nan), np.zeros((5, 1)), np.eye(1)), "NaN or infinity"),
-    (lambda: whiteness(np.zeros((50, 1)), 5), "constant"),
-    (lambda: whiteness(np.arange(10.0), 6), "between 1 and 5"),
-    (lambda: whiteness(np.outer(np.sin(np.arange(50.0)), [1, -1]), 5), "copies of each other"),
+    (lambda: whiteness(np.zeros((50, 1)), lags=5), "constant"),
+    (lambda: whiteness(np.arange(10.0), lags=6), "between 1 and 5"),
+    (lambda: whiteness(np.outer(np.sin(np.arange(50.0)), [1, -1]), lags=5), "copies of each other"),
     (lambda: AdcNoise(-1.0, 0.0, 0.0, 0.1), "finite sizes"),
     (lambda: AdcNoise(1.0, 1.0, 2.0, 0.1), "lowest frequency"),
     (lambda: with_coloured_noise(KalmanFilter(A, np.zeros((2, 1)), C, Q, R, dt=0.1), ADC), "every 0.1 s"),
@@ -239,9 +239,9 @@ def test_the_variance_of_the_mean_of_nees_is_what_independent_errors_says():
     for T in (np.eye(2), np.array([[1.0, -2.0]])):
         part, cov = errors @ T.T, T @ P @ T.T
         means = np.einsum("rki,ij,rkj->rk", part, np.linalg.inv(cov), part).mean(axis=1)
-        count = independent_errors(Phi, P, N, T)
+        count = independent_errors(Phi, P, N, T=T)
         assert means.var() == pytest.approx(2 * len(T) / count, rel=0.1)
-        low, high = chi2_band(len(T), count)
+        low, high = chi2_band(len(T), count=count)
         assert ((means < low) | (means > high)).mean() == pytest.approx(0.05, abs=0.02)  # Satterthwaite
 
 
@@ -249,7 +249,7 @@ def test_nees_takes_the_count_that_it_is_told():
     rng = np.random.default_rng(6)
     e = rng.normal(size=(3, 40, 2))
     told = nees(e, np.zeros_like(e), np.eye(2), independent=10.0)
-    assert told.independent == pytest.approx(30) and told.mean_band == pytest.approx(chi2_band(2, 30))
+    assert told.independent == pytest.approx(30) and told.mean_band == pytest.approx(chi2_band(2, count=30))
     with pytest.raises(EngineError, match="positive number"):
         nees(e, np.zeros_like(e), np.eye(2), independent=0.0)
 

@@ -24,7 +24,7 @@ from app.engine.filters import (
     Steering,
     UnscentedFilters,
     errors_squared,
-    march_many,
+    simulate_filters,
 )
 from app.plants import cart_pendulum, growth
 
@@ -45,7 +45,7 @@ def pendulum():
 def recorded(filters, steering=None, seed=1):
     plant, flow, start, x0, inputs = pendulum()
     experiment = Experiment(flow, plant.output, Q, R, x0, start, inputs, filters, steering)
-    return list(march_many(experiment, np.random.default_rng(seed)))
+    return list(simulate_filters(experiment, np.random.default_rng(seed)))
 
 
 def test_each_run_of_a_batch_is_the_single_filter_on_that_run():
@@ -85,7 +85,7 @@ def on_linear(kinds, runs=5, steps=25, seed=0):
     start = Beliefs.alike(np.zeros(4), 2 * np.eye(4), runs)
     filters = {name: make(f, h, kf.Q, kf.R) for name, make in kinds.items()}
     e = Experiment(f, h, kf.Q, kf.R, np.sqrt(2) * rng.standard_normal((4, runs)), start, rng.standard_normal((steps, 2)), filters)
-    return kf, list(march_many(e, rng))
+    return kf, list(simulate_filters(e, rng))
 
 
 KINDS = {
@@ -139,7 +139,8 @@ def test_steering_uses_the_named_estimate_and_its_limits():
 def test_a_kick_reaches_the_plant_and_no_filter_is_told():
     plant, flow, start, x0, inputs = pendulum()
     filters = {"EKF": ExtendedFilters(flow, plant.output, Q, R)}
-    both = [list(march_many(Experiment(flow, plant.output, Q, R, x0, start, inputs, filters, None, kicks), np.random.default_rng(1)))
+    both = [list(simulate_filters(Experiment(flow, plant.output, Q, R, x0, start, inputs, filters, None, kicks),
+                                  np.random.default_rng(1)))
             for kicks in ((), ((4, np.array([0.0, 0.0, 0.0, 1.0])),))]
     np.testing.assert_array_equal(both[0][3].x, both[1][3].x)
     np.testing.assert_allclose(both[1][4].x[3] - both[0][4].x[3], 1.0)
@@ -170,7 +171,7 @@ def test_a_filter_that_loses_its_numbers_is_given_up_and_said_to_be():
     e = Experiment(lambda x, u: 0.5 * x, lambda x, u: x, np.eye(1), np.eye(1), rng.standard_normal((1, 8)),
                    Beliefs.alike([0.0], [[1.0]], 8), np.zeros((20, 0)),
                    {"bad": UnscentedFilters(explode, lambda x, u: x, 0.01 * np.eye(1), np.eye(1), alpha=0.2)})
-    samples = list(march_many(e, rng))
+    samples = list(simulate_filters(e, rng))
     assert len(samples) == 20 and not samples[0].lost["bad"].any() and samples[-1].lost["bad"].any()
     for s in samples:
         assert np.isfinite(s.corrections["bad"].beliefs.mean).all()
@@ -201,7 +202,7 @@ def growth_errors(filter_, seed, runs=100, steps=500):
     start = filter_.predict(Beliefs.alike([growth.X0], [[growth.P0]], runs), np.array([[growth.drive(1)]]))
     e = Experiment(growth.step, growth.seen, np.eye(1), np.eye(1), x1, start, inputs, {"one": filter_})
     squares, scaled = [], []
-    for s in march_many(e, rng):
+    for s in simulate_filters(e, rng):
         error = s.x - s.corrections["one"].beliefs.mean
         squares.append(np.mean(error**2))
         scaled.append(np.mean(errors_squared(error.T, s.corrections["one"].beliefs.covariance)))
@@ -212,7 +213,7 @@ def test_growth_model_makes_the_extended_filter_overconfident_for_every_seed_and
     ekf = ExtendedFilters(growth.step, growth.seen, np.eye(1), np.eye(1), growth.step_expanded, growth.seen_expanded)
     ukf = UnscentedFilters(growth.step, growth.seen, np.eye(1), np.eye(1))
     for seed in range(5):
-        high = chi2_band(1, 100 * 500)[1]
+        high = chi2_band(1, count=100 * 500)[1]
         assert growth_errors(ekf, seed)[1] > 30 * high
         assert growth_errors(ukf, seed)[1] < high  # cautious: about a half
 
@@ -225,9 +226,11 @@ def test_growth_model_makes_the_extended_filter_overconfident_for_every_seed_and
      "1 states but Q is 2×2"),
     (lambda: ExtendedFilters(np.sin, np.sin, np.eye(2), np.eye(2)).predicted(
         Beliefs.alike([0.0, 0.0], np.eye(2), 1), np.zeros((2, 1, 1))), "call predict"),
-    (lambda: next(march_many(Experiment(np.sin, np.sin, np.eye(1), np.eye(1), np.zeros((1, 3)), Beliefs.alike([0.0], [[1.0]], 2),
+    (lambda: next(simulate_filters(Experiment(np.sin, np.sin, np.eye(1), np.eye(1), np.zeros((1, 3)),
+                                              Beliefs.alike([0.0], [[1.0]], 2),
                                    np.zeros((2, 0)), {}), np.random.default_rng(0))), "true states are"),
-    (lambda: list(march_many(Experiment(lambda x, u: x * 1e8, lambda x, u: x, np.eye(1), np.eye(1), np.ones((1, 2)),
+    (lambda: list(simulate_filters(Experiment(lambda x, u: x * 1e8, lambda x, u: x, np.eye(1), np.eye(1),
+                                              np.ones((1, 2)),
                                    Beliefs.alike([0.0], [[1.0]], 2), np.zeros((9, 0)), {}), np.random.default_rng(0))),
      "left the region"),
 ])
@@ -266,7 +269,7 @@ def test_a_direct_path_of_the_input_is_counted_with():
     filters = {name: make(f, h, kf.Q, kf.R) for name, make in KINDS.items()}
     e = Experiment(f, h, kf.Q, kf.R, np.ones((4, 2)), Beliefs.alike(np.zeros(4), np.eye(4), 2),
                    np.random.default_rng(2).standard_normal((15, 2)), filters)
-    samples = list(march_many(e, np.random.default_rng(3)))
+    samples = list(simulate_filters(e, np.random.default_rng(3)))
     y, u = np.array([s.y[:, 1] for s in samples]), np.array([s.u[:, 0] for s in samples])
     means = through.run(Belief(np.zeros(4), np.eye(4)), y, u).means
     for name in KINDS:

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.linalg import solve_discrete_lyapunov
 
 from app.engine import EngineError, Plant, Scenario, ShapeError, dlqe, error_parts, lqe, nis, simulate
-from app.engine.filters import filter_trial, growing_error, noise_ladder
+from app.engine.filters import growing_error, noise_ladder, simulate_filter
 
 BELIEFS = np.logspace(-2, 2, 5)
 
@@ -78,10 +78,11 @@ def test_the_growing_variance_is_that_of_many_simulated_runs_and_ends_at_its_lim
 
 def test_a_filter_on_trial_that_knows_the_truth_expects_as_many_as_it_reads() -> None:
     plant = plant_of(2, 4, 0.0)
-    found = filter_trial(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, seed=3)
+    found = simulate_filter(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, seed=3)
     assert found.expected == pytest.approx(2.0, rel=1e-6) and found.distance[-1] < 1e-2 < found.distance[0]
     for believed in ((0.01, 1.0), (100.0, 1.0), (1.0, 0.1), (1.0, 10.0)):
-        many = [filter_trial(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, believed, seed) for seed in range(30)]
+        many = [simulate_filter(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, believed=believed,
+                                seed=seed) for seed in range(30)]
         means = [float(nis(t.track.innovations[60:], t.track.S[60:]).mean) for t in many]
         assert abs(np.mean(means) / many[0].expected - 1) < 5 * np.std(means) / np.sqrt(30) / many[0].expected + 0.02
 
@@ -103,4 +104,4 @@ def test_a_sampled_plant_is_tried_at_its_own_period() -> None:
     """Another step was taken for the period: the time of the run was wrong, and of its kick."""
     plant = Plant([[0.9]], [[1.0]], [[1.0]], None, 0.1)
     with pytest.raises(EngineError, match=r"sampled every 0\.1 s"):
-        filter_trial(plant, plant.B, 1.0, 1.0, 0.3, 50)
+        simulate_filter(plant, plant.B, 1.0, 1.0, 0.3, 50)

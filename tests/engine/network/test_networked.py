@@ -159,7 +159,7 @@ def nearest(values: np.ndarray, wanted: np.ndarray) -> float:
 def test_the_lower_left_block_is_zero_exactly_where_the_observer_is_told(delay: int) -> None:
     N = 2 + delay
     told = delayed_loop(PLANT, K, STEADY.filter_gain, delay)
-    untold = delayed_loop(PLANT, K, STEADY.filter_gain, delay, "asked")
+    untold = delayed_loop(PLANT, K, STEADY.filter_gain, delay, told="asked")
     assert not told[N:, :N].any()
     assert bool(untold[N:, :N].any()) == (delay > 0)
     assert nearest(np.linalg.eigvals(told), STEADY.poles) < 1e-9
@@ -169,7 +169,7 @@ def test_the_lower_left_block_is_zero_exactly_where_the_observer_is_told(delay: 
 
 @pytest.mark.parametrize("delay", [1, 2, 3])
 def test_predicting_over_the_delay_brings_the_chosen_spectrum_back(delay: int) -> None:
-    poles = np.linalg.eigvals(delayed_loop(PLANT, K, STEADY.filter_gain, delay, "applied", delay))
+    poles = np.linalg.eigvals(delayed_loop(PLANT, K, STEADY.filter_gain, delay, told="applied", ahead=delay))
     chosen = np.concatenate([np.linalg.eigvals(A - B @ K), STEADY.poles])
     assert nearest(poles, chosen) < 1e-9
     assert np.sort(np.abs(poles))[:delay].max() < 1e-4  # the rest: the delay itself, at zero
@@ -181,7 +181,7 @@ def test_the_matrix_is_the_loop_that_is_simulated(told: Any, ahead: int) -> None
     tiny = 1e-18
     run = simulate_network(scenario(Q=tiny * Q, R=tiny * R, P0=tiny * STEADY.solution, steps=25, actuator=Link(0.0, 2),
                                     told=told, ahead=ahead))
-    F = delayed_loop(PLANT, K, STEADY.filter_gain, 2, told, ahead)
+    F = delayed_loop(PLANT, K, STEADY.filter_gain, 2, told=told, ahead=ahead)
     z = np.concatenate([run.x[0], np.zeros(2), run.draw.e0])
     for k in range(25):
         assert z[:2] == pytest.approx(run.x[k], abs=1e-7)
@@ -237,7 +237,7 @@ def test_wrong_shapes_and_links_are_refused() -> None:
         with pytest.raises(EngineError):
             Link(loss, delay, jitter)
     with pytest.raises(EngineError):
-        delayed_loop(PLANT, K, STEADY.filter_gain, 1, "applied", 2)
+        delayed_loop(PLANT, K, STEADY.filter_gain, 1, told="applied", ahead=2)
 
 
 def test_half_a_sample_of_delay_is_refused_and_a_loss_is_a_probability() -> None:

@@ -162,7 +162,8 @@ def test_printed_coefficients_leave_a_floor():
 
 
 def test_a_plant_that_runs_away_is_cut_off():
-    run = simulate_bilinear(P, OBSERVER.without_derivative, example.K, lambda t: -40.0, example.X0, [0.0], 20.0, 0.01)
+    run = simulate_bilinear(P, OBSERVER.without_derivative, example.K, lambda t: -40.0, example.X0, [0.0],
+                            horizon=20.0, dt=0.01)
     assert run.diverged_at is not None and np.isfinite(run.x).all() and len(run.t) == len(run.x) < 2001
 
 

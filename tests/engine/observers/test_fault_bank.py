@@ -28,8 +28,8 @@ MODEL = KalmanFilter(A, B, C, Q, R, dt=0.1)
 
 
 def members():
-    sensors = tuple(residual_generator(MODEL, f"y{i}", [j for j in range(4) if j != i]) for i in range(4))
-    return sensors + tuple(residual_generator(MODEL, f"u{j}", None, B[:, [j]]) for j in range(2))
+    sensors = tuple(residual_generator(MODEL, name=f"y{i}", outputs=[j for j in range(4) if j != i]) for i in range(4))
+    return sensors + tuple(residual_generator(MODEL, name=f"u{j}", outputs=None, E=B[:, [j]]) for j in range(2))
 
 
 BANK = FaultBank(MODEL, members())
@@ -129,7 +129,7 @@ def test_false_alarms_come_as_often_as_designed(window, dof):
     for alpha in (0.1, 0.01):
         for statistic, freedom in ((window_energy, dof), (window_mean, 3)):
             values = statistic(rho, window)[::window]
-            low, high = binomial_band(len(values), alpha, 1 - 0.01 / 6)  # six members at once
+            low, high = binomial_band(len(values), alpha, level=1 - 0.01 / 6)  # six members at once
             share = (values > residual_threshold(freedom, alpha)).mean(axis=0)
             assert np.all((share >= low) & (share <= high)), (alpha, statistic.__name__, share)
 
@@ -168,7 +168,7 @@ def test_the_quiet_member_names_the_culprit():
 
 
 def test_the_binomial_band_holds_what_it_says():
-    low, high = binomial_band(1000, 0.01, 0.99)
+    low, high = binomial_band(1000, 0.01, level=0.99)
     draws = np.random.default_rng(2).binomial(1000, 0.01, 20_000) / 1000
     assert 0.99 <= np.mean((draws >= low) & (draws <= high)) < 0.997
 
@@ -179,7 +179,7 @@ def test_a_mode_that_nothing_shows_is_left_out():
 
     plant = discretise(Plant([[0, 1, 0], [-4, -0.1, 0], [0, 0, -1]], [[0], [1], [0]], [[0, 1, 0], [0, 1, 1]]), 0.1)
     model = KalmanFilter(plant.A, plant.B, plant.C, 0.01 * np.eye(3), 0.1 * np.eye(2), dt=0.1)
-    member = residual_generator(model, "force", None, plant.B)
+    member = residual_generator(model, name="force", outputs=None, E=plant.B)
     assert np.allclose(member.hidden[-1], 1.0) and member.dof == 1
     assert np.all(np.abs(member.poles) < 1)
 

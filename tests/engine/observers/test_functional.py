@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from paper_examples import ONE, TWO, two
 
-from app.engine import EngineError, Plant, PoleError, ShapeError, functional_observer, run_functional
+from app.engine import EngineError, Plant, PoleError, ShapeError, functional_observer, simulate_functional
 from app.engine.observers import (
     criterion,
     error_index,
@@ -61,7 +61,7 @@ def test_factors_are_coprime_and_of_degree_n(seed, n, p, s):
 
 def test_hidden_modes_are_refused():
     with pytest.raises(EngineError, match="no trace"):
-        functional_observer(Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), [[1.0, 0.0]]), [[1, 1]], 1, [-3])
+        functional_observer(Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), [[1.0, 0.0]]), [[1, 1]], 1, poles=[-3])
 
 
 # --- the observer conditions on any plant --------------------------------------------------------------------------
@@ -72,7 +72,7 @@ def test_observer_conditions_hold_on_random_plants(seed, n, p, r, pairs):
     order = n - p
     poles = spread_poles(seed, order, min(pairs, order // 2))
     plant, K = plant_of(seed, n, p), np.random.default_rng(seed + 1).standard_normal((r, n))
-    o = functional_observer(plant, K, order, poles)
+    o = functional_observer(plant, K, order, poles=poles)
     TA, FT, LC = o.T @ plant.A, o.F @ o.T, o.L @ plant.C
     assert np.linalg.norm(TA - FT - LC) <= 1e-9 * np.linalg.norm(TA)
     assert np.linalg.norm(K - o.N @ o.T - o.M @ plant.C) <= 1e-9 * np.linalg.norm(K)
@@ -87,7 +87,7 @@ def test_the_error_obeys_its_own_equation_from_the_definitions(seed):
     """ε = z − T x: ε̇ = F ε for any u, with a direct term D, and the estimate errs by N ε."""
     rng = np.random.default_rng(seed)
     plant, K = plant_of(seed, 5, 2, 2), rng.standard_normal((2, 5))
-    o = functional_observer(plant, K, 3, [-1, -2 + 1j, -2 - 1j])
+    o = functional_observer(plant, K, 3, poles=[-1, -2 + 1j, -2 - 1j])
     x, z, u = rng.standard_normal(5), rng.standard_normal(3), rng.standard_normal(2)
     y = plant.C @ x + plant.D @ u
     dx = plant.A @ x + plant.B @ u
@@ -101,38 +101,38 @@ def test_the_error_obeys_its_own_equation_from_the_definitions(seed):
 def test_one_functional_needs_fewer_states_than_a_reduced_observer():
     """Largest observability index less one: 2 of 6 states with three outputs of index 2 would need 3 the usual way."""
     plant, K = plant_of(3, 6, 3), np.random.default_rng(4).standard_normal((1, 6))
-    o = functional_observer(plant, K, 1, [-2])
+    o = functional_observer(plant, K, 1, poles=[-2])
     assert o.output_residual < 1e-12 and o.dynamics_residual < 1e-12 and plant.n - plant.p == 3
 
 
 def test_free_parameter_moves_N_and_M_along_the_dependence():
-    o = functional_observer(ONE, EXAMPLE_1.K, 2, [-2, -4])
-    moved = functional_observer(ONE, EXAMPLE_1.K, 2, [-2, -4], free=[[3.0]])  # m + p − r* = 1 + 2 − 2 columns
+    o = functional_observer(ONE, EXAMPLE_1.K, 2, poles=[-2, -4])
+    moved = functional_observer(ONE, EXAMPLE_1.K, 2, poles=[-2, -4], free=[[3.0]])  # m + p − r* = 1 + 2 − 2 columns
     assert np.abs(moved.N - o.N).max() > 0.01 and moved.output_residual < 1e-13
     with pytest.raises(ShapeError, match="1×1"):
-        functional_observer(ONE, EXAMPLE_1.K, 2, [-2, -4], free=[[3.0, 1.0]])
+        functional_observer(ONE, EXAMPLE_1.K, 2, poles=[-2, -4], free=[[3.0, 1.0]])
 
 
 def test_given_directions_are_used():
     plant, K = plant_of(8, 4, 2), np.random.default_rng(9).standard_normal((1, 4))
     g = np.array([[1, 2], [1, -1]])
-    o = functional_observer(plant, K, 2, [-1, -2], directions=g)
+    o = functional_observer(plant, K, 2, poles=[-1, -2], directions=g)
     f = coprime_factors(plant)
     np.testing.assert_allclose(o.T[0], f.H_at(-1) @ g[0], rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(o.L[1], -f.L_at(-2) @ g[1], rtol=1e-9, atol=1e-12)
     with pytest.raises(EngineError, match="conjugate"):
-        functional_observer(plant, K, 2, [-1 + 1j, -1 - 1j], directions=[[1, 1j], [1, 1j]])
+        functional_observer(plant, K, 2, poles=[-1 + 1j, -1 - 1j], directions=[[1, 1j], [1, 1j]])
 
 
 def test_sampled_plants_have_sampled_poles():
     plant = Plant([[1.1, 0.2], [0, 0.9]], [[0], [1]], [[1, 0]], dt=0.1)
-    o = functional_observer(plant, [[1, 2]], 1, [0.3])
+    o = functional_observer(plant, [[1, 2]], 1, poles=[0.3])
     assert o.dynamics_residual < 1e-15
-    run = run_functional(o, None, [1, -1], [0.0], 2.0)
+    run = simulate_functional(o, None, x0=[1, -1], z0=[0.0], horizon=2.0)
     law = (o.T @ [1, -1]).item() * o.N.item() * 0.3 ** np.arange(21)  # e_u = −N ε
     np.testing.assert_allclose(run.e_u[:, 0], law, atol=1e-12)
     with pytest.raises(PoleError, match="not stable"):
-        functional_observer(plant, [[1, 2]], 1, [-1.3])
+        functional_observer(plant, [[1, 2]], 1, poles=[-1.3])
 
 
 @pytest.mark.parametrize(("request_", "error", "word"), [
@@ -164,7 +164,8 @@ def test_criterion_is_the_sum_of_numpy_norms(norm):
     by_hand = sum(a * np.linalg.norm(T @ d, order) for a, d in zip(alpha, dA, strict=True))
     by_hand += sum(b * np.linalg.norm(L @ d, order) + c * np.linalg.norm(M @ d, order)
                    for b, c, d in zip(beta, gamma, dC, strict=True))
-    assert criterion(T, L, M, perturbations(plant, dA, dC, alpha, beta, gamma), norm) == pytest.approx(by_hand)
+    assert criterion(T, L, M, perturbations(plant, A=dA, C=dC, alpha=alpha, beta=beta, gamma=gamma),
+                     norm=norm) == pytest.approx(by_hand)
 
 
 def test_every_entry_adds_up_to_the_matrices():
@@ -179,7 +180,7 @@ def test_error_index_bounds_the_error_transfer():
     rng = np.random.default_rng(0)
     for _ in range(20):
         a, c = rng.uniform(-1, 1, 2), rng.uniform(-1, 1, 1)
-        response = error_transfer(o, omega, np.tensordot(a, o.wrong.A, 1), np.tensordot(c, o.wrong.C, 1))
+        response = error_transfer(o, omega, dA=np.tensordot(a, o.wrong.A, 1), dC=np.tensordot(c, o.wrong.C, 1))
         assert np.linalg.norm(response, 2, axis=(1, 2)).max() <= error_index(o) * (1 + 1e-9)
 
 
@@ -197,8 +198,8 @@ def test_peak_gain_at_infinity_and_of_an_unstable_plant():
 
 
 def test_a_loop_that_runs_away_is_cut_off():
-    o = functional_observer(ONE, EXAMPLE_1.K, 1, [-5])
-    run = run_functional(o, push, EXAMPLE_1.x0, EXAMPLE_1.z0, 40.0, dA=np.diag([30.0, 30.0]))
+    o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[-5])
+    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=40.0, dA=np.diag([30.0, 30.0]))
     assert run.diverged_at is not None and np.isfinite(run.e_u).all()
 
 

@@ -5,7 +5,7 @@ import pytest
 from paper_examples import ONE, TWO, one, two
 from scipy.integrate import solve_ivp
 
-from app.engine import EngineError, functional_observer, run_functional
+from app.engine import EngineError, functional_observer, simulate_functional
 from app.engine.observers import error_index, error_transfer, perturbed_loop, vertices, worst_error_gain
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
 
@@ -19,7 +19,7 @@ def test_example_1_is_as_printed_for_every_s(s):
     np.testing.assert_allclose(o.L, [[-s * s - 4 * s - 3]], rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(o.N, [[-30]], rtol=1e-13)
     np.testing.assert_allclose(o.M, [[50 + 30 * s]], rtol=1e-12, atol=1e-12)
-    house = functional_observer(ONE, EXAMPLE_1.K, 1, [s])  # u = −K x: N, M change sign, F, T, L do not
+    house = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])  # u = −K x: N, M change sign, F, T, L do not
     for mine, theirs in ((house.F, o.F), (house.T, o.T), (house.L, o.L), (-house.N, o.N), (-house.M, o.M)):
         np.testing.assert_allclose(mine, theirs, atol=1e-12)
 
@@ -37,12 +37,12 @@ def test_example_1_state_feedback_poles():
 
 @pytest.mark.parametrize(("s", "true", "perturbed"), [(-5 / 3, -11, None), (-5, -111, -116)])
 def test_figure_1_starts(s, true, perturbed):
-    o = functional_observer(ONE, EXAMPLE_1.K, 1, [s])
-    run = run_functional(o, push, EXAMPLE_1.x0, EXAMPLE_1.z0)
+    o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])
+    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0)
     assert run.e_u[0, 0] == pytest.approx(true, abs=1e-11)
     np.testing.assert_allclose(run.e_u[:, 0], true * np.exp(s * run.t), atol=1e-10)  # the true plant: N ε alone
     if perturbed:
-        wrong = run_functional(o, push, EXAMPLE_1.x0, EXAMPLE_1.z0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
+        wrong = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
         assert wrong.e_u[0, 0] == pytest.approx(perturbed, abs=1e-11)
 
 
@@ -51,10 +51,10 @@ def test_figure_1_starts(s, true, perturbed):
     (-5, 0.941342, [-17.9748, -3.2126 - 2.7363j, -3.2126 + 2.7363j]),
 ])
 def test_figure_1_perturbed_poles_and_steady_amplitude(s, amplitude, poles):
-    o = functional_observer(ONE, EXAMPLE_1.K, 1, [s])
-    loop = perturbed_loop(o, EXAMPLE_1.dA, None, EXAMPLE_1.dC)
+    o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])
+    loop = perturbed_loop(o, dA=EXAMPLE_1.dA, dB=None, dC=EXAMPLE_1.dC)
     np.testing.assert_allclose(loop.poles, poles, atol=6e-5)
-    run = run_functional(o, push, EXAMPLE_1.x0, EXAMPLE_1.z0, 20.0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
+    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=20.0, dA=EXAMPLE_1.dA, dC=EXAMPLE_1.dC)
     late = run.t > 15
     wave = np.column_stack([np.sin(5 * run.t[late]), np.cos(5 * run.t[late])])
     fitted = np.hypot(*np.linalg.lstsq(wave, run.e_u[late, 0], rcond=None)[0])
@@ -72,8 +72,8 @@ def test_run_against_an_adaptive_solver_written_from_the_paper():
         return [*dx, s * w[2] - (s * s + 4 * s + 3) * y + (2 + s) * u]
 
     peer = solve_ivp(rate, (0, 4), [1, 1, -0.3], "DOP853", [1, 2, 4], rtol=1e-12, atol=1e-13).y.T
-    o = functional_observer(ONE, EXAMPLE_1.K, 1, [s])
-    run = run_functional(o, push, EXAMPLE_1.x0, EXAMPLE_1.z0, 4.0, dA=dA, dC=dC)
+    o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])
+    run = simulate_functional(o, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=4.0, dA=dA, dC=dC)
     np.testing.assert_allclose(np.hstack([run.x, run.z])[[100, 200, 400]], peer, atol=1e-9)
     v_less = run.u - run.v
     np.testing.assert_allclose(v_less[:, 0], -30 * run.z[:, 0] + (50 + 30 * s) * run.y[:, 0], atol=1e-9)
@@ -98,14 +98,14 @@ def grid_worst(s):
 
 @pytest.mark.parametrize(("s", "value"), [(-1.30, 0.820), (-5 / 3, 0.874)])
 def test_worst_of_the_eight_vertices(s, value):
-    o = functional_observer(ONE, EXAMPLE_1.K, 1, [s])
+    o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[s])
     worst = worst_error_gain(o, vertices(EXAMPLE_1.wrong, EXAMPLE_1.delta_A, EXAMPLE_1.delta_C))
     assert worst == pytest.approx(value, abs=6e-4)
     assert worst == pytest.approx(grid_worst(s), rel=1e-4)
 
 
 def test_worst_vertex_at_minus_5_by_brute_force():
-    o = functional_observer(ONE, EXAMPLE_1.K, 1, [-5])
+    o = functional_observer(ONE, EXAMPLE_1.K, 1, poles=[-5])
     worst = worst_error_gain(o, vertices(EXAMPLE_1.wrong, EXAMPLE_1.delta_A, EXAMPLE_1.delta_C))
     assert worst == pytest.approx(grid_worst(-5.0), rel=1e-4)
 
@@ -140,15 +140,16 @@ def test_example_2_equal_poles_are_refused():
 def test_W_changes_coordinates_and_nothing_that_can_be_felt():
     """The contrast of figure 2 comes from starting both at the same z(0)."""
     E, omega = EXAMPLE_2, np.geomspace(0.01, 100, 40)
-    plain, turned = (functional_observer(TWO, E.K, 2, [-4, -3], W=W, wrong=E.wrong) for W in (None, E.turn))
-    loops = [perturbed_loop(o, E.dA, None, E.dC) for o in (plain, turned)]
+    plain, turned = (functional_observer(TWO, E.K, 2, poles=[-4, -3], W=W, wrong=E.wrong) for W in (None, E.turn))
+    loops = [perturbed_loop(o, dA=E.dA, dB=None, dC=E.dC) for o in (plain, turned)]
     np.testing.assert_allclose(loops[0].poles, loops[1].poles, atol=1e-9)
-    np.testing.assert_allclose(error_transfer(plain, omega, E.dA, E.dC), error_transfer(turned, omega, E.dA, E.dC),
+    np.testing.assert_allclose(error_transfer(plain, omega, dA=E.dA, dC=E.dC),
+                               error_transfer(turned, omega, dA=E.dA, dC=E.dC),
                                rtol=1e-9)
     assert error_index(plain) == pytest.approx(error_index(turned), rel=1e-9)
     assert abs(plain.J - turned.J) > 1  # J does see W
-    same = [run_functional(o, push, E.x0, E.z0) for o in (plain, turned)]
-    moved = run_functional(turned, push, E.x0, E.turn @ np.array(E.z0))
+    same = [simulate_functional(o, push, x0=E.x0, z0=E.z0) for o in (plain, turned)]
+    moved = simulate_functional(turned, push, x0=E.x0, z0=E.turn @ np.array(E.z0))
     assert np.abs(same[0].e_u - same[1].e_u).max() > 1
     np.testing.assert_allclose(moved.e_u, same[0].e_u, atol=1e-10)
 

@@ -141,7 +141,7 @@ def test_no_observer_of_the_whole_deck_ignores_a_coil(coil):
 def test_a_weight_makes_what_is_left_uncorrelated():
     plant, E = random_plant(8, 4, 3, 1)
     R = np.array([[2.0, 0.5, 0.0], [0.5, 1.0, 0.2], [0.0, 0.2, 3.0]])
-    H = decoupling(plant, E, R).H
+    H = decoupling(plant, E, weight=R).H
     left = np.linalg.svd(plant.C @ E)[0][:, 1:]
     assert np.abs(H @ R @ left).max() < 1e-12
     assert np.allclose((np.eye(4) - H @ plant.C) @ E, 0, atol=1e-12)
@@ -153,7 +153,7 @@ def test_wrong_shapes_and_counts_are_named():
     with pytest.raises(EngineError, match="E is zero"):
         decoupling(BOOK, np.zeros((3, 1)))
     with pytest.raises(ShapeError, match="weight must be 2×2"):
-        decoupling(BOOK, BOOK_E, np.eye(3))
+        decoupling(BOOK, BOOK_E, weight=np.eye(3))
     with pytest.raises(PoleError, match="Give 3 poles"):
         unknown_input_observer(BOOK, BOOK_E, [-1, -2])
     assert decoupling(BOOK, np.hstack([BOOK_E, 2 * BOOK_E])).rank_E == 1  # the same direction twice
@@ -162,7 +162,7 @@ def test_wrong_shapes_and_counts_are_named():
 def test_a_weight_that_is_no_covariance_is_refused():
     for weight in (np.zeros((2, 2)), np.diag([1.0, -1.0]), np.array([[1.0, 0.5], [0.0, 1.0]])):
         with pytest.raises(EngineError, match="symmetric and positive definite"):
-            decoupling(BOOK, BOOK_E, weight)
+            decoupling(BOOK, BOOK_E, weight=weight)
 
 
 @pytest.mark.parametrize("unit", [1e-9, 1e9])

@@ -17,7 +17,7 @@ DT = 1e-3
 def report(V: float, dt: float = DT, plant: Plant | None = None):
     p = platform.plant() if plant is None else plant
     w = platform_lqg.Weights(v0=V)
-    return sampled_lqg(platform_lqg.coils(p), w.Q(p), w.R, w.W, w.V, dt, platform_lqg.ground(p))
+    return sampled_lqg(platform_lqg.coils(p), w.Q(p), w.R, w.W, w.V, dt, G=platform_lqg.ground(p))
 
 
 def suppression(loop) -> np.ndarray:
@@ -58,7 +58,7 @@ def test_the_literal_design_at_1_khz_loses_what_its_sampling_cannot_carry() -> N
     """In continuous time 110/96/113 dB; a computer that answers a sample late keeps 73/87/76 or a little more."""
     s = report(1e-18)
     assert suppression(s.loop()) == pytest.approx(np.array([81.0, 91.7, 83.9]), abs=0.3)
-    late = noisy_loop(s.plant, s.late_controller, np.eye(10), s.filter.Q, s.filter.R)
+    late = noisy_loop(s.plant, s.late_controller, np.eye(10), s.filter.Q, V=s.filter.R)
     assert late.stable
     assert suppression(late) == pytest.approx(np.array([73, 87, 76]), abs=1.3)
 
@@ -78,7 +78,7 @@ def test_after_convergence_the_recursive_filter_closes_the_same_loop_at_1_khz() 
         k += 1
     assert first > 1.0  # there was something to converge
     assert gap <= 1e-6
-    steady, recursive = (noisy_loop(s.plant, c, np.eye(10), s.filter.Q, s.filter.R)
+    steady, recursive = (noisy_loop(s.plant, c, np.eye(10), s.filter.Q, V=s.filter.R)
                          for c in (s.controller, s.controller_with(found.gains[-1])))
     assert np.abs(recursive.A - steady.A).max() <= 1e-6 * np.abs(steady.A).max()
     f = np.geomspace(0.05, 400, 60)
@@ -136,7 +136,7 @@ def test_the_reduced_plant_gets_the_same_loop() -> None:
     peaks = []
     for plant in (p, cut):
         d = platform_lqg.lqg(plant)
-        loop = noisy_loop(platform_lqg.coils(p), d.controller, platform_lqg.ground(p), 1e-12, 1e-18)
+        loop = noisy_loop(platform_lqg.coils(p), d.controller, platform_lqg.ground(p), 1e-12, V=1e-18)
         assert loop.stable
         peaks.append(suppression(loop))
     assert peaks[0] == pytest.approx(peaks[1], abs=0.1)

@@ -13,8 +13,8 @@ from app.engine.sampled import (
     coil_driver,
     loop_density,
     mechanics_response,
-    monte_carlo,
     sampled_controller,
+    simulate_trials,
     thin_root,
     welch_expectation,
 )
@@ -125,6 +125,6 @@ def test_a_very_fine_converter_is_not_taken_for_a_run_away() -> None:
 def test_lengths_without_sense_are_refused() -> None:
     for seconds, together in ((np.nan, 5), (np.inf, 5), (1.0, 0)):
         with pytest.raises(EngineError, match="at least one run"):
-            next(monte_carlo(loop_of(), 3, seconds, 0, together=together))
+            next(simulate_trials(loop_of(), 3, seconds, 0, together=together))
     with pytest.raises(EngineError, match="two samples"):
         welch_expectation(loop_of(), 1)

@@ -22,8 +22,8 @@ from sampled_platform import (
 from scipy import signal
 from scipy.linalg import solve_continuous_lyapunov
 
-from app.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, run_trial, sampled_loop
-from app.engine.sampled import Hardware, monte_carlo, recursive_controller, response_measures, sampled_controller
+from app.engine import Belief, EngineError, KalmanFilter, Plant, ShapeError, sampled_loop, simulate_trial
+from app.engine.sampled import Hardware, recursive_controller, response_measures, sampled_controller, simulate_trials
 from app.engine.systems import step_covariance
 
 
@@ -35,7 +35,7 @@ def test_a_linear_run_is_exact(hardware: Hardware) -> None:
     steps = 3000
     ground = np.zeros((steps, 2))
     ground[500:] = 1e-5, -2e-5
-    run = run_trial(loop_of(hardware), steps, 7, disturbance=ground, kicks=((100, KICK),))
+    run = simulate_trial(loop_of(hardware), steps, seed=7, disturbance=ground, kicks=((100, KICK),))
     states, readings, commands = by_definition(hardware, steps, 7, ground)
     for ours, plain in ((run.x, states), (run.read, readings), (run.applied, commands)):
         assert np.abs(ours - plain).max() <= 1e-12 * np.abs(plain).max()
@@ -50,7 +50,7 @@ def test_a_clipped_or_rounded_run_equals_the_plain_loop(hardware: Hardware) -> N
     steps = 3000
     ground = np.zeros((steps, 2))
     ground[500:] = 1e-5, -2e-5
-    run = run_trial(loop_of(hardware), steps, 3, disturbance=ground, kicks=((100, KICK),))
+    run = simulate_trial(loop_of(hardware), steps, seed=3, disturbance=ground, kicks=((100, KICK),))
     states, _, commands = by_definition(hardware, steps, 3, ground)
     assert np.abs(run.x - states).max() <= 1e-9 * np.abs(states).max()
     assert np.abs(run.applied - commands).max() <= 1e-9 * np.abs(commands).max()
@@ -61,10 +61,10 @@ def test_a_clipped_or_rounded_run_equals_the_plain_loop(hardware: Hardware) -> N
 
 def test_designs_with_one_plant_feel_one_noise() -> None:
     silent = sampled_controller(Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)), DT), DT)
-    calm, rough = (run_trial(sampled_loop(PLANT, silent, range(3), W=W, V=V, hardware=hardware), 500, 9)
+    calm, rough = (simulate_trial(sampled_loop(PLANT, silent, range(3), W=W, V=V, hardware=hardware), 500, seed=9)
                    for hardware in (IDEAL, Hardware(walk=1e-6, bandwidth=50.0, delay=2e-3)))
     assert np.abs(calm.x - rough.x).max() <= 1e-9 * np.abs(calm.x).max()
-    other = sampled_loop(PLANT, sampled_controller(CONTROLLER, DT, "hold"), range(3), W=W, V=V,
+    other = sampled_loop(PLANT, sampled_controller(CONTROLLER, DT, method="hold"), range(3), W=W, V=V,
                          hardware=Hardware(bandwidth=100.0))
     assert other.jump[3:13].shape == loop_of().jump[:10].shape
     assert np.allclose(other.jump[3:13], loop_of().jump[:10], rtol=1e-9, atol=0)
@@ -93,7 +93,7 @@ def test_sampling_leaves_the_variances_of_a_shaped_ground() -> None:
 
 def test_tustin_and_hold_are_scipys() -> None:
     for method, name in (("tustin", "bilinear"), ("hold", "zoh")):
-        ours = sampled_controller(CONTROLLER, DT, method).last  # type: ignore[arg-type]
+        ours = sampled_controller(CONTROLLER, DT, method=method).last  # type: ignore[arg-type]
         peer = scipys(name)
         for frequency in (0.1, 1.0, 20.0, 300.0):
             z = np.exp(2j * np.pi * frequency * DT)
@@ -107,9 +107,9 @@ def test_the_recursive_controller_is_the_kalman_filter_with_feedback(told: str) 
     """Its commands are −K x̂[k|k] of a filter run over the same readings and the inputs it was told."""
     kf = KalmanFilter.from_plant(BELIEVED, W, V, DT, GROUND)
     start = Belief(np.zeros(8), 1e-9 * np.eye(8))
-    controller = recursive_controller(kf, 0.2 * K, start, 400, told)  # type: ignore[arg-type]
+    controller = recursive_controller(kf, 0.2 * K, start, 400, told=told)  # type: ignore[arg-type]
     loop = sampled_loop(PLANT, controller, range(3), W=W, V=V, hardware=Hardware(limit=0.02))
-    run = run_trial(loop, 400, 5, kicks=((50, 0.1 * KICK),))
+    run = simulate_trial(loop, 400, seed=5, kicks=((50, 0.1 * KICK),))
     assert np.any(run.asked != run.applied)
     track = kf.run(start, run.read, run.applied if told == "applied" else run.asked)
     assert np.abs(run.asked + track.means @ (0.2 * K).T).max() <= 1e-9 * np.abs(run.asked).max()
@@ -119,24 +119,25 @@ def test_measures_of_a_step_are_the_textbooks() -> None:
     zeta, t = 0.3, np.arange(0.0, 40.0, 1e-3)
     _, y = signal.step((1.0, (1.0, 2 * zeta, 1.0)), T=t)
     u = np.column_stack([np.full(len(t), 0.5), np.zeros(len(t))])
-    found = response_measures(t, y, u, 0.02, 1.0)
+    found = response_measures(t, y, u, 0.02, final=1.0)
     assert found.overshoot == pytest.approx(np.exp(-np.pi * zeta / np.sqrt(1 - zeta**2)), abs=1e-4)
     assert found.recovery is not None and abs(y[np.searchsorted(t, found.recovery)] - 1) <= 0.02
     assert np.abs(y[np.searchsorted(t, found.recovery - 0.01)] - 1) > 0.0195
     assert found.peak == 0.5 and found.energy == pytest.approx(0.25 * 40.0, rel=1e-4)
-    assert response_measures(t[:1000], y[:1000], u[:1000], 0.02, 1.0).recovery is None
+    assert response_measures(t[:1000], y[:1000], u[:1000], 0.02, final=1.0).recovery is None
 
 
 def test_an_unstable_loop_is_reported_and_ends_early() -> None:
     wrong = Plant(CONTROLLER.A, CONTROLLER.B, -40 * CONTROLLER.C)
     loop = sampled_loop(PLANT, sampled_controller(wrong, DT), range(3), W=W, V=V)
     assert not loop.stable
-    run = run_trial(loop, 60_000, 1)
+    run = simulate_trial(loop, 60_000, seed=1)
     assert run.diverged and len(run.t) < 60_000 and np.isfinite(run.w).all()
     with pytest.raises(EngineError):
-        next(monte_carlo(loop, 4, 2.0, 1))
-    caught = run_trial(sampled_loop(PLANT, sampled_controller(wrong, DT), range(3), W=W, V=V, hardware=Hardware(limit=0.1)),
-                       3000, 1)
+        next(simulate_trials(loop, 4, 2.0, 1))
+    caught = simulate_trial(sampled_loop(PLANT, sampled_controller(wrong, DT), range(3), W=W, V=V,
+                                         hardware=Hardware(limit=0.1)),
+                       3000, seed=1)
     assert not caught.diverged and np.abs(caught.applied).max() <= 0.1
 
 
@@ -144,7 +145,7 @@ def test_an_unstable_loop_is_reported_and_ends_early() -> None:
 def test_a_run_that_leaves_the_floats_within_a_block_ends_without_a_warning(hardware: Hardware) -> None:
     racing = Plant([[300.0]], [[1.0]], [[1.0]])
     loop = sampled_loop(racing, sampled_controller(Plant([[-1.0]], [[1.0]], [[1e3]]), 0.01), range(1), hardware=hardware)
-    run = run_trial(loop, 5000, start=np.eye(loop.n)[0])
+    run = simulate_trial(loop, 5000, start=np.eye(loop.n)[0])
     assert run.diverged and len(run.t) < 50 and np.isfinite(run.w).all()
 
 
@@ -160,7 +161,7 @@ def test_what_does_not_fit_is_refused() -> None:
     with pytest.raises(ShapeError):
         sampled_loop(PLANT, sampled_controller(CONTROLLER, DT), range(2))
     with pytest.raises(ShapeError):
-        run_trial(loop_of(), 100, disturbance=np.zeros((100, 3)))
+        simulate_trial(loop_of(), 100, disturbance=np.zeros((100, 3)))
 
 
 def test_a_controlled_input_counted_from_the_end_is_not_ground_as_well() -> None:
@@ -184,11 +185,11 @@ def test_starts_kicks_and_rows_must_fit_and_be_finite() -> None:
     with pytest.raises(ShapeError, match="must enter 10 states"):
         sampled_loop(PLANT, controller, range(3), disturbances=np.ones(10))
     with pytest.raises(ShapeError, match="must have 10 entries"):  # one number was added to every state
-        run_trial(loop, 9, kicks=((0, [1.0]),))
+        simulate_trial(loop, 9, kicks=((0, [1.0]),))
     with pytest.raises(EngineError, match="holds NaN"):  # gave an empty run
-        run_trial(loop, 9, start=np.full(loop.n, np.nan))
+        simulate_trial(loop, 9, start=np.full(loop.n, np.nan))
     with pytest.raises(EngineError, match="holds NaN"):
-        run_trial(loop, 9, disturbance=np.full((9, loop.Gamma.shape[1]), np.nan))
+        simulate_trial(loop, 9, disturbance=np.full((9, loop.Gamma.shape[1]), np.nan))
     for t, y, u in ((np.zeros(0), np.zeros(0), np.zeros((0, 1))), (np.arange(3.0), np.array([1, np.nan, 0]), np.zeros((3, 1))),
                     (np.arange(3.0), np.zeros(3), np.zeros(3))):
         with pytest.raises(ShapeError, match="at least one sample"):

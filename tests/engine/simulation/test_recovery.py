@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from app.engine import EngineError, Plant, Scenario, simulate
-from app.engine.simulation import march_starts, recovery_map, starts_of
+from app.engine.simulation import simulate_recovery, simulate_starts, starts_of
 
 FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[5.0, 4.0]]), np.array([[12.0], [37.0]])
@@ -12,7 +12,7 @@ ONE = {"u_min": -1, "u_max": 1}
 
 
 def last(scenario: Scenario, *axes, **more):
-    *_, (fraction, result) = recovery_map(scenario, *axes, **more)
+    *_, (fraction, result) = simulate_recovery(scenario, *axes, **more)
     assert fraction == 1.0
     return result
 
@@ -32,7 +32,7 @@ def test_region_of_a_scalar_unstable_plant_is_the_interval_theory_gives() -> Non
 def test_every_start_runs_as_it_would_alone(more: dict) -> None:
     s = Scenario(FALLING, K, L, horizon=2, **ONE, **more)
     starts = np.random.default_rng(0).uniform(-0.5, 0.5, (6, 4))
-    together = np.array(list(march_starts(s, starts)))
+    together = np.array(list(simulate_starts(s, starts)))
     for i, start in enumerate(starts):
         run = simulate(Scenario(FALLING, K, L, horizon=2, x0=start[:2], xhat0=start[2:], **ONE, **more))
         count = len(run.t)
@@ -45,7 +45,7 @@ def test_two_inputs_and_a_stiff_observer_run_as_they_would_alone() -> None:
     gain, observer = np.array([[2.0, 1.0], [4.0, 3.0]]), np.array([[400.0], [4e4]])
     limits = {"u_min": [-1, -0.5], "u_max": [0.7, 1], "horizon": 1.0, "dt": 0.02}
     starts = np.random.default_rng(1).uniform(-1, 1, (8, 4))
-    together = np.array(list(march_starts(Scenario(plant, gain, observer, **limits), starts)))
+    together = np.array(list(simulate_starts(Scenario(plant, gain, observer, **limits), starts)))
     for i, start in enumerate(starts):
         run = simulate(Scenario(plant, gain, observer, x0=start[:2], xhat0=start[2:], **limits))
         assert np.abs(run.x - together[:, i, :2]).max() < 1e-10
@@ -78,7 +78,8 @@ def test_a_start_beyond_the_bound_is_lost_for_good() -> None:
 
 
 def test_progress_comes_in_slices_and_rises_to_one() -> None:
-    steps = list(recovery_map(Scenario(FALLING, K, L, horizon=1, **ONE), 0, [-1, 0, 1], 0, [0, 1], slice_seconds=0.0))
+    steps = list(simulate_recovery(Scenario(FALLING, K, L, horizon=1, **ONE), 0, [-1, 0, 1], 0, [0, 1],
+                                   slice_seconds=0.0))
     fractions = [fraction for fraction, _ in steps]
     assert len(fractions) == 101 and fractions == sorted(fractions) and fractions[-1] == 1.0
     assert all(part.recovered.shape == (3, 2) for _, part in steps)
@@ -94,4 +95,4 @@ def test_starts_put_the_error_between_state_and_estimate() -> None:
                                   (0, np.zeros(1000), 0, np.zeros(1000))])
 def test_impossible_maps_are_refused(axes: tuple) -> None:
     with pytest.raises(EngineError):
-        next(recovery_map(Scenario(FALLING, K, L), *axes))
+        next(simulate_recovery(Scenario(FALLING, K, L), *axes))

@@ -179,7 +179,7 @@ def test_records_are_read_only():
 @pytest.mark.parametrize("rtol", [-1e-3, 1.0, np.nan])
 def test_absurd_tolerance_is_refused(rtol):
     with pytest.raises(EngineError, match="rtol"):
-        observability(Plant([[-1]], [[1]], [[1]]), rtol)
+        observability(Plant([[-1]], [[1]], [[1]]), rtol=rtol)
 
 
 def test_overflowing_powers_are_a_sentence():

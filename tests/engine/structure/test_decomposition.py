@@ -150,4 +150,4 @@ def test_a_larger_tolerance_hides_what_is_barely_seen():
 
 def test_absurd_tolerance_is_refused():
     with pytest.raises(EngineError, match="rtol"):
-        kalman_decomposition(Plant([[-1]], [[1]], [[1]]), 2)
+        kalman_decomposition(Plant([[-1]], [[1]], [[1]]), rtol=2)

@@ -111,13 +111,13 @@ def test_the_optimum_is_that_of_a_global_search(seed: int) -> None:
 
 def test_other_channels_of_a_larger_matrix() -> None:
     G = random_response(9, 12, 3)
-    assert coupling(G, (1, 2))(0.2, -0.1) == pytest.approx(direct(G[:, 1:, 1:], 0.2, -0.1))
-    S = mixing_matrix(0.2, -0.1, 3, (1, 2))
+    assert coupling(G, channels=(1, 2))(0.2, -0.1) == pytest.approx(direct(G[:, 1:, 1:], 0.2, -0.1))
+    S = mixing_matrix(0.2, -0.1, size=3, channels=(1, 2))
     assert np.array_equal(S, [[1, 0, 0], [0, 1, -0.1], [0, 0.2, 1]])
     with pytest.raises(EngineError, match="singular"):
         mixing_matrix(2.0, 0.5)
     with pytest.raises(ShapeError):
-        coupling(G, (1, 5))
+        coupling(G, channels=(1, 5))
     with pytest.raises(EngineError, match="diagonal"):
         coupling(np.zeros((3, 2, 2)))
 
@@ -128,12 +128,12 @@ def test_the_index_has_no_unit_however_small_or_large_the_response() -> None:
     for scale in (1e-200, 1e200):
         assert np.isclose(best_mixing(scale * G).J, plain.J, rtol=1e-9)
     with pytest.raises(ShapeError, match="two different channels"):
-        coupling(G, (0, -2))
+        coupling(G, channels=(0, -2))
 
 
 def test_channels_that_are_not_there_and_responses_on_a_pole_are_refused() -> None:
     for channels in ((0, 0), (0, 5), (0, -1)):  # (0, 0) gave a diagonal matrix that mixes nothing
         with pytest.raises(ShapeError, match="two different channels"):
-            mixing_matrix(0.1, 0.2, 2, channels)
+            mixing_matrix(0.1, 0.2, size=2, channels=channels)
     with pytest.raises(EngineError, match="not finite"):
         relative_gains(np.full((2, 2), np.nan))
