@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 ROOT = Path(__file__).resolve().parent.parent
 DISPLAYS = (ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp)
@@ -68,6 +72,28 @@ def imports(tree: ast.AST, module: str, package: bool) -> Iterator[str]:
 
 def within(name: str, prefix: str) -> bool:
     return name == prefix or name.startswith(prefix + ".")
+
+
+def arrows(modules: Iterable[Module]) -> dict[str, set[str]]:
+    """Which of the modules each of them imports; what is imported from a package counts as the package."""
+    by_name = {m.name: m for m in modules}
+
+    def owner(name: str) -> str:
+        while name and name not in by_name:
+            name = name.rpartition(".")[0]
+        return name
+    return {name: {owner(n) for n in m.imports()} - {"", name} for name, m in by_name.items()}
+
+
+def circles(graph: Mapping[str, Iterable[str]]) -> list[list[str]]:
+    """The groups of names that all reach each other along the arrows."""
+    names = sorted(graph)
+    place = {name: i for i, name in enumerate(names)}
+    ends = np.array([(place[a], place[b]) for a in names for b in graph[a]], dtype=int).reshape(-1, 2)
+    steps = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(names), len(names)))
+    count, group = connected_components(steps.tocsr(), connection="strong")
+    members = ([name for name, own in zip(names, group, strict=True) if own == k] for k in range(count))
+    return sorted(circle for circle in members if len(circle) > 1)
 
 
 def private_uses(source: str) -> list[str]:
