@@ -30,36 +30,36 @@ KNOWN = frozenset(WORD.findall("""
     Observer Lab Hautus Popov Belevitch"""))
 
 
-def shown(record: Any, field: str = "") -> Iterator[str]:
-    """Every text that a record brings to the page, in Chinese; plain strings where they are not codes."""
+def shown(record: Any, field: str = "", language: str = "zh") -> Iterator[str]:
+    """Every text that a record brings to the page, in a language; plain strings where they are not codes."""
     if isinstance(record, Text):
-        yield symbol(record.zh)
+        yield symbol(record(language))
     elif isinstance(record, str):
         if field not in CODES:
             yield symbol(record)
     elif isinstance(record, MapFigure):
-        yield from shown((record.title, record.x_label, record.y_label, record.caption, [name for name, _ in record.categories]))
+        yield from shown((record.title, record.x_label, record.y_label, record.caption, [name for name, _ in record.categories]),
+                         language=language)
     elif dataclasses.is_dataclass(record):
         for item in dataclasses.fields(record):
-            yield from shown(getattr(record, item.name), item.name)
+            yield from shown(getattr(record, item.name), item.name, language)
     elif isinstance(record, Mapping):
         for value in record.values():
-            yield from shown(value, field)
+            yield from shown(value, field, language)
     elif isinstance(record, (tuple, list)):
         for value in record:
-            yield from shown(value, field)
+            yield from shown(value, field, language)
 
 
-def page(lesson: Lesson, design: Design) -> Iterator[str]:
+def page(lesson: Lesson, design: Design, language: str = "zh") -> Iterator[str]:
     """What the page shows of a design: figures, boards, stage, numbers, knobs, verdicts."""
     outcome = lesson.compute(design)
     body = outcome.stage.body if outcome.stage is not None else None
-    yield from shown((lesson.figures(outcome), outcome.live, outcome.checks, outcome.boards))
-    yield from shown(None if body is None else (body.caption, [words for words, _ in body.labels]))
-    for knob in lesson.knobs:
-        yield from shown((knob.label, knob.hint, knob.group, [words for _, words in getattr(knob, "options", ())]))
-    yield from shown(tuple(task.check(outcome).text for task in lesson.tasks))
-    yield from shown(lesson.job.label if lesson.job is not None else None)
+    knobs = [(knob.label, knob.hint, knob.group, [words for _, words in getattr(knob, "options", ())]) for knob in lesson.knobs]
+    yield from shown((lesson.figures(outcome), outcome.live, outcome.checks, outcome.boards, knobs,
+                      None if body is None else (body.caption, [words for words, _ in body.labels]),
+                      tuple(task.check(outcome).text for task in lesson.tasks),
+                      None if lesson.job is None else lesson.job.label), language=language)
 
 
 def english(texts: Iterator[str]) -> dict[str, list[str]]:

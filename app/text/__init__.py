@@ -4,8 +4,8 @@
 is a sentence. The English is the id that translators see.
 """
 
-from .languages import languages, name_of
-from .message import NO_WORDS, Text, joined, listed, same, text, text_in, told, wording
+from .languages import languages
+from .message import NO_WORDS, Text, joined, listed, name_of, same, text, text_in, told, wording
 from .numbers import raised, written
 from .symbols import squared, symbol
 

@@ -18,7 +18,6 @@ from babel.messages import Catalog, mofile, pofile
 
 HERE = Path(__file__).parents[1] / "locale"
 ELSEWHERE = "OBSERVER_LAB_LOCALE"
-NAME = "X-Language-Name"  # header of a catalogue whose language has no name of its own in Babel
 
 
 @lru_cache(maxsize=1)
@@ -47,9 +46,6 @@ def catalogue(language: str) -> Catalog:
     for path in sorted(folder.glob("*.po")) if folder else ():
         with path.open("rb") as file:
             part = pofile.read_po(file, abort_invalid=True, charset="utf-8")
-        for name, value in part.mime_headers:
-            if name == NAME:
-                whole.mime_headers = [(NAME, value)]
         for message in part:
             if message.id and message.string and not message.fuzzy:
                 whole.add(message.id, message.string, context=message.context)
@@ -83,12 +79,8 @@ def closed_up(words: str, language: str) -> str:
     return BETWEEN.sub("", words) if language.startswith("zh") else words
 
 
-@lru_cache(maxsize=16)
-def name_of(language: str) -> str:
-    """What a language calls itself: English, 中文."""
-    for header, value in catalogue(language).mime_headers:
-        if header == NAME:
-            return value
+def known_name(language: str) -> str:
+    """What a language calls itself, as Babel knows it; its code where it does not."""
     locale = _locale(language)
     return language if locale is None else (locale.get_display_name() or language)
 

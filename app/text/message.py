@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import reduce
 
-from .languages import closed_up, translated
+from .languages import closed_up, known_name, translated
 from .numbers import Written, written
 
 
@@ -80,6 +80,15 @@ def text(message: str, /, **values: object) -> Text:
 def text_in(context: str, message: str, /, **values: object) -> Text:
     """A message whose English alone does not say what is meant: the context, such as "axis", tells translators."""
     return Text(message, tuple(values.items()), context)
+
+
+OWN_NAME = text_in("language", "English")  # to be translated by the name of the language itself
+
+
+def name_of(language: str) -> str:
+    """What a language calls itself: English, 中文."""
+    name = OWN_NAME(language)
+    return known_name(language) if name == OWN_NAME.id and language != "en" else name
 
 
 SAME = "{words}"
