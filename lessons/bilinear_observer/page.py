@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine.observers import BilinearObserver
 from app.plants.bilinear import POLE, PRINTED_L
-from app.text.words import Text, same
+from app.text import Text, same, text
 
 NONE, FATAL = "none", "l4"
 
@@ -70,14 +70,14 @@ LINES = (
     Line("v2", 1, same("V₂"), "0, 0, 0, 0, 5, 6", lambda o: o.V[1]),
     Line("t2", 1, same("T₂ᵀ"), "0, 0, 0, 0, 0.2, 0", lambda o: o.T[1]),
     Line("t3", 1, same("T₃ᵀ"), "0, 0, 0, 0, −1.2, 1", lambda o: o.T[2] if o.T[2].shape[1] == 1 else None),
-    Line("q1", 2, Text("row 1 of Q", "Q 第 1 行"), "−0.40, 5.40, 2.40", lambda o: o.Q[0]),
-    Line("q2", 2, Text("row 2 of Q", "Q 第 2 行"), "0, 11.00, 1.00", lambda o: o.Q[1]),
-    Line("q3", 2, Text("row 3 of Q", "Q 第 3 行"), "0.20, −4.20, 0.80", lambda o: o.Q[2]),
-    Line("q4", 2, Text("row 4 of Q", "Q 第 4 行"), "0, −19.00, 1.00", lambda o: o.Q[3] if len(o.Q) == 4 else None),
+    Line("q1", 2, text("row 1 of Q"), "−0.40, 5.40, 2.40", lambda o: o.Q[0]),
+    Line("q2", 2, text("row 2 of Q"), "0, 11.00, 1.00", lambda o: o.Q[1]),
+    Line("q3", 2, text("row 3 of Q"), "0.20, −4.20, 0.80", lambda o: o.Q[2]),
+    Line("q4", 2, text("row 4 of Q"), "0, −19.00, 1.00", lambda o: o.Q[3] if len(o.Q) == 4 else None),
     Line("divisor", 2, same("Q̄ᴸ"), "−0.64, 1.55, −1.28, 1.00",
          lambda o: o.canonical_Q.zero_left if o.canonical_Q.zero_left.size else None, _divisor),
-    Line("defect", 3, Text("columns of Q̄ᴿ", "Q̄ᴿ 的列数"), "0", lambda o: np.array([float(o.canonical_Q.zero_right.shape[1])])),
-    Line("family", 4, Text("rows of Q̄ᴸ", "Q̄ᴸ 的行数"), "1", lambda o: np.array([float(len(o.canonical_Q.zero_left))])),
+    Line("defect", 3, text("columns of Q̄ᴿ"), "0", lambda o: np.array([float(o.canonical_Q.zero_right.shape[1])])),
+    Line("family", 4, text("rows of Q̄ᴸ"), "1", lambda o: np.array([float(len(o.canonical_Q.zero_left))])),
     Line("star", 5, same("A*, B*"), "−6.47, 2.53",
          lambda o: np.array([o.A_star.item(), o.B_star.item()]) if o.B_star.size == 1 else None,
          _by_pi((-6.47 - POLE) / 2.53)),
@@ -86,13 +86,13 @@ LINES = (
     Line("l2", 7, same("L₂"), "17.68", _entry(1), _swapped(1)),
     Line("l3", 7, same("L₃"), "−18.99", _entry(2), _swapped(2)),
     Line("l4", 7, same("L₄"), "2.29", lambda o: None if o.L is None or o.L.shape[1] < 4 else o.L[:, 3], _swapped(3)),
-    Line("chi-y", 8, Text("y in χ̇", "χ̇：y 的系数"), "−273.64, −213.93, 408.38, −198.94", _plain("Y"), _same_pole),
-    Line("chi-u", 8, Text("χ̇: of u", "χ̇：u 的系数"), "8.85", _plain("B")),
-    Line("chi-uy", 8, Text("χ̇: of u y", "χ̇：u y 的系数"), "−44.26, 27.98, −81.33, 36.08", _plain("U")),
-    Line("g", 8, Text("y in ĝ", "ĝ：y 的系数"), "−11.49, 19.68, −15.99, 13.29", _plain("G_y"), _same_pole),
+    Line("chi-y", 8, text("y in χ̇"), "−273.64, −213.93, 408.38, −198.94", _plain("Y"), _same_pole),
+    Line("chi-u", 8, text("χ̇: of u"), "8.85", _plain("B")),
+    Line("chi-uy", 8, text("χ̇: of u y"), "−44.26, 27.98, −81.33, 36.08", _plain("U")),
+    Line("g", 8, text("y in ĝ"), "−11.49, 19.68, −15.99, 13.29", _plain("G_y"), _same_pole),
 )
 DOUBTED = tuple(line for line in LINES if line.alone is not None)
-OPTIONS = ((NONE, Text("none yet", "暂未选定")), *((line.id, line.name) for line in DOUBTED))
+OPTIONS = ((NONE, text("none yet")), *((line.id, line.name) for line in DOUBTED))
 
 
 def words(values: np.ndarray | None, digits: int = 4) -> str:

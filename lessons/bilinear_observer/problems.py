@@ -13,7 +13,7 @@ from app.engine.observers import BilinearObserver
 from app.plants import bilinear as example
 from app.plants.body import Body
 from app.plants.gauge_body import gauge_body
-from app.text.words import Text
+from app.text import Text, text
 
 PAPER, BLIND, TUNED, STUCK = "paper", "three", "three-fitting", "stuck"
 
@@ -53,10 +53,10 @@ def _fitting() -> np.ndarray:
 
 
 PROBLEMS: Mapping[str, Problem] = MappingProxyType({p.id: p for p in (
-    _problem(PAPER, Text("as in the paper: x₁ … x₄ measured", "与论文相同：测 x₁ … x₄"), (0, 1, 2, 3), example.K),
-    _problem(BLIND, Text("only x₁, x₂, x₃ measured", "只测 x₁、x₂、x₃"), (0, 1, 2), example.K),
-    _problem(TUNED, Text("x₁, x₂, x₃ measured, another K", "测 x₁、x₂、x₃，换一个 K"), (0, 1, 2), _fitting()),
-    _problem(STUCK, Text("x₁, x₃, x₅, x₆ measured", "测 x₁、x₃、x₅、x₆"), (0, 2, 4, 5), example.K),
+    _problem(PAPER, text("as in the paper: x₁ … x₄ measured"), (0, 1, 2, 3), example.K),
+    _problem(BLIND, text("only x₁, x₂, x₃ measured"), (0, 1, 2), example.K),
+    _problem(TUNED, text("x₁, x₂, x₃ measured, another K"), (0, 1, 2), _fitting()),
+    _problem(STUCK, text("x₁, x₃, x₅, x₆ measured"), (0, 2, 4, 5), example.K),
 )})
 
 

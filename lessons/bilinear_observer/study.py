@@ -13,7 +13,7 @@ from app.lesson.lesson import Board, Check, Design, Outcome, Stage
 from app.plants.bilinear import PLANT, PRINTED_FORM, PRINTED_L, X0
 from app.plants.body import Body
 from app.plants.model import Window
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
@@ -138,7 +138,8 @@ def _watch(plant: BilinearPlant, exact: BilinearForm, tau: float, chosen: int, p
     return Watch(t, u, x, whole("g")[:, 0], whole("estimate"), errors, law, fed, len(x) == last + 1)
 
 
-FORM_NAMES = (Text("without ẏ", "不用 ẏ"), Text("with the true ẏ", "用真实的 ẏ"), Text("with a differentiator", "用微分器"))
+FORM_NAMES = (text("without ẏ"), text("with the true ẏ"), text("with a "
+                                                                                                     "differentiator"))
 OBSERVER_WINDOW, PLANT_WINDOW = Window(-60.0, 20.0, 20.0), Window(-30.0, 10.0, 12.0)
 PLANT_POLES = np.sort_complex(np.linalg.eigvals(PLANT.A))
 PLANT_POLES.setflags(write=False)
@@ -193,23 +194,23 @@ def _metrics(design: Design, observer: BilinearObserver, run: Watch, pole: float
 def _checks(o: BilinearObserver, metrics: dict[str, float]) -> tuple[Check, ...]:
     gap = metrics["law_gap"]
     return (
-        Check("case1", Text("case 1: (21) fails, no L", "情形 1：(21) 不成立，没有 L"), o.case == 1, o.defect_size),
-        Check("case2", Text("case 2: one L only", "情形 2：只有一个 L"), o.case == 2, float(o.canonical_Q.rank)),
-        Check("case3", Text("case 3: a family of L", "情形 3：一族 L"), o.case == 3, float(len(o.canonical_Q.zero_left))),
-        Check("controllable", Text("(A*, B*) controllable: any pole", "(A*, B*) 能控：极点任意"), bool(o.controllable),
+        Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size),
+        Check("case2", text("case 2: one L only"), o.case == 2, float(o.canonical_Q.rank)),
+        Check("case3", text("case 3: a family of L"), o.case == 3, float(len(o.canonical_Q.zero_left))),
+        Check("controllable", text("(A*, B*) controllable: any pole"), bool(o.controllable),
               float(np.max(np.abs(o.B_star), initial=0.0))),
-        Check("stable", Text("the pole in use is on the left", "现用极点在左半平面"), metrics["pole"] < 0, metrics["pole"]),
-        Check("law", Text("ε follows its pole under this u", "在此 u 下 ε 服从极点的规律"), gap <= 1e-6, gap),
+        Check("stable", text("the pole in use is on the left"), metrics["pole"] < 0, metrics["pole"]),
+        Check("law", text("ε follows its pole under this u"), gap <= 1e-6, gap),
     )
 
 
 def _boards(design: Design, o: BilinearObserver, pole: float) -> tuple[Board, Board]:
     paper = design["problem"] == PAPER
     seen = listed(np.array([complex(pole)]))
-    title = (Text("observer pole  A* − B*π", "观测器极点  A* − B*π") if o.case == 3
-             else Text("observer pole  (V₂ − LV₁)AT₂", "观测器极点  (V₂ − LV₁)AT₂"))
+    title = (text("observer pole  A* − B*π") if o.case == 3
+             else text("observer pole  (V₂ − LV₁)AT₂"))
     return (
-        Board("plant", Text("the plant's poles at u = 0  eig(A)", "u = 0 时对象的极点  eig(A)"), listed(PLANT_POLES),
+        Board("plant", text("the plant's poles at u = 0  eig(A)"), listed(PLANT_POLES),
               side="left", re_low=PLANT_WINDOW.re_low, re_high=PLANT_WINDOW.re_high, im_high=PLANT_WINDOW.im_high),
         Board("observer", title, seen if paper else (), "pole" if paper else None, fixed=() if paper or o.case == 1 else seen,
               role="estimate", side="right", re_low=OBSERVER_WINDOW.re_low, re_high=OBSERVER_WINDOW.re_high,
@@ -226,12 +227,11 @@ def _stage(body: Body, design: Design, run: Watch) -> Stage:
 def _live(design: Design, o: BilinearObserver, m: dict[str, float]) -> Text:
     pole, late = words(np.array([m["pole"]]), 2), f"{m['late_error']:.1e}"
     if o.case == 1:
-        return Text(f"Case 1: no L frees ε from u and x. The nearest one leaves ε at {late} when the run ends.",
-                    f"情形 1：没有 L 能使 ε 与 u、x 无关。取最接近的 L，运行结束时 ε 仍达 {late}。")
+        return text("Case 1: no L frees ε from u and x. The nearest one leaves ε at {late} when the run ends.",
+                    late=late)
     if m["pole"] >= 0:
-        return Text(f"The observer's pole is {pole}: ε grows and reaches {late}.", f"观测器极点为 {pole}：ε 不断增大，达到 {late}。")
+        return text("The observer's pole is {pole}: ε grows and reaches {late}.", pole=pole, late=late)
     if m["law_gap"] <= 1e-6:
-        return Text(f"Case {o.case}: one state watches g, and ε dies out as e^({pole}t) under this u.",
-                    f"情形 {o.case}：一个状态便能监视 g，在此 u 下 ε 按 e^({pole}t) 衰减。")
-    return Text(f"The pole is {pole}, but something still drives ε: it ends at {late}.",
-                f"极点为 {pole}，但仍有东西在激励 ε：末段为 {late}。")
+        return text("Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.",
+                    case=o.case, pole=pole)
+    return text("The pole is {pole}, but something still drives ε: it ends at {late}.", pole=pole, late=late)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 from .page import FATAL, NONE
 from .problems import PAPER, PRINTED
@@ -19,61 +19,55 @@ def _number(value: float) -> str:
 def _slip(outcome: Outcome[Study]) -> Verdict:
     line, pole = outcome.design["line"], outcome.metrics["pole"]
     if line == NONE:
-        return Verdict(False, Text("No line is in doubt yet; walk through the steps and compare.",
-                                   "还没有选定可疑的行；请逐步对照。"))
+        return Verdict(False, text("No line is in doubt yet; walk through the steps and compare."))
     if line != FATAL:
-        return Verdict(False, Text("That line is no worse than rounding: by itself it leaves the pole at −30 or next to it.",
-                                   "这一行不过是舍入：只用它，极点仍在 −30 或其近旁。"))
+        return Verdict(False, text("That line is no worse than rounding: by itself it leaves the pole at −30 or "
+                                   "next to it."))
     if outcome.design["problem"] != PAPER or outcome.design["gain"] != PRINTED:
-        return Verdict(False, Text("That is the line. Now run the gain as printed and see what it does.",
-                                   "就是这一行。再照论文所印的增益运行，看看后果。"))
-    return Verdict(True, Text(f"L₄ must be π = 9.29. As printed the pole is +{_number(pole)}, and the error at the end of the "
-                              f"run is {outcome.metrics['late_error']:.1e}.",
-                              f"L₄ 应等于 π = 9.29。照论文所印，极点为 +{_number(pole)}，运行结束时误差达 "
-                              f"{outcome.metrics['late_error']:.1e}。"))
+        return Verdict(False, text("That is the line. Now run the gain as printed and see what it does."))
+    return Verdict(True, text("L₄ must be π = 9.29. As printed the pole is +{pole}, and the error at the end of "
+                              "the run is {late_error:.1e}.",
+                              pole=_number(pole), late_error=outcome.metrics["late_error"]))
 
 
 def _runaway(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     peak, late = m["late_g"], m["late_error"]
     if peak < 1000:
-        return Verdict(False, Text(f"In the last tenth of the run |g| is at most {_number(peak)}; drive it beyond 1000.",
-                                   f"在运行的最后十分之一，|g| 最多为 {_number(peak)}；请使它超过 1000。"))
+        return Verdict(False, text("In the last tenth of the run |g| is at most {peak}; drive it beyond 1000.",
+                                   peak=_number(peak)))
     if late > 1e-6 or m["law_gap"] > 1e-6:
-        return Verdict(False, Text(f"|g| passes 1000, but ε does too much: {late:.1e} at the end. Take an observer whose pole "
-                                   "is on the left and which needs no differentiator.",
-                                   f"|g| 超过了 1000，但末段误差为 {late:.1e}。请用极点在左侧、不靠微分器的观测器。"))
-    return Verdict(True, Text(f"|g| reaches {_number(peak)} and ε is down to {late:.0e}: the observer does not notice.",
-                              f"|g| 达到 {_number(peak)}，而 ε 已降到 {late:.0e}：观测器丝毫不受影响。"))
+        return Verdict(False, text("|g| passes 1000, but ε does too much: {late:.1e} at the end. Take an observer "
+                                   "whose pole is on the left and which needs no differentiator.",
+                                   late=late))
+    return Verdict(True, text("|g| reaches {peak} and ε is down to {late:.0e}: the observer does not notice.",
+                              peak=_number(peak), late=late))
 
 
 def _lag(outcome: Outcome[Study]) -> Verdict:
     late = outcome.metrics["half_error"]
     if outcome.design["form"] != FILTERED:
-        return Verdict(False, Text("The ghost does not use the differentiator yet; choose that form.",
-                                   "虚影还没有使用微分器，请选那种形式。"))
+        return Verdict(False, text("The ghost does not use the differentiator yet; choose that form."))
     if outcome.metrics["pole"] >= 0 or outcome.design["problem"] != PAPER:
-        return Verdict(False, Text("Take the paper's problem and a pole on the left.", "请用论文的问题，极点取在左侧。"))
+        return Verdict(False, text("Take the paper's problem and a pole on the left."))
     if late > 0.02:
-        return Verdict(False, Text(f"In the second half of the run |ε| is up to {_number(late)}; bring it to 0.02 or less.",
-                                   f"在运行的后一半 |ε| 最多为 {_number(late)}；请降到 0.02 以下。"))
-    return Verdict(True, Text(f"|ε| stays below {_number(late)}. Without ẏ it is {outcome.metrics['plain_half']:.0e} with "
-                              "nothing to tune.",
-                              f"|ε| 不超过 {_number(late)}。而不用 ẏ 时，无须调节便是 {outcome.metrics['plain_half']:.0e}。"))
+        return Verdict(False, text("In the second half of the run |ε| is up to {late}; bring it to 0.02 or less.",
+                                   late=_number(late)))
+    return Verdict(True, text("|ε| stays below {late}. Without ẏ it is {plain_half:.0e} with nothing to tune.",
+                              late=_number(late), plain_half=outcome.metrics["plain_half"]))
 
 
 def _three(outcome: Outcome[Study]) -> Verdict:
     observer, m = outcome.study.observer, outcome.metrics
     if observer.plant.m > 3:
-        return Verdict(False, Text("Four sensors are still in use; the task allows three.", "现在还用着四个传感器，本题只许用三个。"))
+        return Verdict(False, text("Four sensors are still in use; the task allows three."))
     if not observer.solved:
-        return Verdict(False, Text("With these three sensors this g has no such observer: (21) fails, look at the lights.",
-                                   "用这三个传感器，这个 g 没有此类观测器：(21) 不成立，请看指示灯。"))
+        return Verdict(False, text("With these three sensors this g has no such observer: (21) fails, look at the "
+                                   "lights."))
     if m["law_gap"] > 1e-6:
-        return Verdict(False, Text("An observer exists, but the form in use does not follow its law; leave the differentiator.",
-                                   "观测器存在，但现在的实现偏离了规律；请不要用微分器。"))
-    return Verdict(True, Text(f"Three sensors, one L and one pole, {_number(m['pole'])}: case 2.",
-                              f"三个传感器，唯一的 L，唯一的极点 {_number(m['pole'])}：情形 2。"))
+        return Verdict(False, text("An observer exists, but the form in use does not follow its law; leave the "
+                                   "differentiator."))
+    return Verdict(True, text("Three sensors, one L and one pole, {pole}: case 2.", pole=_number(m["pole"])))
 
 
 TASKS = (

@@ -19,7 +19,7 @@ from app.plants import MODELS, platform
 from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y, in_channels
 from app.plants.platform_lqg import coils, ground
-from app.text.words import Text
+from app.text import text
 
 PUBLISHED, SHAPED, POLES, GAIN, OPEN = "published", "shaped", "poles", "gain", "open"
 NONE, OWN, BEST = "none", "own", "best"
@@ -114,8 +114,8 @@ def mixed(design: Design) -> Mixed:
     """The mixing of a design. Raises KnobError for a band that is none, EngineError for a singular mixing."""
     low, high = design["f_low"], design["f_high"]
     if high < 1.5 * low:
-        raise KnobError(Text(f"The band must reach from {low:g} Hz to at least {1.5 * low:.3g} Hz.",
-                             f"频带的上限至少应为 {1.5 * low:.3g} Hz（下限为 {low:g} Hz）。"))
+        raise KnobError(text("The band must reach from {low:g} Hz to at least {low2:.3g} Hz.",
+                             low=low, low2=1.5 * low))
     J, best, over = band_of(low, high)
     a, b = {NONE: (0.0, 0.0), OWN: (design["a"], design["b"]), BEST: (best.a, best.b)}[design["mix"]]
     return Mixed(J, best, over, a, b, J(a, b), mixing_matrix(a, b, size=3, channels=(1, 2)))

@@ -12,7 +12,7 @@ from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants import platform_siso as siso
 from app.plants.body import with_longer_arrows
 from app.plants.platform_channels import HORIZONTAL
-from app.text.words import Text
+from app.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.latex import number
 from .loops import (
@@ -34,9 +34,12 @@ from .loops import (
 CONTROL_LOW, CONTROL_HIGH, CONTROL_IM = -40.0, 5.0, 25.0
 OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
 FORCE_ARROWS = 100.0  # times that coil forces are drawn larger: millinewtons here
-BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, caption=Text(  # micrometres here
-    "Solid: with control. Ghost: the same platform without control. Green: coil forces. Orange: the ground's motion",
-    "实体：有控制。虚影：同一平台无控制。绿色：线圈的力。橙色：地面运动"))
+BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, caption=text("Solid: with control. "
+                                                                                          "Ghost: the same "
+                                                                                          "platform without "
+                                                                                          "control. Green: coil "
+                                                                                          "forces. Orange: the "
+                                                                                          "ground's motion"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +71,8 @@ def compute(design: Design) -> Outcome[Study]:
         "placement_residual": built.placed.residual if built.placed else 0.0,
     }
     worst = max(right, drift)
-    checks = (Check("stable", Text("every pole of the loop lies on the left", "闭环极点全部位于左半平面"), worst < 0, worst),
-              Check("claim", Text("closing pitch leaves the loop stable", "闭合俯仰回路后仍稳定"), right < 0 or without >= 0, right))
+    checks = (Check("stable", text("every pole of the loop lies on the left"), worst < 0, worst),
+              Check("claim", text("closing pitch leaves the loop stable"), right < 0 or without >= 0, right))
     zeros = polynomial_roots(siso.rigid_polynomials(HORIZONTAL, mix.S)[0])
     own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
     return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics, checks, None,
@@ -81,10 +84,10 @@ def _boards(design: Design, zeros: np.ndarray) -> tuple[Board, Board]:
     drawn = tuple(complex(z) for z in zeros if abs(z) > 1e-9)
     also = (("horizontal", POLES),)
     return (
-        Board("control", Text("horizontal: first roots of Φ", "水平：Φ 的前四个根"), design["control_poles"],
+        Board("control", text("horizontal: first roots of Φ"), design["control_poles"],
               "control_poles", zeros=drawn, role="plant", side="left", re_low=CONTROL_LOW, re_high=CONTROL_HIGH,
               im_high=CONTROL_IM, also=also),
-        Board("observer", Text("horizontal: last roots of Φ", "水平：Φ 的后四个根"), design["observer_poles"],
+        Board("observer", text("horizontal: last roots of Φ"), design["observer_poles"],
               "observer_poles", zeros=drawn, role="estimate", side="right", re_low=OBSERVER_LOW, re_high=OBSERVER_HIGH,
               im_high=OBSERVER_IM, also=also),
     )
@@ -100,9 +103,8 @@ def _formulas(mix: Mixed, built: Controllers) -> tuple[Formula, ...]:
     ]
     p = built.placed
     solved = rf", \quad E: {_column(p.E)}, \; F: {_column(p.F)}" if p else ""
-    out.append(Formula("E", rf"A E + B F = \Phi{solved}", Text(
-        "Coefficients from the highest power of s down, in rad/s; the controller is −F/E.",
-        "系数按 s 的降幂排列，单位 rad/s；控制器为 −F/E。")))
+    out.append(Formula("E", rf"A E + B F = \Phi{solved}", text("Coefficients from the highest power of s down, in "
+                                                               "rad/s; the controller is −F/E.")))
     return tuple(out)
 
 
@@ -119,11 +121,9 @@ def _live(m: Mapping[str, float]) -> Text:
     right, drift = (f"{v:+.3g}".replace("-", "−") for v in (m["rightmost"], m["drift"]))
     if m["rightmost"] >= 0:
         if m["rightmost_pitch_open"] < 0:
-            return Text(f"Closing pitch has made the loop unstable: rightmost pole {right} rad/s.",
-                        f"闭合俯仰回路使系统失稳：最右极点 {right} rad/s。")
-        return Text(f"The loop is unstable: rightmost pole {right} rad/s.",
-                    f"闭环不稳定：最右极点 {right} rad/s。")
+            return text("Closing pitch has made the loop unstable: rightmost pole {right} rad/s.", right=right)
+        return text("The loop is unstable: rightmost pole {right} rad/s.", right=right)
     words = [f"{0.0 - round(v):+.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
-    tail = Text(f" C_v keeps a pole at {drift} rad/s.", f" C_v 有极点 {drift} rad/s。") if m["drift"] > 0 else Text("", "")
-    return Text(f"Peaks against no control: vertical {words[0]}, horizontal {words[1]}, rotation {words[2]}.{tail.en}",
-                f"峰值与无控制相比：竖直 {words[0]}，水平 {words[1]}，转动 {words[2]}。{tail.zh}")
+    tail = text("C_v keeps a pole at {drift} rad/s.", drift=drift) if m["drift"] > 0 else NO_WORDS
+    return joined(text("Peaks against no control: vertical {vertical}, horizontal {horizontal}, rotation {rotation}.",
+                       vertical=words[0], horizontal=words[1], rotation=words[2]), tail)

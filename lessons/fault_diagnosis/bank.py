@@ -12,7 +12,7 @@ from app.engine.observers import FaultBank, ResidualGenerator
 from app.engine.systems import discretise
 from app.plants import MODELS
 from app.plants.platform import SENSORS, Parameters, deck, deck_disturbance
-from app.text.words import Text
+from app.text import text
 
 MODEL = MODELS["deck"]
 DT, COUNT = 0.02, 601  # s and samples: 12 s
@@ -71,7 +71,7 @@ def truth(stiffer: float) -> tuple[np.ndarray, np.ndarray]:
     return real.A, real.B
 
 
-COIL_NAMES = (Text("coil u1 (left)", "线圈 u1（左）"), Text("coil u2 (right)", "线圈 u2（右）"),
-              Text("coil u3 (across)", "线圈 u3（水平）"))
-SENSOR_NAMES = tuple(Text(f"sensor {n}", f"传感器 {n}") for n in PLACES[:4])
+COIL_NAMES = (text("coil u1 (left)"), text("coil u2 (right)"),
+              text("coil u3 (across)"))
+SENSOR_NAMES = tuple(text("sensor {n}", n=n) for n in PLACES[:4])
 PLACE_NAMES = (*SENSOR_NAMES, *COIL_NAMES)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from app.plants.body import METAL, Ball, Body, Box, Part, Pose, Rod, Vector, between
 from app.plants.deck_body import deck_body
 from app.plants.platform import Parameters
-from app.text.words import Text
+from app.text import text
 
 K = Parameters()
 FAILING, HONEST, COIL, STEEL_GREY = (204, 121, 167), (86, 180, 233), (184, 115, 51), (138, 147, 160)
@@ -67,5 +67,5 @@ def _flag(poses: Mapping[str, Pose], accused: Sequence[bool]) -> dict[str, Pose]
 
 BODY = Body(
     _parts(), _pose, lambda x, u, gain: BASE.arrows(x[:6], u, gain), lambda x, gain: BASE.anchors(x[:6], gain), BASE.gain,
-    Text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: what is accused",
-         "蓝色为传感器：VL、VR 靠近中间，HL、HR 带指针。粉色为真正失效的部件，小旗为诊断指认的部件"))
+    text("Blue: sensors VL, VR (near the middle) and HL, HR (with needles). Pink: what really fails; the flag: "
+         "what is accused"))

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.lesson.lesson import Design, Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .bank import DT, NAMES
 from .diagnosis import judge
@@ -56,4 +56,4 @@ def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=study, metrics=metrics_of(study))
 
 
-JOB = Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often, depends, shown)
+JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, depends, shown)

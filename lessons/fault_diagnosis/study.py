@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine.observers import Decoupling, binomial_band, decoupling
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
-from app.text.words import Text
+from app.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import matrix, number
@@ -163,14 +163,14 @@ def _checks(s: Study) -> tuple[Check, ...]:
     early = s.verdict.decided is not None and s.verdict.decided < s.case.start
     conditions = [unknown_coil(j) for j in range(3)]
     return (
-        Check("signatures", Text("every fault has a signature of its own", "每个故障都有独特的特征"), single, float(single)),
-        Check("rank", Text("rank(CE) = rank(E) for every coil", "每个线圈都满足 rank(CE) = rank(E)"),
+        Check("signatures", text("every fault has a signature of its own"), single, float(single)),
+        Check("rank", text("rank(CE) = rank(E) for every coil"),
               all(c.rank_CE == c.rank_E for c in conditions), float(min(c.rank_CE for c in conditions))),
-        Check("right", Text("the right part is accused", "指认正确") if s.case.place != NONE else
-              Text("nobody is accused", "无人被指认"), s.right if s.case.place != NONE else s.verdict.who is None,
+        Check("right", text("the right part is accused") if s.case.place != NONE else
+              text("nobody is accused"), s.right if s.case.place != NONE else s.verdict.who is None,
               -1.0 if s.delay is None else s.delay),
-        Check("patient", Text("nobody is accused before the fault", "故障之前无人被指认"), not early, float(early)),
-        Check("expected", Text("the fault is large enough to count on that", "故障足够大，可以指望检出"),
+        Check("patient", text("nobody is accused before the fault"), not early, float(early)),
+        Check("expected", text("the fault is large enough to count on that"),
               s.forecast.delay is not None, -1.0 if s.forecast.delay is None else DT * s.forecast.delay),
     )
 
@@ -181,9 +181,9 @@ def _boards(s: Study) -> tuple[Board, Board]:
     lively = np.log(poles[np.abs(poles) > 1e-6].astype(complex)) / DT
     w = MODEL.observer_window
     return (
-        Board("deck", Text("deck: poles ×, zero ○", "平台：极点 ×，零点 ○"), tuple(MODEL.plant.poles),
+        Board("deck", text("deck: poles ×, zero ○"), tuple(MODEL.plant.poles),
               zeros=() if zeros is None else tuple(complex(z) for z in zeros), side="left", re_low=-6.0, re_high=2.0, im_high=12.0),
-        Board("member", Text("poles of the quiet member", "安静成员的极点"), listed(lively),
+        Board("member", text("poles of the quiet member"), listed(lively),
               role="estimate", side="right", re_low=w.re_low, re_high=w.re_high, im_high=w.im_high),
     )
 
@@ -211,31 +211,27 @@ def _formulas(s: Study, coil: int) -> tuple[Formula, ...]:
              else rf"T = \tfrac{{1}}{{{s.test.window}}} \| \sum_i S^{{-1/2}} \nu_{{k-i}} \|^2")
     zeros = unknown_coil(coil).zeros
     return (
-        Formula("statistic", total, Text("of each member", "每个成员的统计量")),
+        Formula("statistic", total, text("of each member")),
         Formula("threshold", rf"\chi^2_{{{s.test.dof},\,1-\alpha}} = {number(s.test.threshold, 4)}, "
                              rf"\quad \alpha = {number(s.test.rate, 2)}",
-                Text("threshold", "阈值")),
-        Formula("S", rf"S_{{{name}}} = {matrix(1e6 * quiet.S)}", Text("covariance of its innovation in mm²/s²", "新息协方差，单位 mm²/s²")),
+                text("threshold")),
+        Formula("S", rf"S_{{{name}}} = {matrix(1e6 * quiet.S)}", text("covariance of its innovation in mm²/s²")),
         Formula("coil", rf"\mathrm{{rank}}\, C b_{{{coil + 1}}} = \mathrm{{rank}}\, b_{{{coil + 1}}} = 1, \quad "
                         rf"s_0 = {number(0.0 if zeros is None else float(abs(zeros[0])) if abs(zeros[0]) > 1e-9 else 0.0)}",
-                Text("a coil as unknown input: its zero", "线圈作为未知输入：其零点")),
+                text("a coil as unknown input: its zero")),
     )
 
 
 def _live(s: Study) -> Text:
     v, place = s.verdict, s.case.place
     if v.who is None:
-        alarms = "" if v.first is None else f" First alarm at {DT * v.first:.2f} s."
-        alarms_zh = "" if v.first is None else f"首次报警在 {DT * v.first:.2f} s。"
-        healthy = Text("Nothing fails and nobody is accused.", "没有故障，也无人被指认。")
-        missed = Text(f"{place} fails at {DT * s.case.start:.1f} s and nobody is accused.",
-                      f"{place} 在 {DT * s.case.start:.1f} s 失效，但无人被指认。")
+        alarms = NO_WORDS if v.first is None else text("First alarm at {first:.2f} s.", first=DT * v.first)
+        healthy = text("Nothing fails and nobody is accused.")
+        missed = text("{place} fails at {dt:.1f} s and nobody is accused.", place=place, dt=DT * s.case.start)
         said = healthy if place == NONE else missed
-        return Text(said.en + alarms, said.zh + alarms_zh)
+        return joined(said, alarms)
     at = DT * (v.decided or 0)
     if place == NONE or not s.right:
-        return Text(f"{v.who} is accused at {at:.2f} s, wrongly.", f"{at:.2f} s 时指认 {v.who}，指认错误。")
-    due = Text("", "") if s.forecast.delay is None else Text(f" The design promises it within {DT * s.forecast.delay:.2f} s.",
-                                                         f"按设计应在 {DT * s.forecast.delay:.2f} s 内判出。")
-    return Text(f"{v.who} is accused {s.delay:.2f} s after it failed, rightly.{due.en}",
-                f"{v.who} 失效 {s.delay:.2f} s 后被正确指认。{due.zh}")
+        return text("{who} is accused at {at:.2f} s, wrongly.", who=v.who, at=at)
+    due = NO_WORDS if s.forecast.delay is None else text("The design promises it within {dt:.2f} s.", dt=DT * s.forecast.delay)
+    return joined(text("{who} is accused {delay:.2f} s after it failed, rightly.", who=v.who, delay=s.delay), due)

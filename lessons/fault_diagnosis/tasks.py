@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 from .bank import DT, PLACES
 from .diagnosis import MEAN
@@ -19,54 +19,53 @@ HALF, MOST = 0.5, 1.0  # share lost, N
 def _rare(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "VL" or s.case.kind != "bias" or s.case.size > 3:
-        return Verdict(False, Text("Let VL have a bias of at most 3 mm/s.", "请令 VL 有不超过 3 mm/s 的恒定偏差。"))
+        return Verdict(False, text("Let VL have a bias of at most 3 mm/s."))
     often, delay = hourly(s), s.forecast.delay
-    when = Text("never", "无法") if delay is None else Text(f"after {DT * delay:.2f} s", f"在 {DT * delay:.2f} s 后")
-    said = Text(f"{often:.2g} false alarms an hour; all six see it with 99 % {when.en}",
-                f"每小时 {often:.2g} 次误报；六个成员{when.zh}都以 99 % 概率察觉")
+    when = text("never") if delay is None else text("after {dt:.2f} s", dt=DT * delay)
     solved = often <= HOURLY * (1 + 1e-9) and delay is not None and DT * delay <= SOONEST
-    tail = (Text(": as wanted.", "：达到要求。") if solved else
-            Text(f"; wanted: at most {HOURLY:.0f} an hour, within {SOONEST:.0f} s.",
-                 f"；要求每小时至多 {HOURLY:.0f} 次，且不超过 {SOONEST:.0f} s。"))
-    return Verdict(solved, Text(said.en + tail.en, said.zh + tail.zh))
+    if solved:
+        return Verdict(True, text("{often:.2g} false alarms an hour; all six see it with 99 % {when}: as wanted.", often=often,
+                                  when=when))
+    return Verdict(False, text("{often:.2g} false alarms an hour; all six see it with 99 % {when}; wanted: at most {hourly:.0f} an "
+                               "hour, within {soonest:.0f} s.", often=often, when=when, hourly=HOURLY, soonest=SOONEST))
 
 
 def _weak(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "u1" or s.case.size > HALF or s.case.force > MOST:
-        return Verdict(False, Text(f"Let u1 lose at most {100 * HALF:.0f} % and keep the known force at or below {MOST:.0f} N.",
-                                   f"请令 u1 失效不超过 {100 * HALF:.0f} %，且已知力不超过 {MOST:.0f} N。"))
+        return Verdict(False, text("Let u1 lose at most {half:.0f} % and keep the known force at or below "
+                                   "{most:.0f} N.",
+                                   half=100 * HALF, most=MOST))
     delay = s.forecast.delay
     seen = PLACES.index("u1")
     worst = 100 * float(np.max(np.min(np.delete(s.forecast.strength, seen, axis=1), axis=1)))
     if delay is None:
-        return Verdict(False, Text(f"The member that sees least gets {worst:.0f} % of what 99 % power takes.",
-                                   f"最不敏感的成员只得到 99 % 检出所需的 {worst:.0f} %。"))
-    return Verdict(True, Text(f"All six see it with 99 % after {DT * delay:.2f} s.", f"{DT * delay:.2f} s 后六个成员都以 99 % 概率察觉。"))
+        return Verdict(False, text("The member that sees least gets {worst:.0f} % of what 99 % power takes.",
+                                   worst=worst))
+    return Verdict(True, text("All six see it with 99 % after {dt:.2f} s.", dt=DT * delay))
 
 
 def _unseen(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.coil is None or s.case.size < 1:
-        return Verdict(False, Text("Let a coil lose everything.", "请令某个线圈完全失效。"))
+        return Verdict(False, text("Let a coil lose everything."))
     moved = float(np.abs(s.record.asked - s.record.applied).max())
     if moved > 0:
-        return Verdict(False, Text(f"Up to {moved:.2g} N are missing, and every member but one can see that.",
-                                   f"最多缺少 {moved:.2g} N，除一个成员外都能察觉。"))
-    return Verdict(True, Text("Nothing was asked, so nothing is missing: the residuals are those of a healthy deck.",
-                              "没有指令就没有缺失：残差与健康平台完全相同。"))
+        return Verdict(False, text("Up to {moved:.2g} N are missing, and every member but one can see that.",
+                                   moved=moved))
+    return Verdict(True, text("Nothing was asked, so nothing is missing: the residuals are those of a healthy "
+                              "deck."))
 
 
 def _limp(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     if s.case.place != "VR" or s.case.kind != "drift" or s.case.size < 4 or s.case.start * DT > 4.01 or s.case.loop == OPEN:
-        return Verdict(False, Text("Let VR drift by at least 4 mm/s² from 4 s or before, the loop closed.",
-                                   "请闭合回路，令 VR 在 4 s 或更早以不小于 4 mm/s² 漂移。"))
+        return Verdict(False, text("Let VR drift by at least 4 mm/s² from 4 s or before, the loop closed."))
     pitch = 1e3 * s.calm
-    said = Text(f"Without noise the pitch reaches {pitch:.1f} mrad", f"无噪声时俯仰角最大 {pitch:.1f} mrad")
+    said = text("Without noise the pitch reaches {pitch:.1f} mrad", pitch=pitch)
     if pitch > CALM:
-        return Verdict(False, Text(f"{said.en}; at most {CALM:.1f} mrad are wanted.", f"{said.zh}；要求不超过 {CALM:.1f} mrad。"))
-    return Verdict(True, Text(f"{said.en} and the deck goes on without VR.", f"{said.zh}，平台不用 VR 继续工作。"))
+        return Verdict(False, text("{said}; at most {calm:.1f} mrad are wanted.", said=said, calm=CALM))
+    return Verdict(True, text("{said} and the deck goes on without VR.", said=said))
 
 
 def exam(seed: int) -> ExamItem:

@@ -26,7 +26,7 @@ from app.plants.body import (
     bounded,
     force_arrow,
 )
-from app.text.words import Text
+from app.text import text
 
 LIT, OUT = (255, 214, 90), (58, 64, 74)
 LAMPS = (("sensor", -0.75), ("input", 0.75))
@@ -58,8 +58,9 @@ def with_lamps(body: Body, n: int) -> Body:
     return replace(
         body, parts=tuple(parts), pose=pose, arrows=lambda x, u, gain: body.arrows(x[:n], u, gain),
         anchors=lambda x, gain: body.anchors(x[:n], gain),
-        caption=Text(f"{body.caption.en}. Lamps in front: measurement (left) and input (right), bright when a packet arrives",
-                     f"{body.caption.zh}。前方两盏灯：左为测量、右为输入，收到数据包时亮"))
+        caption=text("{caption}. Lamps in front: measurement (left) and input (right), bright when a packet "
+                     "arrives",
+                     caption=body.caption))
 
 
 def _ridge(x: float) -> float:
@@ -91,8 +92,8 @@ def ridge_body() -> Body:
     slices = tuple(Part(f"slice {i}", Box((width, 0.9, _ridge(x) - 0.1)), STEEL if i % 2 else METAL)
                    for i, x in enumerate(middles))
     return Body((Part("base", Box((4.0, 1.3, 0.1)), DARK), *slices, Part("ball", Ball(BALL), PLANT, twin=True)),
-                pose, arrows, anchors, 1.0, Text("A ball on a ridge rolls away by itself; the green arrow is the input",
-                                                 "山脊上的小球会自行滚落；绿色箭头为输入"))
+                pose, arrows, anchors, 1.0, text("A ball on a ridge rolls away by itself; the green arrow is the "
+                                                 "input"))
 
 
 def columns_body(count: int, full: float) -> Body:
@@ -129,6 +130,5 @@ def columns_body(count: int, full: float) -> Body:
         parts += [Part(f"back {i}", Box((0.66, 0.05, 1.76)), STEEL), Part(f"foot {i}", Box((0.62, 0.5, 0.03)), METAL),
                   Part(f"stem {i}", Rod(0.09), METAL),
                   Part(f"head {i}", Box((0.5, 0.42, 0.12)), PLANT, twin=True)]
-    return Body(tuple(parts), pose, arrows, anchors, 1.0, Text(
-        "One column per state; only their sum is measured; the green arrow is the input",
-        "每根柱子是一个状态，只测量它们的和；绿色箭头为输入"))
+    return Body(tuple(parts), pose, arrows, anchors, 1.0, text("One column per state; only their sum is measured; "
+                                                               "the green arrow is the input"))

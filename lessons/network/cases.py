@@ -18,7 +18,7 @@ from app.plants.chip import STAGE as CHIP_SCALE
 from app.plants.deck_body import GAIN as DECK_GAIN
 from app.plants.deck_body import STAGE as DECK_SCALE
 from app.plants.platform import deck_disturbance
-from app.text.words import Text
+from app.text import Text, text
 
 from .bodies import SCALE, columns_body, ridge_body, with_lamps
 
@@ -43,10 +43,10 @@ class Kind:
 
 
 KINDS: MappingProxyType[str, Kind] = MappingProxyType({
-    SCALAR: Kind(Text("Scalar: a ball on a ridge", "标量：山脊上的球"), with_lamps(ridge_body(), 1), (3.0,), (4.0,),
-                 Signal(Text("place of the ball x", "小球位置 x"), (1.0,), "cm"), (SCALE,), "cm"),
-    TWO: Kind(Text("Two unstable modes, one sensor", "两个不稳定模态，一个传感器"), with_lamps(columns_body(2, 60.0), 2),
-              (20.0, -10.0), (30.0, 0.0), Signal(Text("first state x₁", "第一个状态 x₁"), (1.0, 0.0), ""), (0.7 / 60, 0.0), ""),
+    SCALAR: Kind(text("Scalar: a ball on a ridge"), with_lamps(ridge_body(), 1), (3.0,), (4.0,),
+                 Signal(text("place of the ball x"), (1.0,), "cm"), (SCALE,), "cm"),
+    TWO: Kind(text("Two unstable modes, one sensor"), with_lamps(columns_body(2, 60.0), 2),
+              (20.0, -10.0), (30.0, 0.0), Signal(text("first state x₁"), (1.0, 0.0), ""), (0.7 / 60, 0.0), ""),
     CHIP: Kind(MODELS[CHIP].label, with_lamps(MODELS[CHIP].body, 2), MODELS[CHIP].x0, MODELS[CHIP].kick,
                MODELS[CHIP].watched[0], (CHIP_SCALE, 0.0), "W"),
     CART: Kind(MODELS[CART].label, with_lamps(MODELS[CART].body, 4), (0.0, 0.05, 0.0, 0.0), (0.0, 0.0, 0.0, 0.15),

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine.network import intermittent_steps
 from app.lesson.lesson import Design, Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .cases import SAMPLES, watched
 from .study import FIRST, MOST, OVER, Study, Trials, key
@@ -63,4 +63,4 @@ def with_trials(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=replace(outcome.study, trials=found), metrics={**outcome.metrics, **more})
 
 
-JOB = Job(Text(f"Average {RUNS} runs", f"平均 {RUNS} 次运行"), average, depends, with_trials)
+JOB = Job(text("Average {runs} runs", runs=RUNS), average, depends, with_trials)

@@ -18,7 +18,7 @@ from app.engine.network import (
     spectral_radius,
 )
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.text.words import Text
+from app.text import Text, joined, text
 
 from ..toolkit.latex import matrix, number
 from .cases import DECK, KINDS, SAMPLES, SCALAR, TWO, Watched, sampled, watched
@@ -186,9 +186,9 @@ def compute(design: Design) -> Outcome[Study]:
         "lost_measurements": float(np.sum(~study.heard)), "lost_inputs": float(np.sum(study.run.draw.acted < 0)),
     }
     checks = (
-        Check("bounded", Text("the mean covariance stays bounded", "平均协方差有界"), design["loss"] < s.edge.safe, metrics["growth"]),
-        Check("separation", Text("the error lives by itself", "误差独自演化"), study.meter < HELD, study.meter),
-        Check("loop", Text("the loop with its delay is stable", "含时延的闭环稳定"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
+        Check("bounded", text("the mean covariance stays bounded"), design["loss"] < s.edge.safe, metrics["growth"]),
+        Check("separation", text("the error lives by itself"), study.meter < HELD, study.meter),
+        Check("loop", text("the loop with its delay is stable"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
     )
     poles = {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
              "loop": np.linalg.eigvals(study.loop)}
@@ -218,33 +218,34 @@ def _formulas(design: Design, study: Study) -> tuple[Formula, ...]:
     sign = "<" if p * s.radius**2 < 1 else r"\ge"
     out = [
         Formula("mean", r"P^+ = A (P - \gamma\, M C P) A^{\mathsf T} + Q",
-                Text("γ is 1 when the packet comes and 0 when it is lost", "收到数据包时 γ 为 1，丢失时为 0")),
+                text("γ is 1 when the packet comes and 0 when it is lost")),
         Formula("edge", rf"p_c = \frac{{1}}{{\max|\lambda|^2}} = \frac{{1}}{{{number(s.radius, 4)}^2}} = {number(1 / s.radius**2, 4)}"
                 if s.radius > 1 else rf"\max|\lambda| = {number(s.radius, 4)} \le 1"),
         Formula("growth", rf"p \max|\lambda|^2 = {number(p * s.radius**2, 4)} {sign} 1"),
     ]
     if not s.edge.exact:
         out.append(Formula("safe", rf"p < \prod|\lambda|^{{-2}} = {number(s.edge.safe, 4)}",
-                           Text("enough for a bounded mean with one sensor", "单传感器时均值有界的充分条件")))
+                           text("enough for a bounded mean with one sensor")))
     if s.plant.n <= 4:
         out += [Formula("A", rf"A = {matrix(s.plant.A)}"), Formula("K", rf"K = {matrix(s.K)}"),
-                Formula("M", rf"M = {matrix(study.watched.steady.filter_gain)}", Text("filter gain without loss", "无丢包时的滤波增益"))]
+                Formula("M", rf"M = {matrix(study.watched.steady.filter_gain)}", text("filter gain without loss"))]
     return tuple(out)
 
 
 def _live(design: Design, m: dict[str, float]) -> Text:
     lost = f"{100 * design['loss']:.0f} %"
     if m["critical"] >= 1:
-        first = Text(f"{lost} of the measurements are lost; this plant does not run away, so the mean stays bounded.",
-                     f"测量丢包率 {lost}；该对象不会自行发散，均值有界。")
+        first = text("{lost} of the measurements are lost; this plant does not run away, so the mean stays "
+                     "bounded.",
+                     lost=lost)
     elif design["loss"] < m["safe"]:
-        first = Text(f"{lost} of the measurements are lost, {100 * m['safe']:.1f} % may be: the mean stays bounded.",
-                     f"测量丢包率 {lost}，允许 {100 * m['safe']:.1f} %：均值有界。")
+        first = text("{lost} of the measurements are lost, {safe:.1f} % may be: the mean stays bounded.",
+                     lost=lost, safe=100 * m["safe"])
     elif design["loss"] > m["critical"]:
-        first = Text(f"{lost} of the measurements are lost, {100 * m['critical']:.1f} % is the limit: the mean diverges.",
-                     f"测量丢包率 {lost}，极限为 {100 * m['critical']:.1f} %：均值发散。")
+        first = text("{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.",
+                     lost=lost, critical=100 * m["critical"])
     else:
-        first = Text(f"{lost} of the measurements are lost, between the two bounds.", f"测量丢包率 {lost}，介于两个界之间。")
-    second = (Text(" Separation meter: 0.", " 分离度量：0。") if m["separation_meter"] < HELD else
-              Text(f" Separation meter: {m['separation_meter']:.2g}.", f" 分离度量：{m['separation_meter']:.2g}。"))
-    return Text(first.en + second.en, first.zh + second.zh)
+        first = text("{lost} of the measurements are lost, between the two bounds.", lost=lost)
+    second = (text("Separation meter: 0.") if m["separation_meter"] < HELD else
+              text("Separation meter: {separation_meter:.2g}.", separation_meter=m["separation_meter"]))
+    return joined(first, second)

@@ -14,7 +14,7 @@ from app.plants.body import Body
 from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as DECK_STAGE
 from app.plants.model import Signal
-from app.text.words import Text
+from app.text import text
 
 PLATFORM, PENDULUM, FALL = "platform", "pendulum", "fall"
 KF, EKF, UKF = "kf", "ekf", "ukf"
@@ -74,8 +74,8 @@ def _platform() -> Case:
     return Case(PLATFORM, step, 1, 27, 100, np.zeros(6), np.array([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2]),
                 step_covariance(deck.A, G @ np.diag([GROUND, GROUND, COUPLE]) @ G.T, step), 1e-6 * np.eye(4),
                 platform.rigid_body(),
-                (Signal(Text("height of the deck z", "平台高度 z"), _unit(6, 1), "mm", 1e3),
-                 Signal(Text("pitch of the deck θ", "平台俯仰角 θ"), _unit(6, 2), "mrad", 1e3)),
+                (Signal(text("height of the deck z"), _unit(6, 1), "mm", 1e3),
+                 Signal(text("pitch of the deck θ"), _unit(6, 2), "mrad", 1e3)),
                 np.array(platform.DECK.kick), gain, np.full(3, 10.0), DECK_STAGE * GAIN, 1)
 
 
@@ -85,16 +85,16 @@ def _pendulum() -> Case:
     gain = lqr(line.A, line.B, np.diag([1.0, 5.0, 1.0, 1.0]), [[0.1]]).gain
     return Case(PENDULUM, step, 1, 26, 60, np.zeros(4), np.array([0.05, 0.1, 0.05, 0.1]),
                 step_covariance(line.A, noise, step), np.array([[0.005**2]]), cart_pendulum.MODEL.body,
-                (Signal(Text("angle of the pole θ", "摆杆角度 θ"), _unit(4, 1), "°", DEGREE),
-                 Signal(Text("position of the cart p", "小车位置 p"), _unit(4, 0), "m")),
+                (Signal(text("angle of the pole θ"), _unit(4, 1), "°", DEGREE),
+                 Signal(text("position of the cart p"), _unit(4, 0), "m")),
                 np.array(cart_pendulum.MODEL.kick), gain, np.array([30.0]), cart_pendulum.STAGE, 1)
 
 
 def _fall() -> Case:
     return Case(FALL, falling_body.SAMPLE, 2, 31, 31, np.array(falling_body.GUESS), np.array(falling_body.SPREAD),
                 np.zeros((3, 3)), np.array([[falling_body.NOISE**2]]), falling_body.body(),
-                (Signal(Text("altitude h", "高度 h"), _unit(3, 0), "m"),
-                 Signal(Text("drag coefficient β", "阻力系数 β"), _unit(3, 2), "1/km", 1e3)),
+                (Signal(text("altitude h"), _unit(3, 0), "m"),
+                 Signal(text("drag coefficient β"), _unit(3, 2), "1/km", 1e3)),
                 np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.UNITS, 0, falling_body.ERROR_GAIN)
 
 

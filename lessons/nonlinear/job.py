@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from app.lesson.lesson import Design, Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .cases import PENDULUM, PLATFORM
 from .runs import MANY, Study, studies
@@ -35,4 +35,4 @@ def shown(outcome: Outcome[Study], found: Study) -> Outcome[Study]:
     return outcome_of(outcome.design, found)
 
 
-JOB = Job(Text(f"Try {MANY} runs", f"试验 {MANY} 次"), try_often, depends, shown)
+JOB = Job(text("Try {many} runs", many=MANY), try_often, depends, shown)

@@ -7,18 +7,18 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine.filters import joseph
-from app.text.words import Text
+from app.text import Text, text
 
 from .cases import case_of, flow_of, plant_of
 
 NONE, SHORT, S_LINE, WEIGHTS, REDRAW, ALPHA = "none", "short", "S", "weights", "redraw", "alpha"
 LINES = (
-    (NONE, Text("none yet", "尚未选择")),
-    (SHORT, Text("Algorithms 1 and 2: P = (I − KC) P⁻", "算法 1、2：P = (I − KC) P⁻")),
-    (S_LINE, Text("Algorithm 2, line 10: S = H P⁻ Hᵀ + R", "算法 2 第 10 行：S = H P⁻ Hᵀ + R")),
-    (WEIGHTS, Text("Algorithm 3, line 5: the weights", "算法 3 第 5 行：权重")),
-    (REDRAW, Text("Algorithm 3, line 11: h of the moved points", "算法 3 第 11 行：对传播后的点取 h")),
-    (ALPHA, Text("Appendix B.2: α of 10⁻³ to 10⁻¹", "附录 B.2：α 常取 10⁻³ 至 10⁻¹")),
+    (NONE, text("none yet")),
+    (SHORT, text("Algorithms 1 and 2: P = (I − KC) P⁻")),
+    (S_LINE, text("Algorithm 2, line 10: S = H P⁻ Hᵀ + R")),
+    (WEIGHTS, text("Algorithm 3, line 5: the weights")),
+    (REDRAW, text("Algorithm 3, line 11: h of the moved points")),
+    (ALPHA, text("Appendix B.2: α of 10⁻³ to 10⁻¹")),
 )
 SLIPS = frozenset((SHORT, REDRAW, ALPHA))
 STEPS = 24  # samples of the linear comparison
@@ -27,14 +27,12 @@ STEPS = 24  # samples of the linear comparison
 def finding(line: str, gap: float) -> Text:
     """What the engine says about a line; `gap` is the distance of Algorithm 3 from the Kalman filter."""
     return {
-        NONE: Text("choose a line", "请选择一行"),
-        SHORT: Text("right for the optimal gain only; (59) and B.1 have Joseph's form",
-                    "仅对最优增益正确；式 (59) 与 B.1 用的是 Joseph 形式"),
-        S_LINE: Text("holds", "成立"),
-        WEIGHTS: Text("hold: they sum to 1, and to 2 − α² + β", "成立：和分别为 1 与 2 − α² + β"),
-        REDRAW: Text(f"wrong: Q is missing from P_xy and S; off by {gap:.2g} σ on a linear plant",
-                     f"有误：P_xy 与 S 中缺少 Q；线性对象上相差 {gap:.2g} σ"),
-        ALPHA: Text("unwise: with α = 10⁻³ the first weight is 1 − 10⁶", "不妥：α = 10⁻³ 时首个权重为 1 − 10⁶"),
+        NONE: text("choose a line"),
+        SHORT: text("right for the optimal gain only; (59) and B.1 have Joseph's form"),
+        S_LINE: text("holds"),
+        WEIGHTS: text("hold: they sum to 1, and to 2 − α² + β"),
+        REDRAW: text("wrong: Q is missing from P_xy and S; off by {gap:.2g} σ on a linear plant", gap=gap),
+        ALPHA: text("unwise: with α = 10⁻³ the first weight is 1 − 10⁶"),
     }[line]
 
 

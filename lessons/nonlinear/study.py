@@ -8,7 +8,7 @@ import numpy as np
 
 from app.engine import chi2_band
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.text.words import Text, same
+from app.text import Text, listed, same, text
 
 from ..toolkit.latex import number
 from .cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF
@@ -21,6 +21,9 @@ def band_of(dof: int, runs: int) -> tuple[float, float]:
     return chi2_band(dof, count=runs)
 
 
+CONSISTENT = text("consistent")
+
+
 def verdict(values: np.ndarray, dof: int, runs: int) -> Text:
     """What a record of means says of a filter.
 
@@ -28,12 +31,12 @@ def verdict(values: np.ndarray, dof: int, runs: int) -> Text:
     """
     low, high = band_of(dof, runs)
     if np.mean(values[len(values) // 2:] > 1.1 * high) > 0.35:
-        return Text("overconfident", "过于自信")
+        return text("overconfident")
     if np.max(values) > 1.3 * high:
-        return Text("overconfident at times", "有时过于自信")
+        return text("overconfident at times")
     if np.mean(values < 0.8 * low) > 0.35:
-        return Text("cautious", "偏保守")
-    return Text("consistent", "一致")
+        return text("cautious")
+    return CONSISTENT
 
 
 def compute(design: Design) -> Outcome[Study]:
@@ -79,12 +82,12 @@ def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
     n = s.x.shape[1]
 
     def held(name: str) -> bool:
-        return verdict(s.nees[name], n, s.runs).en == "consistent"
+        return verdict(s.nees[name], n, s.runs) == CONSISTENT
 
     return (
-        *(Check(f"{f}_consistent", Text(f"{f.upper()}: NEES in its band", f"{f.upper()}：NEES 在带内"), held(f), m[f"nees_{f}"])
+        *(Check(f"{f}_consistent", text("{f}: NEES in its band", f=f.upper()), held(f), m[f"nees_{f}"])
           for f in FILTERS),
-        Check("same", Text("EKF and UKF are the KF, to rounding", "EKF、UKF 与 KF 相同（舍入误差内）"),
+        Check("same", text("EKF and UKF are the KF, to rounding"),
               max(m["apart_ekf"], m["apart_ukf"]) < 1e-6, max(m["apart_ekf"], m["apart_ukf"])),
     )
 
@@ -100,7 +103,7 @@ def _formulas(design: Design, s: Study) -> tuple[Formula, ...]:
     }[design["case"]]
     out = [Formula("law", law),
            Formula("weights", rf"W_0^m = {number(first)}, \quad W_0^c = {number(first + 1 - design['alpha']**2 + design['beta'])}, \quad "
-                   rf"W_i = {number(0.5 / reach)}", Text(f"of {2 * n + 1} points", f"共 {2 * n + 1} 个点")),
+                   rf"W_i = {number(0.5 / reach)}", text("of {n} points", n=2 * n + 1)),
            Formula("nees", rf"\mathrm{{NEES}} / {n} = {number(s.ratio(KF))},\; {number(s.ratio(EKF))},\; {number(s.ratio(UKF))}",
                    same("KF, EKF, UKF"))]
     if design["case"] == PLATFORM:
@@ -112,6 +115,6 @@ def _live(design: Design, s: Study) -> Text:
     n = s.x.shape[1]
     who = design["filter"]
     words = verdict(s.nees[who], n, s.runs)
-    each = [f"{f.upper()} {s.ratio(f):.3g}" for f in FILTERS]
-    return Text(f"NEES per state over {s.runs} runs (1 expected): {', '.join(each)}. The {who.upper()} is {words.en}.",
-                f"{s.runs} 次运行中每个状态的 NEES（应为 1）：{'，'.join(each)}。{who.upper()} {words.zh}。")
+    each = listed(text("{name} {ratio:.3g}", name=f.upper(), ratio=s.ratio(f)) for f in FILTERS)
+    return text("NEES per state over {runs} runs (1 expected): {each}. The {who} is {words}.", runs=s.runs, each=each,
+                who=who.upper(), words=words)

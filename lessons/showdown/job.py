@@ -10,7 +10,7 @@ import numpy as np
 from app.engine.sampled import loop_density, mechanics_response, simulate_trials
 from app.lesson.lesson import Design, Job, Outcome
 from app.plants import platform
-from app.text.words import Text
+from app.text import text
 
 from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
 from .study import TOLERANCE, Study, Trials
@@ -154,4 +154,4 @@ def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=replace(outcome.study, trials=found))
 
 
-JOB = Job(Text("Monte-Carlo, tolerances, costs", "蒙特卡罗、容差与代价"), try_out, depends, shown)
+JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown)

@@ -13,13 +13,13 @@ from app.engine.sampled import SampledController, SampledLqg, recursive_controll
 from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.platform_lqg import GROUND_UNIT, H_MAG, V_MAG, Weights, coils, ground
-from app.text.words import Text
+from app.text import Text, same, text, text_in
 
 DT = 1e-3  # s: the computer's period
 OPEN, SISO, LQE, RECURSIVE, DECOUPLED = ORDER = ("open", "siso", "lqe", "recursive", "decoupled")
 NAMES = (
-    Text("no control", "无控制"), Text("two SISO loops", "两个 SISO 回路"), Text("LQG, steady LQE", "LQG（稳态 LQE）"),
-    Text("LQG, recursive filter", "LQG（递推滤波）"), Text("decoupled LQG", "解耦 LQG"),
+    text("no control"), text("two SISO loops"), text("LQG, steady LQE"),
+    text("LQG, recursive filter"), text("decoupled LQG"),
 )
 OWN, PUBLISHED = "own", "published"
 STRIDE, STRIDES = 512, 40  # samples between two looks at the recursive gain, and how many: 20 s
@@ -136,4 +136,4 @@ def gain_gap(v: float) -> tuple[np.ndarray, np.ndarray]:
     return DT * STRIDE * np.arange(STRIDES), away / np.linalg.norm(goal)
 
 
-SHORT = (Text("none", "无控制"), Text("SISO", "SISO 回路"), Text("LQE", "LQE"), Text("recursive", "递推"), Text("decoupled", "解耦"))
+SHORT = (text_in("showdown", "none"), text("SISO"), same("LQE"), text("recursive"), text("decoupled"))

@@ -10,7 +10,7 @@ from app.engine.sampled import MonteCarlo, ResponseMeasures
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.plants import platform
 from app.plants.body import with_longer_arrows
-from app.text.words import Text
+from app.text import Text, listed, text
 
 from ..toolkit.latex import number
 from .players import LQE, OPEN, ORDER, RECURSIVE, SHORT, Player, players
@@ -50,9 +50,12 @@ class Trials:
 
 GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
 FORCE_ARROWS = 20.0  # times that coil forces are drawn larger: tens of millinewtons here
-BODY = replace(with_longer_arrows(platform.body(), FORCE_ARROWS, 3), gain=GAIN, caption=Text(
-    "Solid: with the controller chosen. Ghost: the same platform without control. Green: coil forces",
-    "实体：由所选控制器控制。虚影：同一平台无控制。绿色：线圈的力"))
+BODY = replace(with_longer_arrows(platform.body(), FORCE_ARROWS, 3), gain=GAIN, caption=text("Solid: with the "
+                                                                                             "controller chosen. "
+                                                                                             "Ghost: the same "
+                                                                                             "platform without "
+                                                                                             "control. Green: "
+                                                                                             "coil forces"))
 WORK = (0.1, 10.0)  # Hz: the report's working band
 
 
@@ -130,11 +133,11 @@ def _checks(m: Study, metrics: dict[str, float]) -> tuple[Check, ...]:
     apart, worst = metrics.get("filters_apart_db", 99.0), metrics[f"{LQE}_worst_db"]
     unstable = [player.name for player, s in zip(m.five, m.spectra, strict=True) if not s.stable]
     return (
-        Check("coincide", Text("steady and recursive LQG within 0.5 dB, 0.1–10 Hz", "稳态与递推 LQG 在 0.1–10 Hz 内相差不到 0.5 dB"),
+        Check("coincide", text("steady and recursive LQG within 0.5 dB, 0.1–10 Hz"),
               apart < 0.5, apart),
-        Check("twenty", Text("the full LQG gains 20 dB or more in every channel, 0.5–3 Hz", "完整 LQG 在 0.5–3 Hz 内各通道都不低于 20 dB"),
+        Check("twenty", text("the full LQG gains 20 dB or more in every channel, 0.5–3 Hz"),
               worst >= 20, worst),
-        Check("stable", Text("every loop is stable", "所有回路都稳定"), not unstable, float(len(unstable))),
+        Check("stable", text("every loop is stable"), not unstable, float(len(unstable))),
     )
 
 
@@ -144,20 +147,17 @@ def _formulas(design: Design, m: Study) -> tuple[Formula, ...]:
     return (
         Formula("loop", r"u = K(z)\,(y + v),\quad S_y = |(I - PK)^{-1}G|^2 S_w + |(I-PK)^{-1}PK|^2 S_v"),
         Formula("gain", rf"10\lg\frac{{\int S_{{\mathrm{{open}}}}}}{{\int S}} = ({values})\ \mathrm{{dB}}",
-                Text("Vertical, rotation, horizontal, 0.5–3 Hz: the controller on the stage.",
-                     "竖直、转动、水平，0.5–3 Hz：场景中的控制器。")),
+                text("Vertical, rotation, horizontal, 0.5–3 Hz: the controller on the stage.")),
     )
 
 
 def _live(design: Design, m: Study) -> Text:
     unstable = [name for name, s in zip(SHORT, m.spectra, strict=True) if not s.stable]
     if unstable:
-        return Text(f"Unstable in this world: {', '.join(n.en for n in unstable)}.",
-                    f"在此条件下不稳定：{'、'.join(n.zh for n in unstable)}。")
+        return text("Unstable in this world: {names}.", names=listed(unstable))
     best = [_best(m.rms[1:, j]) for j in range(3)]
-    return Text(f"Least RMS velocity: {SHORT[best[0]].en} vertically, {SHORT[best[1]].en} in rotation, "
-                f"{SHORT[best[2]].en} horizontally.",
-                f"速度均方根最小者：竖直 {SHORT[best[0]].zh}，转动 {SHORT[best[1]].zh}，水平 {SHORT[best[2]].zh}。")
+    return text("Least RMS velocity: {short} vertically, {short2} in rotation, {short3} horizontally.",
+                short=SHORT[best[0]], short2=SHORT[best[1]], short3=SHORT[best[2]])
 
 
 def _best(rms: np.ndarray) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 from .study import Study
 
@@ -27,39 +27,41 @@ def _words(values: list[float]) -> str:
 def _twenty(outcome: Outcome[Study]) -> Verdict:
     d, m, got = outcome.design, outcome.metrics, _band(outcome, "lqe")
     if d["sensor"] < BEST_SENSOR * (1 - 1e-9) or d["ground"] != "white":
-        return Verdict(False, Text(f"V₀ = {d['sensor']:.1e}: no better sensors than 1e-11 are for sale, and the ground is white.",
-                                   f"V₀ = {d['sensor']:.1e}：能买到的最好的传感器是 1e-11，且地面为白噪声。"))
+        return Verdict(False, text("V₀ = {sensor:.1e}: no better sensors than 1e-11 are for sale, and the ground "
+                                   "is white.",
+                                   sensor=d["sensor"]))
     if not m["lqe_stable"] or min(got) < WANTED:
-        return Verdict(False, Text(f"Vertical, rotation, horizontal: {_words(got)} dB; {WANTED:g} dB are wanted in each.",
-                                   f"竖直、转动、水平：{_words(got)} dB；要求各不低于 {WANTED:g} dB。"))
-    return Verdict(True, Text(f"{_words(got)} dB: more than {WANTED:g} dB in every channel.",
-                              f"{_words(got)} dB：各通道都超过 {WANTED:g} dB。"))
+        return Verdict(False, text("Vertical, rotation, horizontal: {got} dB; {wanted:g} dB are wanted in each.",
+                                   got=_words(got), wanted=WANTED))
+    return Verdict(True, text("{got} dB: more than {wanted:g} dB in every channel.", got=_words(got), wanted=WANTED))
 
 
 def _beaten(outcome: Outcome[Study]) -> Verdict:
     m, siso, lqg = outcome.metrics, _band(outcome, "siso"), _band(outcome, "lqe")
     if not (m["siso_stable"] and m["lqe_stable"]):
-        return Verdict(False, Text("Both loops must be stable.", "两个回路都必须稳定。"))
+        return Verdict(False, text("Both loops must be stable."))
     ahead = [a - b for a, b in zip(siso, lqg, strict=True)]
     if min(ahead) < AHEAD:
-        return Verdict(False, Text(f"The SISO loops are ahead by {_words(ahead)} dB; {AHEAD:g} dB are wanted in every channel.",
-                                   f"SISO 回路领先 {_words(ahead)} dB；要求各通道都领先 {AHEAD:g} dB。"))
-    return Verdict(True, Text(f"Ahead by {_words(ahead)} dB: the LQG is optimal for noise that is not there.",
-                              f"领先 {_words(ahead)} dB：LQG 是为并不存在的噪声而最优。"))
+        return Verdict(False, text("The SISO loops are ahead by {ahead} dB; {ahead2:g} dB are wanted in every "
+                                   "channel.",
+                                   ahead=_words(ahead), ahead2=AHEAD))
+    return Verdict(True, text("Ahead by {ahead} dB: the LQG is optimal for noise that is not there.",
+                              ahead=_words(ahead)))
 
 
 def _late(outcome: Outcome[Study]) -> Verdict:
     d, m, got = outcome.design, outcome.metrics, _band(outcome, "lqe")
     if d["pair"] != "own" or d["limited"]:
-        return Verdict(False, Text("Use our SISO pair, and coils without a limit.", "请采用自行设计的 SISO 回路，线圈不限幅。"))
+        return Verdict(False, text("Use our SISO pair, and coils without a limit."))
     if m["siso_stable"]:
-        return Verdict(False, Text(f"With a delay of {d['delay']:g} ms the SISO loops are still stable.",
-                                   f"时延 {d['delay']:g} ms 时 SISO 回路仍然稳定。"))
+        return Verdict(False, text("With a delay of {delay:g} ms the SISO loops are still stable.",
+                                   delay=d["delay"]))
     if not m["lqe_stable"] or min(got) < KEPT:
-        return Verdict(False, Text(f"The SISO loops are lost, but the full LQG gains only {_words(got)} dB; keep {KEPT:g} dB.",
-                                   f"SISO 回路已失稳，但完整 LQG 只有 {_words(got)} dB；要求保持 {KEPT:g} dB。"))
-    return Verdict(True, Text(f"At {d['delay']:g} ms the SISO loops are lost; the full LQG still gains {_words(got)} dB.",
-                              f"时延 {d['delay']:g} ms：SISO 回路失稳，完整 LQG 仍有 {_words(got)} dB。"))
+        return Verdict(False, text("The SISO loops are lost, but the full LQG gains only {got} dB; keep {kept:g} "
+                                   "dB.",
+                                   got=_words(got), kept=KEPT))
+    return Verdict(True, text("At {delay:g} ms the SISO loops are lost; the full LQG still gains {got} dB.",
+                              delay=d["delay"], got=_words(got)))
 
 
 def exam(seed: int) -> ExamItem:

@@ -16,7 +16,7 @@ from app.lesson.lesson import Stage
 from app.plants.body import Body, Pose, between, bounded
 from app.plants.deck_body import MASS_REST, STAGE, platform_body
 from app.plants.platform import Parameters
-from app.text.words import Text
+from app.text import text
 
 from .system import STATES, Motion, System, believed, relative
 
@@ -49,7 +49,7 @@ def _pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
 _BASE = _placed(NOMINAL.a, NOMINAL.s, NOMINAL.h)
 BODY = Body(
     _BASE.parts, _pose, lambda x, u, gain: (), lambda x, gain: _placed(*x[STATES:STATES + 3]).anchors(x[:STATES], gain), 20.0,
-    Text("Deck with its sensors; the copper balls are their test masses", "平台与传感器；铜色小球是传感器的测试质量"))
+    text("Deck with its sensors; the copper balls are their test masses"))
 
 
 def slower(motion: Motion) -> float:

@@ -10,12 +10,12 @@ import numpy as np
 from app.engine import Plant, lqg, noisy_loop
 from app.engine.feedback import Lqg, NoisyLoop
 from app.plants.platform_lqg import Weights, coils, ground
-from app.text.words import Text
+from app.text import text
 
 from .system import STATES, System, model
 
 OUTPUTS, ALIKE = "outputs", "alike"
-PRESSED = ((OUTPUTS, Text("the four outputs", "四个输出")), (ALIKE, Text("every balanced state alike", "所有平衡状态一视同仁")))
+PRESSED = ((OUTPUTS, text("the four outputs")), (ALIKE, text("every balanced state alike")))
 EQUAL = 1e10  # weight of each balanced state where all count alike
 PAIRS = STATES // 2
 SLOWEST = 1e-9  # rad/s: a pole no farther left is on the axis to rounding, and its variance is not to be told

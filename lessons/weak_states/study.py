@@ -10,7 +10,7 @@ import numpy as np
 from app.engine import controllability, observability
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants.platform import Parameters, in_time_units
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.latex import number
 from .body import share, slower, swing
@@ -18,7 +18,7 @@ from .regulator import Compared, compare
 from .system import STATES, Cut, Motion, System, closed_forms, cut, system
 
 RELATIVE, ABSOLUTE = "relative", "absolute"
-MEASURES = ((RELATIVE, Text("of the largest", "相对最大值")), (ABSOLUTE, Text("as they are", "绝对值")))
+MEASURES = ((RELATIVE, text("of the largest")), (ABSOLUTE, text("as they are")))
 REPORT = (1e-12, 1e-6)  # tolerances that the report names
 
 
@@ -83,14 +83,14 @@ def _metrics(design: Design, study: Study, motion: Motion) -> dict[str, float]:
 def _checks(study: Study, m: dict[str, float]) -> tuple[Check, ...]:
     c = study.compared
     return (
-        Check("rank", Text("both matrices have rank 10 at this tolerance", "在此容差下两矩阵的秩都是 10"),
+        Check("rank", text("both matrices have rank 10 at this tolerance"),
               m["rank_controllability"] == m["rank_observability"] == STATES, min(m["rank_controllability"], m["rank_observability"])),
-        Check("bound", Text("the error keeps below 2Σσ", "误差不超过 2Σσ"), m["error"] <= m["bound"] * (1 + 1e-6) + 1e-8, m["error"]),
-        Check("stable", Text("LQG on the cut model holds the platform", "基于截断模型的 LQG 使平台稳定"), c.small.stable,
+        Check("bound", text("the error keeps below 2Σσ"), m["error"] <= m["bound"] * (1 + 1e-6) + 1e-8, m["error"]),
+        Check("stable", text("LQG on the cut model holds the platform"), c.small.stable,
               c.small.rightmost),
-        Check("same", Text("both loops agree within 1 %", "两个闭环相差不到 1 %"), c.gap is not None and c.gap < 0.01,
+        Check("same", text("both loops agree within 1 %"), c.gap is not None and c.gap < 0.01,
               1.0 if c.gap is None else c.gap),
-        Check("growth", Text("ten states ask for at most 5 % more gain", "十个状态所需增益最多大 5 %"), c.growth < 0.05, c.growth),
+        Check("growth", text("ten states ask for at most 5 % more gain"), c.growth < 0.05, c.growth),
     )
 
 
@@ -110,13 +110,13 @@ def _formulas(study: Study) -> tuple[Formula, ...]:
 
 def _live(study: Study, motion: Motion, m: dict[str, float]) -> Text:
     order = study.cut.order
-    ghost = (Text("the ghost moves with it", "虚影随之运动") if m["held"] > 0.9 else
-             Text("the ghost stands still", "虚影静止不动") if m["held"] < 0.1 else
-             Text("the ghost moves in part", "虚影部分随动"))
+    ghost = (text("the ghost moves with it") if m["held"] > 0.9 else
+             text("the ghost stands still") if m["held"] < 0.1 else
+             text("the ghost moves in part"))
     factor = slower(motion)
-    shown = Text(f"On the stage: {motion.name.en}, {motion.frequency:.3g} Hz, drawn {factor:.2g} times slower; ",
-                 f"场景中：{motion.name.zh}，{motion.frequency:.3g} Hz，放慢 {factor:.2g} 倍；")
+    shown = text("On the stage: {name}, {frequency:.3g} Hz, drawn {factor:.2g} times slower; ",
+                 name=motion.name, frequency=motion.frequency, factor=factor)
     if order == STATES:
-        return Text(f"{shown.en}all ten states are kept.", f"{shown.zh}十个状态全部保留。")
-    return Text(f"{shown.en}{ghost.en}: {order} of 10 states are kept, error {m['error']:.3g}.",
-                f"{shown.zh}{ghost.zh}：保留 {order}/10 个状态，误差 {m['error']:.3g}。")
+        return text("{shown}all ten states are kept.", shown=shown)
+    return text("{shown}{ghost}: {order} of 10 states are kept, error {error:.3g}.",
+                shown=shown, ghost=ghost, order=order, error=m["error"])

@@ -10,7 +10,7 @@ import numpy as np
 from app.engine import Plant, balanced_truncation, frequency_response
 from app.engine.structure import Truncation
 from app.plants.platform import Parameters, plant
-from app.text.words import Text
+from app.text import Text
 
 STATES = 10
 HEARD = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, np.sqrt(2.0), 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])  # HR = −HL: three rows do

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 from .body import NOMINAL, share
 from .figures import show
@@ -22,55 +22,55 @@ def _face(outcome: Outcome[Study]) -> Verdict:
     motion = s.motions[pair]
     held = [share(s, m, order) > 0.5 for m in s.motions]
     if motion.kind != AGAINST:
-        return Verdict(False, Text(f"On the stage: {motion.name.en}. The report cuts away another motion.",
-                                   f"场景中是“{motion.name.zh}”。报告截去的不是这种运动。"))
+        return Verdict(False, text("On the stage: {name}. The report cuts away another motion.", name=motion.name))
     if held != [k != pair for k in range(len(held))]:
-        return Verdict(False, Text(f"A model of {order} states holds {sum(held)} of the five motions; it should lack this one alone.",
-                                   f"{order} 阶模型保留了五种运动中的 {sum(held)} 种；应当只缺这一种。"))
-    return Verdict(True, Text(f"σ = {show(s.hankel[2 * pair])}: the masses swing at {motion.frequency:.3g} Hz and the ghost's stand "
-                              "still.", f"σ = {show(s.hankel[2 * pair])}：测试质量以 {motion.frequency:.3g} Hz 摆动，虚影中的却静止不动。"))
+        return Verdict(False, text("A model of {order} states holds {held} of the five motions; it should lack "
+                                   "this one alone.",
+                                   order=order, held=sum(held)))
+    return Verdict(True, text("σ = {hankel}: the masses swing at {frequency:.3g} Hz and the ghost's stand still.",
+                              hankel=show(s.hankel[2 * pair]), frequency=motion.frequency))
 
 
 def _wider(outcome: Outcome[Study]) -> Verdict:
     s, c, compared = outcome.study.system, outcome.study.cut, outcome.study.compared
     if c.peak > SMALL:
-        return Verdict(False, Text(f"{c.order} states err by {show(c.peak)}; at most {SMALL} is allowed.",
-                                   f"{c.order} 个状态的误差为 {show(c.peak)}，不得超过 {SMALL}。"))
+        return Verdict(False, text("{order} states err by {peak}; at most {small} is allowed.",
+                                   order=c.order, peak=show(c.peak), small=SMALL))
     if c.order > 1 and cut(s, c.order - 1).peak <= SMALL:
         size = show(c.peak) if c.order < STATES else "0"
-        return Verdict(False, Text(f"{c.order} states err by {size}: good enough, but fewer states will do as well.",
-                                   f"{c.order} 个状态的误差为 {size}：符合要求，但还可以更少。"))
+        return Verdict(False, text("{order} states err by {size}: good enough, but fewer states will do as well.",
+                                   order=c.order, size=size))
     if compared.extra is None or compared.extra > 1e-3:
-        return Verdict(False, Text("The model will do, but the LQG designed on it costs more than 0.1 % extra on ten states.",
-                                   "模型可以，但据此设计的 LQG 用在十状态平台上，代价增加超过 0.1 %。"))
-    return Verdict(True, Text(f"{c.order} states err by {show(c.peak)}, and the LQG on them costs {show(100 * compared.extra, 2)} % more.",
-                              f"{c.order} 个状态的误差为 {show(c.peak)}，据此设计的 LQG 代价仅增加 {show(100 * compared.extra, 2)} %。"))
+        return Verdict(False, text("The model will do, but the LQG designed on it costs more than 0.1 % extra on "
+                                   "ten states."))
+    return Verdict(True, text("{order} states err by {peak}, and the LQG on them costs {extra} % more.",
+                              order=c.order, peak=show(c.peak), extra=show(100 * compared.extra, 2)))
 
 
 def _clock(outcome: Outcome[Study]) -> Verdict:
     d, r = outcome.design, outcome.study.ranks
     now = r.at(d["tolerance"], d["measure"])
-    said = Text(f"ranks {now[0]} and {now[1]} with time in units of {show(r.clock)} s",
-                f"以 {show(r.clock)} s 为时间单位，秩为 {now[0]} 与 {now[1]}")
+    said = text("ranks {now} and {now2} with time in units of {clock} s",
+                now=now[0], now2=now[1], clock=show(r.clock))
     if d["measure"] != RELATIVE or d["tolerance"] < FINE * (1 - 1e-9):
-        return Verdict(False, Text("Measure the singular values against the largest, with a tolerance of at least 1e-6.",
-                                   "请以最大奇异值为基准，容差不小于 1e-6。"))
+        return Verdict(False, text("Measure the singular values against the largest, with a tolerance of at least "
+                                   "1e-6."))
     if now != (STATES, STATES):
-        return Verdict(False, Text(f"At τ = {show(d['tolerance'])}: {said.en}.", f"τ = {show(d['tolerance'])} 时，{said.zh}。"))
-    return Verdict(True, Text(f"At τ = {show(d['tolerance'])}: {said.en}. The plant is the same.",
-                              f"τ = {show(d['tolerance'])} 时，{said.zh}。对象没有变。"))
+        return Verdict(False, text("At τ = {tolerance}: {said}.", tolerance=show(d["tolerance"]), said=said))
+    return Verdict(True, text("At τ = {tolerance}: {said}. The plant is the same.",
+                              tolerance=show(d["tolerance"]), said=said))
 
 
 def _geometry(outcome: Outcome[Study]) -> Verdict:
     s = outcome.study.system
     weakest = s.hankel[-2]
     if s.parameters.mu > NOMINAL.mu * (1 + 1e-9):
-        return Verdict(False, Text("Leave the test masses at 50 g or less.", "请保持测试质量不超过 50 g。"))
+        return Verdict(False, text("Leave the test masses at 50 g or less."))
     if weakest < WEAKEST:
-        return Verdict(False, Text(f"σ₉ = {show(weakest)}; at least {show(WEAKEST)} is wanted.",
-                                   f"σ₉ = {show(weakest)}，要求不小于 {show(WEAKEST)}。"))
-    return Verdict(True, Text(f"σ₉ = {show(weakest)}, {weakest / WEAKEST * 10:.0f} times the old one, by geometry alone.",
-                              f"σ₉ = {show(weakest)}，为原来的 {weakest / WEAKEST * 10:.0f} 倍，只靠几何。"))
+        return Verdict(False, text("σ₉ = {weakest}; at least {weakest2} is wanted.",
+                                   weakest=show(weakest), weakest2=show(WEAKEST)))
+    return Verdict(True, text("σ₉ = {weakest}, {weakest2:.0f} times the old one, by geometry alone.",
+                              weakest=show(weakest), weakest2=weakest / WEAKEST * 10))
 
 
 def exam(seed: int) -> ExamItem:
