@@ -23,6 +23,7 @@ from app.lesson.figures import (
     calm_range,
     columns,
     finite,
+    legal_range,
     nice,
     tabs,
     thin,
@@ -101,7 +102,7 @@ def test_a_logarithmic_axis_runs_over_whole_decades_around_the_data(values: list
 
 
 @pytest.mark.parametrize("log", [False, True])
-@pytest.mark.parametrize("series", [[[0.0, 0.0]], [[np.nan, np.nan]], [[np.inf, -np.inf]], [[1e300, 0.0]], [[1e-300, 0.0]], [], [[]],
+@pytest.mark.parametrize("series", [[[0.0, 0.0]], [[np.nan, np.nan]], [[np.inf, -np.inf]], [[1e300, 0.0]], [[1e-300, 0.0]], [[5e-324]], [[-5e-324]], [], [[]],
                                     [[-1e-15, 1e-15]]])
 def test_an_axis_is_a_finite_range_whatever_the_data(series: list[list[float]], log: bool) -> None:
     low, high = axis_range(time_figure(*series, log=log))
@@ -133,6 +134,24 @@ def test_a_resting_axis_shows_everything_and_then_stays(before: list[float], now
     assert reached in (last, wanted)
     assert reached[0] <= wanted[0] * (1.01 if wanted[0] > 0 else 1) and wanted[1] <= reached[1] * 1.01
     assert calm_range(figure, reached, True) == reached
+
+
+@quick
+@given(st.lists(st.tuples(st.lists(sane, min_size=1, max_size=4), st.booleans(), st.booleans()), min_size=1, max_size=8))
+def test_a_range_is_legal_for_the_figure_as_it_is_now_whatever_it_was(steps: list[tuple[list[float], bool, bool]]) -> None:
+    """A knob that turned a chart logarithmic while it moved left it a range from zero: 17 of 64 positions were refused."""
+    last = None
+    for values, log, resting in steps:
+        figure = time_figure(values, log=log)
+        last = calm_range(figure, last, resting)
+        assert legal_range(*last, log)
+    assert calm_range(figure, last, False) == last
+
+
+@pytest.mark.parametrize("bad", [(0.0, 1.0), (-1.0, 1.0), (1.0, 1.0), (2.0, 1.0), (math.nan, 1.0), (0.0, math.inf)])
+def test_a_range_that_the_figure_cannot_have_is_not_kept(bad: tuple[float, float]) -> None:
+    for resting in (False, True):
+        assert calm_range(time_figure([1.0, 2.0], log=True), bad, resting) == axis_range(time_figure([1.0, 2.0], log=True))
 
 
 def test_a_resting_axis_tightens_when_the_data_have_become_small() -> None:

@@ -36,14 +36,14 @@ def calls() -> dict[str, set[str]]:
 def test_every_script_is_called_with_just_what_it_takes() -> None:
     assert sorted(calls()) == SCRIPTS
     for name, given_names in calls().items():
-        found = FUNCTION.fullmatch(page.text(f"{name}.js"))
+        found = FUNCTION.fullmatch(page.source(f"{name}.js"))
         assert found, f"{name}.js is one function under a line that says what it does"
         assert {word.strip() for word in (found[1] or "").split(",")} - {""} == given_names, name
 
 
 @pytest.mark.parametrize("name", STYLES)
 def test_every_style_is_used_and_closed(name: str) -> None:
-    text = page.text(name)
+    text = page.source(name)
     assert text.strip() in sheet(True, True)
     assert text.count("{") == text.count("}") and "<" not in text and "%(" not in text
 
@@ -51,13 +51,13 @@ def test_every_style_is_used_and_closed(name: str) -> None:
 def test_the_sheet_says_what_is_asked() -> None:
     plain, large, veiled = sheet(False, False), sheet(True, False), sheet(False, True)
     assert len({plain, large, veiled, sheet(True, True)}) == 4
-    assert plain in (large.replace(page.text("lecture.css"), ""), veiled.replace(page.text("veil.css"), ""))
+    assert plain in (large.replace(page.source("lecture.css"), ""), veiled.replace(page.source("veil.css"), ""))
 
 
 @given(st.text(), st.text())
 def test_what_a_script_is_given_arrives_as_it_was_and_ends_nothing(key: str, text: str) -> None:
     source = page.call("remember", key=key, text=text)
-    code = page.text("remember.js")
+    code = page.source("remember.js")
     assert source.startswith(f"// remember.js\n(\n{code})(") and source.endswith(")")
     argument = source.removeprefix(f"// remember.js\n(\n{code})(").removesuffix(")")
     assert json.loads(argument) == {"key": key, "text": text}

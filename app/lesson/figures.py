@@ -186,17 +186,29 @@ def axis_range(figure: TimeFigure | FrequencyFigure) -> tuple[float, float]:
     high = max((float(np.max(y)) for y in data), default=1.0)
     if figure.window is not None:
         low, high = min(low, figure.window[0]), max(high, figure.window[1])
-    return (-nice(-low * 1.02) if low < 0 else 0.0), (nice(high * 1.02) if high > 0 else 0.0 if low < 0 else 1.0)
+    low, high = (-nice(-low * 1.02) if low < 0 else 0.0), (nice(high * 1.02) if high > 0 else 0.0 if low < 0 else 1.0)
+    return (low, high) if low < high else (0.0, 1.0)  # numbers that are zero to a chart
+
+
+def legal_range(low: float, high: float, log: bool) -> bool:
+    """Whether an axis can have that range."""
+    return math.isfinite(low) and math.isfinite(high) and low < high and (low > 0 or not log)
 
 
 def calm_range(figure: TimeFigure | FrequencyFigure, last: tuple[float, float] | None, resting: bool) -> tuple[float, float]:
-    """The y range to show now: it stays put while a knob moves and follows, if it must, when the knob rests."""
-    if last is not None and not resting:
-        return last
+    """The y range to show now: it stays put while a knob moves and follows, if it must, when the knob rests.
+
+    A range that is kept is one that the figure can have now: finite, rising, and positive on a logarithmic axis.
+    """
+    log = getattr(figure, "log", True)
+    kept = last if last is not None and legal_range(*last, log) else None
+    if kept is not None and not resting:
+        return kept
     wanted = axis_range(figure)
-    if last is None:
+    if kept is None:
         return wanted
-    if getattr(figure, "log", True):
+    last = kept
+    if log:
         inside = last[0] <= wanted[0] * 1.01 and wanted[1] <= last[1] * 1.01
         loose = math.log10(last[1] / last[0]) > 2.5 * math.log10(wanted[1] / wanted[0])
     else:

@@ -168,7 +168,8 @@ class Chart:
         old = before.t if isinstance(before, TimeFigure) else before.f
         if figure.title != before.title:
             self._plot.title = figure.title(self._language)
-        if wanted != self._range or float(x[-1]) != float(old[-1]) or figure.y_label != before.y_label:
+        log = [getattr(shown, "log", True) for shown in (figure, before)]
+        if wanted != self._range or log[0] != log[1] or float(x[-1]) != float(old[-1]) or figure.y_label != before.y_label:
             self._range = wanted
             frame = self._frame(figure)
             self._plot.scales, self._plot.axes = frame["scales"], frame["axes"]

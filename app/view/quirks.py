@@ -35,7 +35,7 @@ def page_of_our_own() -> str:
     """
     theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
-    icon = "data:image/svg+xml," + quote(page.text("icon.svg"))
+    icon = "data:image/svg+xml," + quote(page.source("icon.svg"))
     ours = f'<link rel="icon" href="{icon}" /><title>{NAME}</title><script>{page.call("software")}</script>'
     return text.replace("<title>Viser</title>", ours, 1)
 

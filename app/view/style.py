@@ -10,7 +10,7 @@ from . import page
 def sheet(lecture: bool, veiled: bool) -> str:
     """The style element for the present state."""
     sheets = ["page.css", *(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else [])]
-    return "<style>" + "".join(map(page.text, sheets)) + "</style>"
+    return "<style>" + "".join(map(page.source, sheets)) + "</style>"
 
 
 def clock(t: float, horizon: float, speed: float, caption: str) -> str:

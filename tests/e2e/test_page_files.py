@@ -18,10 +18,10 @@ RULES = """text => {
 
 @pytest.mark.parametrize("file", sorted(file.name for file in page.FOLDER.glob("*.js")))
 def test_a_script_compiles_to_one_function(tab: Tab, file: str) -> None:
-    assert tab.page.evaluate(COMPILES, page.text(file)) == "function"
+    assert tab.page.evaluate(COMPILES, page.source(file)) == "function"
 
 
 def test_no_rule_of_a_style_is_dropped(tab: Tab) -> None:
     for file in page.FOLDER.glob("*.css"):
-        text = page.text(file.name)
+        text = page.source(file.name)
         assert tab.page.evaluate(RULES, text) == text.count("{"), file.name

@@ -14,7 +14,7 @@ BREAKS = (("<", "\\u003c"), ("\u2028", "\\u2028"), ("\u2029", "\\u2029"))  # wha
 
 
 @cache
-def text(name: str) -> str:
+def source(name: str) -> str:
     """The text of one of the files."""
     return (FOLDER / name).read_text(encoding="utf-8")
 
@@ -24,4 +24,4 @@ def call(name: str, **given: object) -> str:
     argument = json.dumps(given, ensure_ascii=False)
     for sign, written in BREAKS:
         argument = argument.replace(sign, written)
-    return f"// {name}.js\n(\n{text(name + '.js')})({argument})"
+    return f"// {name}.js\n(\n{source(name + '.js')})({argument})"
