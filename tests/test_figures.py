@@ -102,7 +102,8 @@ def test_a_logarithmic_axis_runs_over_whole_decades_around_the_data(values: list
 
 
 @pytest.mark.parametrize("log", [False, True])
-@pytest.mark.parametrize("series", [[[0.0, 0.0]], [[np.nan, np.nan]], [[np.inf, -np.inf]], [[1e300, 0.0]], [[1e-300, 0.0]], [[5e-324]], [[-5e-324]], [], [[]],
+@pytest.mark.parametrize("series", [[[0.0, 0.0]], [[np.nan, np.nan]], [[np.inf, -np.inf]], [[1e300, 0.0]], [[1e-300, 0.0]], [[5e-324]],
+                                    [[-5e-324]], [], [[]],
                                     [[-1e-15, 1e-15]]])
 def test_an_axis_is_a_finite_range_whatever_the_data(series: list[list[float]], log: bool) -> None:
     low, high = axis_range(time_figure(*series, log=log))
