@@ -14,32 +14,27 @@ import pytest
 from syntax import ROOT, Module, arrows, circles, imports, mutable_globals, name_of, parsed, private_uses, within
 
 FOLDERS = {"app", "lessons", "tests", "assets", ".ci"}
-WORDS = ("app.text",)
-LOWER = ("app.engine", *WORDS, "app.plants")
-ALL = (*LOWER, "app.lesson", "app.tab", "app.export", "app.published", "app.view", "lessons")
+ROOM = re.compile(r"│ (\S+) +│(?:──► (.+))?$")
+
+
+def drawn(page: str) -> dict[str, tuple[str, ...]]:
+    """Room → the rooms it may import, as the picture of the house in CONTRIBUTING.md has it; rooms of the engine by full name."""
+    picture = page.split("```")[1]
+    house, _, engine = picture.partition("app.engine, its own rooms")
+    found = [(name, arrows) for name, arrows in map(_row, house.splitlines()) if name]
+    inner = [(f"app.engine.{name}", tuple(f"app.engine.{other}" for other in arrows))
+             for name, arrows in map(_row, engine.splitlines()) if name]
+    return dict(found + inner)
+
+
+def _row(line: str) -> tuple[str, tuple[str, ...]]:
+    room = ROOM.match(line.strip())
+    return (room[1], tuple((room[2] or "").split())) if room else ("", ())
+
+
+PICTURE = drawn((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
 # Layer → the layers it may import. A module belongs to the longest prefix of its name that is listed here.
-MAY_IMPORT = {
-    "app": (),
-    "app.engine": ("app.engine",),
-    "app.engine.systems": (),
-    "app.engine.structure": ("app.engine.systems",),
-    "app.engine.design": ("app.engine.structure", "app.engine.systems"),
-    "app.engine.feedback": ("app.engine.design", "app.engine.systems"),
-    "app.engine.simulation": ("app.engine.systems",),
-    "app.engine.network": ("app.engine.systems",),
-    "app.engine.filters": ("app.engine.design", "app.engine.simulation", "app.engine.systems"),
-    "app.engine.observers": ("app.engine.filters", "app.engine.design", "app.engine.structure", "app.engine.systems"),
-    "app.engine.sampled": ("app.engine.filters", "app.engine.feedback", "app.engine.design", "app.engine.systems"),
-    "app.text": (),
-    "app.plants": ("app.engine", *WORDS),
-    "app.lesson": LOWER,
-    "app.tab": (*LOWER, "app.lesson"),
-    "app.export": ("app.engine", "app.text", "app.lesson"),
-    "app.published": LOWER,
-    "app.view": (*LOWER, "app.lesson", "app.tab", "app.export", "lessons"),
-    "app.cli": ALL,
-    "lessons": (*LOWER, "app.lesson"),
-}
+MAY_IMPORT = {"app": (), **PICTURE, "app.engine": ("app.engine",)}
 ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
 LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
@@ -125,6 +120,27 @@ def test_every_lesson_has_the_standard_rooms() -> None:
     assert set(NOT_YET) <= {home.removeprefix("lessons.") for home in homes}
     assert [f"{home}.{room}" for home in sorted(homes) for room in ROOMS
             if home.removeprefix("lessons.") not in NOT_YET and f"{home}.{room}" not in names] == []
+
+
+def test_every_arrow_of_the_picture_points_down() -> None:
+    rooms = list(PICTURE)
+    assert [(room, other) for room, arrows in PICTURE.items() for other in arrows
+            if other not in rooms or rooms.index(other) <= rooms.index(room)] == []
+
+
+def test_the_picture_has_no_arrow_that_no_import_needs() -> None:
+    needed = {(layer_of(m.name), layer_of(name)) for m in modules("app", "lessons") for name in m.imports()}
+    idle = [f"{room} ──► {other}" for room, arrows in PICTURE.items() for other in arrows
+            if not any(layer == room and target is not None and within(target, other) for layer, target in needed)]
+    assert not idle, f"rub out of the picture in CONTRIBUTING.md: {idle}"
+
+
+def test_the_table_of_folders_names_every_room() -> None:
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"^\| `(\S+)` \|", page, re.MULTILINE))
+    there = {path.parent.relative_to(ROOT).as_posix() for path in tracked()}
+    rooms = {folder if not folder.startswith("app/") else "/".join(folder.split("/")[:2]) for folder in there}
+    assert named == {room if room.startswith("app/") else room.split("/")[0] for room in rooms} - {"app", "."}
 
 
 def test_the_engine_stands_on_numpy_scipy_and_control_alone() -> None:
