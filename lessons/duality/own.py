@@ -16,9 +16,9 @@ from app.text.words import Text
 
 from ..toolkit.gains import sizes
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
-from .lesson import KNOBS, compute
-from .pictures import all_figures
-from .twins import Setting
+from .figures import all_figures
+from .knobs import KNOBS
+from .study import Setting, compute
 
 BY_HAND = 6  # most states for which Ackermann's formula, the observer's own, is trusted
 

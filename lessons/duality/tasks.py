@@ -1,14 +1,17 @@
-"""Tasks of duality, checked on the outcome."""
+"""Tasks of duality, checked on the outcome, and its exam item."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+import numpy as np
+
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
+from .study import Twins
 
 
-def _published(outcome: Outcome) -> Verdict:
+def _published(outcome: Outcome[Twins]) -> Verdict:
     L, sensor = (outcome.metrics["L1"], outcome.metrics["L2"]), outcome.design["sensor"]
     shown = f"({L[0]:.3f}, {L[1]:.3f})".replace("-", "−")
     if sensor != 0:
@@ -21,7 +24,7 @@ def _published(outcome: Outcome) -> Verdict:
                                f"L = {shown}；应为 (1.5, −0.75)，允差 0.05。"))
 
 
-def _ratio(outcome: Outcome) -> Verdict:
+def _ratio(outcome: Outcome[Twins]) -> Verdict:
     d = outcome.design
     if d["method"] != BY_WEIGHTS or d["mirror"]:
         return Verdict(False, Text("Choose gains by weights and switch the mirror off.", "请把“增益由”改为“Q/R 权重”，并关闭“权重对偶”。"))
@@ -36,13 +39,23 @@ def _ratio(outcome: Outcome) -> Verdict:
                               f"P 变为 {scale:.3g} 倍，L 却与权重对偶时相同。"))
 
 
-def _mirror_image(outcome: Outcome) -> Verdict:
+def _mirror_image(outcome: Outcome[Twins]) -> Verdict:
     m = outcome.metrics["mirror_gap"]
     if m <= 0.02:
         return Verdict(True, Text(f"The ellipses are mirror images to {100 * m:.1g} %: the sensor sits where the force acts.",
                                   f"两个椭圆互为镜像，相差 {100 * m:.1g} %：传感器与力同位。"))
     return Verdict(False, Text(f"Mirrored at the q axis, the ellipses still differ by {100 * m:.0f} %; bring it to 2 %.",
                                f"以 q 轴为镜，两个椭圆仍相差 {100 * m:.0f} %，请降到 2 % 以内。"))
+
+
+def exam(seed: int) -> ExamItem:
+    """Spring-damper with m = 1: a feedback for (Aᵀ, Cᵀ) with poles −a, −c is given; what is the second entry of L?"""
+    rng = np.random.default_rng(seed)
+    b, k = float(rng.integers(1, 9)) / 4, float(rng.integers(1, 7))
+    a, c = (float(v) for v in rng.choice(np.arange(2, 9), 2, replace=False))
+    first = a + c - b
+    return ExamItem({"b": f"{b:g}", "k": f"{k:g}", "p1": f"-{a:g}", "p2": f"-{c:g}", "first": f"{first:g}"},
+                    a * c - k - b * first, 1e-3)
 
 
 TASKS = (

@@ -24,9 +24,9 @@ from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
 from ..toolkit.gains import feedback, injection
 from ..toolkit.knobs import kicks, pole_knobs, run_knobs
 from ..toolkit.latex import gain_words, pole_words
-from .cases import Case
-from .lesson import checks_of
-from .pictures import EVERY_TAB, blocks_of, lights_of, margins_of
+from .figures import EVERY_TAB, blocks_of, lights_of, margins_of
+from .knobs import Case
+from .study import checks_of
 
 DRAWS, FEW = 50, 14  # random gains on a map, for few states and for many
 MOST_ROWS = 12  # of the table of modes
@@ -77,7 +77,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     )
 
 
-def compute(here: Setting, design: Design) -> Outcome:
+def compute(here: Setting, design: Design) -> Outcome[Setting]:
     """Gains for the movable poles with the bolted ones left where they are, and one run."""
     model, plant, case = here.model, here.model.plant, here.case
     K, L = feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
@@ -123,7 +123,7 @@ def _live(here: Setting) -> Text:
                 f"没有螺栓。离隐藏最近的模态是 {name}，距离 {here.weakest.margin:.2g}。")
 
 
-def figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
+def figures(here: Setting, outcome: Outcome[Case]) -> tuple[Figure, ...]:
     """What the sensor says and the weakest mode; parts of e and x; margins, lights, decomposition; every gain."""
     run, seed = outcome.run, int(outcome.design["seed"])
     assert run is not None

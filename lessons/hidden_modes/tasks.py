@@ -1,18 +1,20 @@
-"""Tasks of the lesson: slow but fine, the twin, silence, the cure."""
+"""Tasks of the lesson: slow but fine, the twin, silence, the cure; and the exam item."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+import numpy as np
+
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
-from .cases import Case
+from .knobs import Case
 
 
 def _number(value: float) -> str:
     return f"{value:.3g}".replace("-", "−")
 
 
-def _slow_but_fine(outcome: Outcome) -> Verdict:
+def _slow_but_fine(outcome: Outcome[Case]) -> Verdict:
     case, rate = outcome.study, outcome.metrics["error_rate"]
     assert isinstance(case, Case)
     if case.seen.observable:
@@ -25,7 +27,7 @@ def _slow_but_fine(outcome: Outcome) -> Verdict:
                               f"传感器仍然看不全，而 e 按 e^({_number(rate)} t) 衰减：系统可检测。"))
 
 
-def _twin(outcome: Outcome) -> Verdict:
+def _twin(outcome: Outcome[Case]) -> Verdict:
     error, state = outcome.metrics["error_rate"], outcome.metrics["state_rate"]
     if error >= 0:
         return Verdict(False, Text(f"The estimate itself is lost: e grows like e^({_number(error)} t).",
@@ -39,7 +41,7 @@ def _twin(outcome: Outcome) -> Verdict:
                               f"e 按 e^({_number(error)} t) 衰减，x 却按 e^({_number(state)} t) 增长：了如指掌，却无能为力。"))
 
 
-def _silence(outcome: Outcome) -> Verdict:
+def _silence(outcome: Outcome[Case]) -> Verdict:
     case, left = outcome.study, outcome.metrics["error_end"]
     if case.seen.detectable:
         return Verdict(False, Text("Here the unstable motion is not hidden from the sensor; choose the distance sensor "
@@ -51,7 +53,7 @@ def _silence(outcome: Outcome) -> Verdict:
                               f"末时刻 e 仅为初值的 {left:.1g}：隐藏的运动没有被激发。但一次冲击就会前功尽弃。"))
 
 
-def _cure(outcome: Outcome) -> Verdict:
+def _cure(outcome: Outcome[Case]) -> Verdict:
     case, error, state = outcome.study, outcome.metrics["error_rate"], outcome.metrics["state_rate"]
     if not (case.seen.observable and case.reached.controllable):
         return Verdict(False, Text("A mode is still bolted: change where the sensor looks or where the force acts.",
@@ -63,6 +65,15 @@ def _cure(outcome: Outcome) -> Verdict:
                                    "（应不大于 −1.2）。"))
     return Verdict(True, Text(f"Nothing is hidden: observer {_number(error)}, controller {_number(state)}, as asked.",
                               f"没有隐藏模态：观测器 {_number(error)}，控制器 {_number(state)}，符合要求。"))
+
+
+def exam(seed: int) -> ExamItem:
+    """A = [a b; b a], C = [1 −1]: which eigenvalue of A − LC is the same for every L? The one of (1, 1): a + b."""
+    rng = np.random.default_rng(seed)
+    a, b = -float(rng.integers(2, 9)), float(rng.integers(1, 12))
+    if a + b == 0:
+        b += 1.0
+    return ExamItem({"a": f"{a:g}", "b": f"{b:g}"}, a + b, 1e-6)
 
 
 TASKS = (

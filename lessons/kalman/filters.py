@@ -10,12 +10,10 @@ import numpy as np
 from app.engine import Belief, KalmanFilter, Plant, Scenario, simulate
 from app.engine.design import DiscreteFilter
 from app.engine.filters import AdcNoise, Schedule, Track, independent_errors, joseph, short_form, with_coloured_noise
-from app.plants import MODELS
 from app.plants.platform import deck_disturbance
 
-MODEL = MODELS["deck"]
-DT, COUNT = 0.04, 301  # s and samples: 12 s
-HORIZON = DT * (COUNT - 1)
+from .knobs import CARRIED, COLOURED, COUNT, DT, HORIZON, MODEL
+
 SKIP = 50  # samples at the start that no test looks at
 GROUND = 4e-10  # m² s, intensity of each ground motion
 COUPLE = 3e-4  # N² s, intensity of an unknown draught that presses one side down and the other up
@@ -24,7 +22,6 @@ SPREAD = np.array([1.5e-3, 2e-3, 9e-3, 1e-2, 1.4e-2, 7e-2])  # standard deviatio
 SCALE = 1 / np.outer(SPREAD, SPREAD)
 HUGE = 1e6  # a covariance that has lost all sense is cut to this
 SINE = 0.16  # Hz, of the report's figure 11
-WHITE, COLOURED, CARRIED = "white", "coloured", "carried"
 ADC = AdcNoise(SIGMA, 6.0, 0.9, DT)
 LEARNING = 60  # samples that the filter with 22 states takes its gain from the recursion
 STEPS = 25  # for the comparison of the two updates

@@ -21,8 +21,10 @@ from ..toolkit.figures import TIME_TAB
 from ..toolkit.gains import noise_units
 from ..toolkit.knobs import run_knobs
 from ..toolkit.latex import gain_words, number
-from .lesson import PREDICT, RUNS, UPDATE
-from .pictures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
+from .figures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
+from .job import RUNS
+from .knobs import PREDICT, UPDATE
+from .study import Trials
 
 SAMPLES, SKIP, LAST = 160, 40, 60
 MOST_STATES = 10  # rows of the table of one step
@@ -31,14 +33,14 @@ AT_ONCE = 2
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """One record through one filter, and what judges it; `trials`: means of NIS and NEES over many records, their count."""
+    """One record through one filter, and what judges it."""
 
     found: FilterTrial
     test: InnovationTest
     settled: SquaredError
     nis: np.ndarray
     nees: np.ndarray
-    trials: tuple[np.ndarray, np.ndarray, int] | None = None
+    trials: Trials | None = None
 
 
 def own_knobs(model: Model) -> tuple[Knob, ...]:
@@ -74,7 +76,7 @@ def tried(model: Model, design: Design, seed: int) -> FilterTrial:
     return found
 
 
-def compute(model: Model, design: Design) -> Outcome:
+def compute(model: Model, design: Design) -> Outcome[Study]:
     """The record filtered and judged."""
     study = _judged(tried(model, design, int(design["seed"])))
     found, p, n = study.found, model.plant.p, model.plant.n
@@ -119,7 +121,7 @@ def _solid(P: np.ndarray) -> np.ndarray:
 
 
 # --- figures -----------------------------------------------------------------------------------------------------------
-def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
+def figures(model: Model, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """One step; two signals; the gain; innovations; consistency."""
     second = next((s for s in model.watched if s.name.en.startswith("state")), model.watched[-1])
     return (_step(model, outcome), _state(outcome, "height", model.watched[0]), _state(outcome, "pitch", second), _gain(outcome),
@@ -129,7 +131,7 @@ def figures(model: Model, outcome: Outcome) -> tuple[Figure, ...]:
             _tests(outcome))
 
 
-def _step(model: Model, outcome: Outcome) -> TableFigure:
+def _step(model: Model, outcome: Outcome[Study]) -> TableFigure:
     study, k, plant = outcome.study, int(outcome.design["k"]), model.plant
     track, updated = study.found.track, outcome.design["phase"] == UPDATE
     at = int(track.schedule.index[k])
@@ -147,7 +149,7 @@ def _step(model: Model, outcome: Outcome) -> TableFigure:
                                     f"其 NIS 为 {study.nis[k]:.3g}。"))
 
 
-def _state(outcome: Outcome, name: str, signal: Signal) -> TimeFigure:
+def _state(outcome: Outcome[Study], name: str, signal: Signal) -> TimeFigure:
     found, row = outcome.study.found, np.array(signal.weights)
     true, mean = signal.of(found.run.x), signal.of(found.track.means)
     spread = 2 * np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, found.track.covariances, row), 0.0))
@@ -160,7 +162,7 @@ def _state(outcome: Outcome, name: str, signal: Signal) -> TimeFigure:
             f"稳定之后，真实值有 {inside:.0f} % 的时间落在滤波器自报的 2σ 之内；应为 95 %。"))
 
 
-def _gain(outcome: Outcome) -> TimeFigure:
+def _gain(outcome: Outcome[Study]) -> TimeFigure:
     found = outcome.study.found
     M, goal, count = found.track.gains, found.steady.filter_gain, min(len(found.run.t), 80)
     largest = np.argsort(np.abs(goal).ravel())[::-1][:3]
@@ -174,7 +176,7 @@ def _gain(outcome: Outcome) -> TimeFigure:
                       caption=Text("Dotted: the gain that the Riccati equation promises for ever.", "点线：Riccati 方程给出的稳态增益。"))
 
 
-def _distance(outcome: Outcome) -> TimeFigure:
+def _distance(outcome: Outcome[Study]) -> TimeFigure:
     found = outcome.study.found
     late = np.flatnonzero(found.distance > 0.01)
     after = f"{found.run.t[min(late[-1] + 1, len(found.run.t) - 1)]:.3g}" if len(late) else "0"
@@ -185,7 +187,7 @@ def _distance(outcome: Outcome) -> TimeFigure:
                                                                       f"{after} s 后相差不到 1 %。这与任何读数都无关。"))
 
 
-def _innovation(model: Model, outcome: Outcome) -> TimeFigure:
+def _innovation(model: Model, outcome: Outcome[Study]) -> TimeFigure:
     found, name = outcome.study.found, model.plant.output_names[0]
     nu, spread = found.track.innovations[:, 0], 2 * np.sqrt(found.track.S[:, 0, 0])
     inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
@@ -195,7 +197,7 @@ def _innovation(model: Model, outcome: Outcome) -> TimeFigure:
         caption=Text(f"Once settled, {inside:.0f} % within 2√S.", f"稳定之后 {inside:.0f} % 在 2√S 之内。"))
 
 
-def _correlation(model: Model, outcome: Outcome) -> PlaneFigure:
+def _correlation(model: Model, outcome: Outcome[Study]) -> PlaneFigure:
     w = outcome.study.test.whiteness
     lags = np.arange(1, len(w.correlation) + 1, dtype=float)
     roles, ends = ("estimate", "second", "disturbance", "plant"), np.array([lags[0], lags[-1]])
@@ -208,10 +210,11 @@ def _correlation(model: Model, outcome: Outcome) -> PlaneFigure:
                        Text("lag [samples]", "滞后 [采样]"), "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
 
-def _squares(outcome: Outcome, name: str, title: Text, dof: int, which: int) -> TimeFigure:
+def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: int) -> TimeFigure:
     study = outcome.study
     trials = study.trials
-    count, shown = (1, (study.nis, study.nees)[which]) if trials is None else (trials[2], trials[which])
+    count, shown = ((1, (study.nis, study.nees)[which]) if trials is None else
+                    (trials.count, (trials.nis, trials.nees)[which]))
     t, (low, high) = study.found.run.t[:len(shown)], chi2_band(dof, count=count)
     inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
     who = Text("One run", "单次运行") if trials is None else Text(f"Mean of {count} runs", f"{count} 次运行的平均")
@@ -226,7 +229,7 @@ def _squares(outcome: Outcome, name: str, title: Text, dof: int, which: int) -> 
                      f"{who.zh}：稳定之后 {inside:.0f} % 的采样在 χ² 带 [{low:.3g}, {high:.3g}] 内。"))
 
 
-def _tests(outcome: Outcome) -> TableFigure:
+def _tests(outcome: Outcome[Study]) -> TableFigure:
     study, held = outcome.study, {c.id: c.holds for c in outcome.checks}
 
     def verdict(name: str) -> Text:
@@ -243,7 +246,7 @@ def _tests(outcome: Outcome) -> TableFigure:
                            "即使滤波器完全正确，每项检验也会在百次记录中误报几次。"))
 
 
-def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
+def try_often(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
     """The job: the same filter on many records; NIS and NEES averaged at each sample."""
     study, design = outcome.study, outcome.design
     sums = np.zeros((2, len(study.nis)))
@@ -252,11 +255,20 @@ def try_often(model: Model, outcome: Outcome) -> Iterator[tuple[float, Outcome]]
         shared = min(sums.shape[1], len(other.nis))
         sums = sums[:, :shared] + np.vstack([other.nis[:shared], other.nees[:shared]])
         if count % AT_ONCE == 0:
-            outcome = replace(outcome, study=replace(study, trials=(sums[0] / count, sums[1] / count, count)))
-            yield count / RUNS, outcome
+            yield count / RUNS, Trials(count, sums[0] / count, sums[1] / count)
+
+
+def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
+    """The outcome with what the records showed."""
+    return replace(outcome, study=replace(outcome.study, trials=trials))
+
+
+def key(design: Design) -> Design:
+    """What the records rest on: all but the sample that is looked at."""
+    return design.with_values(k=1, phase=PREDICT)
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; report and converter stay with the deck."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), partial(try_often, model)), carry=None)
+                   job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), partial(try_often, model), key, shown))

@@ -7,13 +7,13 @@ import numpy as np
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
-from .expected import Expected, expected
-from .report import NEAR_R, NONE, SLIPS
+from .knobs import NEAR_R, NONE, SLIPS
+from .study import Expected, Study, expected
 
 ENOUGH, SELDOM = 0.5, 0.1  # shares of records that count as found out, and as left alone
 
 
-def _expected(o: Outcome) -> Expected:
+def _expected(o: Outcome[Study]) -> Expected:
     return expected(o.design["noise"], o.design["q"], o.design["r"])
 
 
@@ -26,7 +26,7 @@ def _holds(e: Expected) -> bool:
     return e.nis_holds and e.nees_holds and e.flagged <= SELDOM
 
 
-def _tune(o: Outcome) -> Verdict:
+def _tune(o: Outcome[Study]) -> Verdict:
     if o.design["noise"] != "white":
         return Verdict(False, Text("This task is about white sensor noise.", "本题针对白测量噪声。"))
     e = _expected(o)
@@ -36,7 +36,7 @@ def _tune(o: Outcome) -> Verdict:
     return Verdict(True, Text(f"{said.en}: no test finds it out.", f"{said.zh}：没有检验能识破它。"))
 
 
-def _decoy(o: Outcome) -> Verdict:
+def _decoy(o: Outcome[Study]) -> Verdict:
     if o.design["noise"] != "white" or o.design["q"] < 5:
         return Verdict(False, Text(f"q = {o.design['q']:.3g}; white sensor noise and q of at least 5 are wanted.",
                                    f"q = {o.design['q']:.3g}；要求白测量噪声且 q 不小于 5。"))
@@ -49,7 +49,7 @@ def _decoy(o: Outcome) -> Verdict:
     return Verdict(True, Text(f"{said.en}: NIS is content, colour gives the filter away.", f"{said.zh}：NIS 合格，颜色却露了馅。"))
 
 
-def _converter(o: Outcome) -> Verdict:
+def _converter(o: Outcome[Study]) -> Verdict:
     if o.design["noise"] == "white":
         return Verdict(False, Text("Switch the sensor noise to the converter.", "请把测量噪声切换为 ADC 噪声。"))
     e = _expected(o)
@@ -59,7 +59,7 @@ def _converter(o: Outcome) -> Verdict:
     return Verdict(True, Text(f"{said.en}: what was colour is now state.", f"{said.zh}：颜色已经变成了状态。"))
 
 
-def _report(o: Outcome) -> Verdict:
+def _report(o: Outcome[Study]) -> Verdict:
     line = o.design["line"]
     if line == NONE:
         return Verdict(False, Text("Choose a line of the report.", "请选择报告中的一行。"))

@@ -2,215 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
-from app.engine import EngineError, closed_loop
-from app.engine.design import Optimal
-from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
+from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
-from app.plants.doyle import gains as gains_of_paper
-from app.plants.model import Model, Window
-from app.text.words import Text
+from app.plants.model import Model
 
-from ..toolkit.latex import number
-from .cases import DOYLE, Case, case_of, doyle_case, report_case
-from .dials import knobs_for
-from .loops import (
-    RECURSIVE,
-    Cost,
-    Robustness,
-    Setting,
-    Trace,
-    cost,
-    estimator,
-    gains,
-    ideal,
-    loop,
-    real,
-    sensor_input,
-    setting_of,
-    trace,
-)
-from .pictures import all_figures
-from .rules import PROCESS, SENSOR, SPLIT
+from .cases import Case, case_of, doyle_case, report_case
+from .figures import all_figures
+from .job import JOB
+from .knobs import knobs_for
+from .study import compute_for
 from .tasks import TASKS, exam
-from .trials import RECORDS, Trials, try_often, with_trials
-
-VIEWS = ("rule", "cut", "kick")  # knobs that change no spectrum
-
-
-@dataclass(frozen=True, eq=False)
-class Study:
-    """All that a design leads to. density (n_f, k) and variance (k,) of the channels, asked: the inputs' densities by
-    cause, suppression and low: dB gained at the peak and at the case's low frequency; None where the loop (or, for the
-    gains, the plant) is unstable. `disturbance` is the true factor of W."""
-
-    case: Case
-    disturbance: float
-    density: np.ndarray | None
-    variance: np.ndarray | None
-    asked: tuple[np.ndarray, np.ndarray] | None
-    suppression: np.ndarray | None
-    low: np.ndarray
-    cost: Cost
-    plain_cost: Cost
-    ideal: Robustness
-    real: Robustness
-    plain: Robustness
-    trace: Trace
-    trials: Trials | None = None
-
-
-# --- the draft -------------------------------------------------------------------------------------------------------
-def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome:
-    """Gains, loop, spectra, costs, robustness and one run of a design on one of these cases."""
-    values = dict(design.values)
-    case = next(c for c in cases if c.id == values.get("case", cases[0].id))
-    setting = setting_of(case, design)
-    f, cut = setting.factors, min(int(values.get("cut", "1")), case.plant.m) - 1
-    reg, est = gains(case, setting)
-    z = loop(case, setting)
-    true = case.true_disturbance(f)
-    density = variance = asked = suppression = None
-    low = np.zeros(len(case.names))
-    if z.stable:
-        rows = np.vstack([z.outputs(), z.inputs()])
-        ground, sensors = z.parts(case.frequency, rows)
-        k = len(case.names)
-        density, asked = (ground + sensors)[:, :k], (ground[:, k:], sensors[:, k:])
-        variance = z.variance()
-        suppression, low = _gained(case, true, density)
-    paid = cost(case, setting)
-    study = Study(case, true, density, variance, asked, suppression, low, paid,
-                  paid if setting.recovery == 0 else cost(case, setting.plain()), ideal(case, f.alpha_q, f.alpha_r, cut),
-                  real(case, f, setting.recovery, cut), real(case, f, 0.0, cut),
-                  trace(case, setting, design["kick"], design["filter"] == RECURSIVE))
-    metrics = _metrics(study, setting, design, reg, est)
-    return Outcome(design, {"K": reg.gain, "L": est.gain}, {"regulator": reg.poles, "filter": est.poles, "loop": z.poles}, metrics,
-                   _checks(study, metrics), None, _boards(case, reg, est),
-                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u), _formulas(study, setting),
-                   _live(study), study)
-
-
-def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
-    """Decibels that the highest peak in the band, and the density at the low frequency, have come down."""
-    if case.open_psd is None:
-        return None, np.zeros(density.shape[1])
-    f, opened = case.frequency, np.maximum(true * case.open_psd, 1e-300)
-    band = (f >= case.band[0]) & (f <= case.band[1])
-    at = int(np.argmin(np.abs(f - case.low)))
-    floor = np.maximum(density, 1e-300)
-    return (10 * np.log10(opened[band].max(axis=0) / floor[band].max(axis=0)), 10 * np.log10(opened[at] / floor[at]))
-
-
-def _metrics(s: Study, setting: Setting, design: Design, reg: Optimal, est: Optimal) -> dict[str, float]:
-    case, c = s.case, s.cost
-    power, noise = float(np.sum(np.square(c.ground))) + float(np.sum(np.square(c.sensors))), float(np.sum(np.square(c.sensors)))
-    m = s.real.margins
-    out = {
-        "stable": float(s.density is not None), "J": c.total, "J_known": c.known, "J_least": c.least, "J_open": c.idle,
-        "sensor_input": float(np.sqrt(noise)), "sensor_share": noise / power if 0 < power < np.inf else np.inf,
-        "gain_low": m.gain[0], "gain_high": m.gain[1], "phase_deg": float(np.degrees(m.phase)), "delay": m.delay,
-        "disk": m.disk.alpha, "nearest": m.nearest, "nearest_lqr": s.ideal.margins.nearest,
-        "all_inputs_alpha": s.real.alpha, "all_inputs_nearest": s.real.nearest,
-        "riccati_residual": max(reg.residual, est.residual),
-    }
-    out |= {f"suppression_{i}": float(v) for i, v in enumerate(s.suppression if s.suppression is not None else ())}
-    out |= {f"low_{i}": float(v) for i, v in enumerate(s.low)}
-    f, rule = setting.factors, design["rule"]
-    if rule == SPLIT:
-        out["union_error"] = closed_loop(case.plant, reg.gain, est.gain).union_error
-    elif rule == SENSOR:
-        base = out["sensor_input"]
-        for name, factor in (("sensor_less", 0.1), ("sensor_more", 10.0)):
-            other = replace(setting, factors=replace(f, beta_r=f.beta_r * factor))
-            out[name] = sensor_input(case, other) / base if base > 0 else np.inf
-    elif rule == PROCESS:
-        more = estimator(case, f.beta_q * 10.0, f.beta_r, setting.recovery)
-        out["process_more"] = float(np.sum(more.poles.real) / np.sum(est.poles.real))
-    return {name: float(value) for name, value in out.items() if np.isfinite(value)}
-
-
-def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
-    disk = s.real.margins.disk.alpha
-    return (
-        Check("stable", Text("the loop is stable with the true gain m", "在真实增益 m 下回路稳定"), s.density is not None, m["stable"]),
-        Check("optimal", Text("no controller is cheaper under this noise", "此噪声下没有更便宜的控制器"),
-              s.cost.total <= s.cost.least * (1 + 1e-6), s.cost.total / max(s.cost.least, 1e-300)),
-        Check("kalman", Text("LQR keeps |1 + ℓ| ≥ 1", "LQR 保持 |1 + ℓ| ≥ 1"), m["nearest_lqr"] > 1 - 1e-6, m["nearest_lqr"]),
-        Check("margins", Text("LQG has a disk margin of at least 0.5", "LQG 的圆盘裕度不小于 0.5"), disk >= 0.5, disk),
-    )
-
-
-def _inside(poles: np.ndarray, window: Window) -> tuple[complex, ...]:
-    """The poles that a board has room for; those of sensors and fast gains lie far outside."""
-    return tuple(complex(p) for p in poles if window.re_low <= p.real <= window.re_high and abs(p.imag) <= window.im_high)
-
-
-def _boards(case: Case, reg: Optimal, est: Optimal) -> tuple[Board, Board]:
-    c, o = case.model.controller_window, case.model.observer_window
-    return (
-        Board("regulator", Text("regulator poles  eig(A − BK)", "调节器极点  eig(A − BK)"), _inside(reg.poles, c), side="left",
-              re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
-        Board("filter", Text("filter poles  eig(A − LC)", "滤波器极点  eig(A − LC)"), _inside(est.poles, o), role="estimate", side="right",
-              re_low=o.re_low, re_high=o.re_high, im_high=o.im_high),
-    )
-
-
-def _formulas(s: Study, setting: Setting) -> tuple[Formula, ...]:
-    f, c = setting.factors, s.cost
-    split = (Formula("split", rf"J = \underbrace{{{number(c.known)}}}_{{\mathrm{{tr}}\,S G W G^{{\mathsf T}}}}"
-                     rf" + \underbrace{{{number(c.total - c.known)}}}_{{\hat x \neq x}}")
-             if np.isfinite(c.total) else Formula("split", r"J = \infty"))
-    law = Formula("law", r"u = -K\hat x,\quad K = R^{-1}B^{\mathsf T}S,\quad L = P C^{\mathsf T}V^{-1}")
-    if s.case.id != DOYLE:
-        ratios = number(f.alpha_q / f.alpha_r), number(f.beta_r / f.beta_q)
-        return law, split, Formula("ratio", rf"\alpha_Q/\alpha_R = {ratios[0]},\quad \beta_R/\beta_Q = {ratios[1]}")
-    top, d = gains_of_paper(f.alpha_q, f.beta_q)
-    return (
-        law,
-        Formula("fd", rf"f = 2 + \sqrt{{4 + q}} = {number(top)},\quad d = 2 + \sqrt{{4 + \sigma}} = {number(d)}"),
-        Formula("edge", rf"m < 1 + \frac{{1}}{{d f}} = {1 + 1 / (d * top):.6g}", Text("for plain LQG, ρ = 0", "普通 LQG（ρ = 0）")),
-        split,
-    )
-
-
-def _live(s: Study) -> Text:
-    gain = s.real.margins.gain
-    if s.density is None:
-        return Text(f"Unstable: this loop tolerates {gain[0]:.4g} … {gain[1]:.6g} times the gain of one input.",
-                    f"不稳定：这个回路对单个输入只容许 {gain[0]:.4g} … {gain[1]:.6g} 倍的增益。")
-    if s.suppression is None:
-        return Text(f"Stable up to a gain of {gain[1]:.6g}; nearest approach to −1: {s.real.margins.nearest:.3g}.",
-                    f"增益不超过 {gain[1]:.6g} 倍时稳定；离 −1 最近 {s.real.margins.nearest:.3g}。")
-    named = ", ".join(f"{v:.1f}" for v in s.suppression).replace("-", "−")
-    delay = s.real.margins.delay
-    late = (Text(f"{delay:.3g} s of delay", f" {delay:.3g} s 的时延") if np.isfinite(delay) else Text("any delay", "任意时延"))
-    return Text(f"Peaks lowered by {named} dB; this input tolerates {late.en}.", f"峰值降低 {named} dB；该输入可容忍{late.zh}。")
-
-
-def carry(before: Outcome, after: Outcome) -> Outcome:
-    """The runs go over where only what is looked at has changed."""
-    old, new = before.study.trials, after.study.trials
-    if old is None or not before.design.same_but_for(after.design, VIEWS) or (new is not None and new.count >= old.count):
-        return after
-    return with_trials(after, old)
 
 
 def build(cases: tuple[Case, ...]) -> Lesson:
     """The lesson on these cases."""
-    def run(outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
-        return try_often(outcome.study.case, outcome)
-
     return Lesson(
         "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, tasks=TASKS, exam=exam,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
         words=read_prose(Path(__file__).parent),
-        job=Job(Text(f"Run it {RECORDS} times on a computer", f"在计算机上运行 {RECORDS} 次"), run), carry=carry)
+        job=JOB)
 
 
 def adapt(lesson: Lesson, model: Model) -> Lesson:
@@ -224,5 +37,3 @@ def on_model(model: Model) -> Lesson:
 
 
 LESSON = replace(build((report_case(), doyle_case())), adapt=adapt)
-
-__all__ = ["LESSON", "EngineError", "build", "on_model"]

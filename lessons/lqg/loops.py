@@ -28,7 +28,6 @@ from app.lesson.lesson import Design
 
 from .cases import Case, Factors
 
-STEADY, RECURSIVE = "steady", "recursive"
 FAR = 1e9  # a state beyond this ends the run
 STEP, DRAWN = 0.1, 240  # of Nyquist's curve: a longer jump counts as this; points drawn
 LOOK = 60  # matrices looked at together

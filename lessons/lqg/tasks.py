@@ -9,8 +9,9 @@ from app.plants.doyle import gains
 from app.text.words import Text
 
 from .cases import DOYLE, REPORT
+from .knobs import NONE, SENSOR, UNITS
 from .loops import real, setting_of
-from .rules import NONE, SENSOR, UNITS
+from .study import Study
 
 EDGE = 1.001  # a gain that breaks the loop of the first task
 HEAVY = 1000.0  # q and σ at least, in the second
@@ -18,11 +19,11 @@ UP, DOWN = 2.0, 0.5  # gain margins asked back
 DECIBEL, SECONDS = 20.0, 0.1
 
 
-def _on(outcome: Outcome, case: str) -> bool:
+def _on(outcome: Outcome[Study], case: str) -> bool:
     return outcome.study.case.id == case
 
 
-def _vanish(outcome: Outcome) -> Verdict:
+def _vanish(outcome: Outcome[Study]) -> Verdict:
     if not _on(outcome, DOYLE):
         return Verdict(False, Text("Choose Doyle's plant first.", "请先选择 Doyle 的对象。"))
     high = outcome.study.real.margins.gain[1]
@@ -35,7 +36,7 @@ def _vanish(outcome: Outcome) -> Verdict:
                               f"增益到模型值的 {high:.6g} 倍，这个最优回路就失稳。"))
 
 
-def _recover(outcome: Outcome) -> Verdict:
+def _recover(outcome: Outcome[Study]) -> Verdict:
     d, s = outcome.design, outcome.study
     if not _on(outcome, DOYLE) or d["q"] < HEAVY or d["sigma"] < HEAVY:
         return Verdict(False, Text("Doyle's plant with q and σ of at least 1000, please.", "请使用 Doyle 的对象，且 q、σ 都不小于 1000。"))
@@ -50,7 +51,7 @@ def _recover(outcome: Outcome) -> Verdict:
                               f"{found.zh}；测量噪声引起的输入变为原来的 {price:.3g} 倍。"))
 
 
-def _twenty(outcome: Outcome) -> Verdict:
+def _twenty(outcome: Outcome[Study]) -> Verdict:
     s = outcome.study
     if not _on(outcome, REPORT) or s.suppression is None:
         return Verdict(False, Text("A stable loop on the platform is asked for.", "要求平台上的一个稳定回路。"))
@@ -64,7 +65,7 @@ def _twenty(outcome: Outcome) -> Verdict:
     return Verdict(True, Text(f"{found.en}.", f"{found.zh}。"))
 
 
-def _rule(outcome: Outcome) -> Verdict:
+def _rule(outcome: Outcome[Study]) -> Verdict:
     rule, more = outcome.design["rule"], outcome.metrics.get("sensor_more", np.inf)
     if rule == NONE:
         return Verdict(False, Text("Choose the line that you doubt.", "请选择你所怀疑的一行。"))

@@ -7,12 +7,14 @@ import numpy as np
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
+from .study import Study
+
 WANTED = 1.01  # of the least variances: the bottom of the valley
 TWIN_SPEED = 0.3  # times Kalman: the slow observer whose fast twin is asked for
 PEAK, SETTLED = 0.5, 1.4  # m/s and s
 
 
-def _by_hand(outcome: Outcome) -> Verdict:
+def _by_hand(outcome: Outcome[Study]) -> Verdict:
     ratio = outcome.metrics["worst_ratio"]
     if outcome.design["method"] != "poles":
         return Verdict(False, Text("Drag the poles yourself: here the Kalman filter is not to help.",
@@ -24,7 +26,7 @@ def _by_hand(outcome: Outcome) -> Verdict:
                               f"两个方差与最小值相差都不超过 {100 * (ratio - 1):.2f} %。"))
 
 
-def _other_side(outcome: Outcome) -> Verdict:
+def _other_side(outcome: Outcome[Study]) -> Verdict:
     ray, m = outcome.study.ray, outcome.metrics
     if outcome.design["method"] != "speed" or outcome.design["watch"] != "velocity":
         return Verdict(False, Text("Use the Kalman pattern and judge by velocity.", "请使用卡尔曼的形状，并以速度误差评判。"))
@@ -42,7 +44,7 @@ def _other_side(outcome: Outcome) -> Verdict:
                               f"{numbers}（慢的那个）：同样差，但现在 {100 * m['sensor_share']:.0f} % 来自测量噪声。"))
 
 
-def _quiet_start(outcome: Outcome) -> Verdict:
+def _quiet_start(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
     if d["error0"] < 0.3 or d["kick"] >= 0:
         return Verdict(False, Text(f"The starting error is {d['error0']:.2g} m; keep 0.3 m or more, and no kick.",

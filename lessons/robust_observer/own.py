@@ -14,17 +14,17 @@ from app.text.words import Text
 
 from ..toolkit.boards import bolts
 from ..toolkit.latex import gain_words, number, pole_words
-from .lesson import MET
+from .own_figures import all_figures
+from .own_job import key, search, shown
 from .own_knobs import own_knobs
-from .own_loop import Run, errors, lengths, observer_of, run_of
-from .own_pictures import Story, all_figures
+from .own_loop import Run, Story, errors, lengths, observer_of, run_of
 from .own_plant import Here, fitted
-from .own_search import carry, search
+from .study import MET
 
 WHOLE = 1e8  # condition of [T; C] up to which the observer's state and y are taken for the whole state
 
 
-def compute(here: Here, design: Design) -> Outcome:
+def compute(here: Here, design: Design) -> Outcome[Story]:
     """The observer, its conditions and J, and one run each on the model and on the true plant. Raises KnobError, EngineError."""
     o = observer_of(here, design)
     dA, dC = errors(here, design)
@@ -101,4 +101,4 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where an observer of a part of its state exists; the tasks stay with the paper."""
     here = fitted(model)
     return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=all_figures, tasks=(),
-                   job=Job(Text("Run algorithm RLO", "运行算法 RLO"), partial(search, here)), carry=partial(carry, here))
+                   job=Job(Text("Run algorithm RLO", "运行算法 RLO"), partial(search, here), key, partial(shown, here)))

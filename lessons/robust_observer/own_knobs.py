@@ -5,8 +5,7 @@ from __future__ import annotations
 from app.lesson.knobs import Choice, Knob, Number, Poles
 from app.text.words import Text, same
 
-from .lesson import ERRORS, SEARCH, weight_knobs
-from .loops import NORMS
+from .knobs import ERRORS, NORMS, SEARCH, weight_knobs
 from .own_plant import Here
 
 WANTED = Text("What is wanted", "待估计的量")

@@ -8,14 +8,15 @@ import numpy as np
 from scipy.linalg import expm
 
 from app.engine import EngineError
-from app.engine.observers import FunctionalObserver, Perturbations
+from app.engine.observers import FunctionalObserver, Perturbations, RobustObserver
 from app.engine.systems import Poles
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design
+from app.plants import Window
 from app.text.words import Text
 
 from ..toolkit.gains import feedback
-from .loops import NORMS
+from .knobs import NORMS
 from .own_plant import Here, coincide, met, row_of
 
 WAVES = 3.0  # periods of v within the run
@@ -163,3 +164,18 @@ def _gain(here: Here, loop: Loop) -> tuple[np.ndarray, np.ndarray]:
     except np.linalg.LinAlgError:
         return f, np.full(f.shape, DIVERGED)
     return f, np.nan_to_num(np.abs(solved @ loop.error[0]), nan=DIVERGED, posinf=DIVERGED)
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """The observer, its runs on the model and on the true plant, what is wanted, and what RLO found if it has run."""
+
+    observer: FunctionalObserver
+    model: Run
+    true: Run
+    fed: bool
+    name: Text
+    window: Window
+    unit: str
+    found: RobustObserver | None = None
+    found_run: Run | None = None

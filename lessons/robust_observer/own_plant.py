@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from app.engine import EngineError, Plant, functional_observer, observability
 from app.engine.design import typical_rate
-from app.engine.observers import FunctionalObserver, Perturbations, every_entry, perturbations
+from app.engine.observers import FunctionalObserver, Norm, Perturbations, every_entry, perturbations
 from app.lesson.knobs import KnobError, Poles
 from app.plants import Model
 from app.plants.names import called
 from app.text.words import Text, same
 
-from .lesson import MET
+from .study import MET
 
 FEW = 3  # orders offered from the lowest on; the highest comes with them
 NEAR = 1e-6  # poles nearer to each other than this, relative, coincide
@@ -43,7 +42,7 @@ class Scaled:
         """Errors such that J of an inner observer is that of the given one: T Aᵢ and L Cᵢ have the same size."""
         return replace(wrong, A=wrong.A / self.unit[:, None], beta=wrong.beta * self.rate)
 
-    def observer(self, row: np.ndarray, poles: tuple[complex, ...], wrong: Perturbations, norm: Any = 2) -> FunctionalObserver:
+    def observer(self, row: np.ndarray, poles: tuple[complex, ...], wrong: Perturbations, norm: Norm = 2) -> FunctionalObserver:
         """The observer of row · x with these poles, for the plant that was given."""
         found = functional_observer(self.inner, row * self.unit, len(poles), poles=np.array(poles) / self.rate,
                                     wrong=self.within(wrong),

@@ -15,15 +15,9 @@ from app.engine import functional_observer
 from app.engine.observers import FunctionalObserver
 from app.plants.duan import EXAMPLE_2
 
+from .knobs import LINES, REMARKS
+
 TURN = np.array([[2.0, 1.0], [0.5, -1.0]])  # Λ
-REMARKS = MappingProxyType({
-    "printed": "(F, ΛF, ΛL, ΛNΛ⁻¹, M)",
-    "left": "(F, ΛT, ΛL, NΛ⁻¹, M)",
-    "forward": "(ΛFΛ⁻¹, ΛT, ΛL, NΛ, M)",
-    "similar": "(ΛFΛ⁻¹, ΛT, ΛL, NΛ⁻¹, M)",
-})
-LINES = MappingProxyType({"TA": "TΔA", "LC": "LΔC", "MC": "MΔC", "N": "N"})
-COLUMNS = MappingProxyType({"np": "n + p − r*", "nm": "n + m − r*", "mp": "m + p − r*"})
 PRINTED_SIZES = MappingProxyType({"TA": (2, 3), "LC": (2, 2), "MC": (1, 3), "N": (1, 2)})
 
 

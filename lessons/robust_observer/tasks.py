@@ -1,17 +1,20 @@
-"""Tasks of the lesson: the kink of J, two observers that are one, and the slips of the printed paper."""
+"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper; and the exam item."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+import numpy as np
+
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
-from .loops import BEST, ONE, TWO
-from .paper import COLUMNS, LINES, PRINTED_SIZES, REMARKS, claimed_columns, free_columns, remark_3, true_size
+from .knobs import COLUMNS, LINES, ONE, REMARKS, TWO
+from .paper import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
+from .study import BEST, Story
 
 FLOOR_J = 38 / 9
 
 
-def _kink(outcome: Outcome) -> Verdict:
+def _kink(outcome: Outcome[Story]) -> Verdict:
     d, J = outcome.design, outcome.metrics["J"]
     if d["example"] != ONE or any(d[name] != 1.0 for name in ("alpha", "beta", "gamma")):
         return Verdict(False, Text("This task is about Example 1 with all weights at 1.", "本题针对例 1，所有权重取 1。"))
@@ -22,7 +25,7 @@ def _kink(outcome: Outcome) -> Verdict:
                               f"s = {d['pole'][0].real:.4g} 时 J = {J:.4g}；最小值为 38/9，在 −5/3 处取得。"))
 
 
-def _one_observer(outcome: Outcome) -> Verdict:
+def _one_observer(outcome: Outcome[Story]) -> Verdict:
     d, gap = outcome.design, outcome.metrics["coordinate_gap"]
     if d["example"] != TWO or abs(d["w12"]) < 1:
         return Verdict(False, Text("Take Example 2 and keep |w| at 1 or more.", "请选例 2，并保持 |w| 不小于 1。"))
@@ -33,7 +36,7 @@ def _one_observer(outcome: Outcome) -> Verdict:
                               f"w = {d['w12']:g} 时，e_u 与 W = I 时相同，相差仅 {max(gap, 1e-16):.0e}：本是同一个观测器。"))
 
 
-def _remark(outcome: Outcome) -> Verdict:
+def _remark(outcome: Outcome[Story]) -> Verdict:
     d = outcome.design
     if d["example"] != TWO:
         return Verdict(False, Text("Take Example 2, where Λ is a matrix and the order of factors matters.",
@@ -49,7 +52,7 @@ def _remark(outcome: Outcome) -> Verdict:
                               "两个条件都成立：坐标变换把 F 变为 ΛFΛ⁻¹，把 T 变为 ΛT。"))
 
 
-def _sizes(outcome: Outcome) -> Verdict:
+def _sizes(outcome: Outcome[Story]) -> Verdict:
     d = outcome.design
     if d["example"] != TWO:
         return Verdict(False, Text("Take Example 2: its lines are the ones to check.", "请选例 2：要检查的是它的各行。"))
@@ -65,6 +68,14 @@ def _sizes(outcome: Outcome) -> Verdict:
                               f"M′ has {COLUMNS[d['columns']]} = {right} columns here.",
                               f"{LINES[d['line']]} 应为 {true[0]}×{true[1]}，印成了 {printed[0]}×{printed[1]}；"
                               f"这里 M′ 有 {COLUMNS[d['columns']]} = {right} 列。"))
+
+
+def exam(seed: int) -> ExamItem:
+    """J of example 1 at an integer s with integer weights: 2α|s| + β|s² + 4s + 3| + γ|50 + 30s|."""
+    rng = np.random.default_rng(seed)
+    s, a, b, c = -int(rng.integers(2, 10)), int(rng.integers(1, 5)), int(rng.integers(1, 5)), int(rng.integers(1, 5))
+    answer = 2 * a * abs(s) + b * abs(s * s + 4 * s + 3) + c * abs(50 + 30 * s)
+    return ExamItem({"s": str(s), "a": str(a), "b": str(b), "c": str(c)}, float(answer), 1e-6)
 
 
 TASKS = (

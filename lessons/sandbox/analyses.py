@@ -25,7 +25,7 @@ from app.engine import (
 from app.engine.design import in_natural_units
 from app.engine.feedback import ChannelMargins, ClosedLoop, Sensitivity
 from app.engine.filters import ErrorParts, Ladder, SquaredError, noise_ladder, simulate_filter
-from app.engine.structure import Controllability, KalmanDecomposition, Observability, split_stable
+from app.engine.structure import Controllability, KalmanDecomposition, Observability, StableSplit, split_stable
 from app.lesson.knobs import KnobError
 from app.plants import Model
 from app.text import told
@@ -83,10 +83,10 @@ def structure(plant: Plant) -> Structure:
                      attempt(lambda: kalman_decomposition(plant)), attempt(lambda: _hankel(split)), kept)
 
 
-def _hankel(split: object) -> np.ndarray:
+def _hankel(split: StableSplit | Refusal) -> np.ndarray:
     if isinstance(split, Refusal):
         raise KnobError(split.text)
-    stable = split.stable  # type: ignore[attr-defined]
+    stable = split.stable
     if stable.n == 0:
         raise KnobError(Text("No state is stable by itself, so there are no Hankel values.", "没有自身稳定的状态，故无 Hankel 奇异值。"))
     return hankel_singular_values(stable)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Verdict
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from .analyses import Refusal
+from .knobs import APPLIED
+from .study import Study
 
 EXACT = 1e-8
 FOUND_OUT = 1.5  # times the expected NIS
 LEAST = 0.05  # share of the run that the inputs must be clipped
 
 
-def through_the_limit(outcome: Outcome) -> Verdict:
+def _through_the_limit(outcome: Outcome[Study]) -> Verdict:
     """Inputs clipped, and the error lives by itself all the same."""
     share, meter = outcome.metrics["clipped_share"], outcome.metrics["separation_meter"]
     if share < LEAST:
@@ -27,7 +29,7 @@ def through_the_limit(outcome: Outcome) -> Verdict:
                               f"截断时间占 {100 * share:.0f} %，分离度量为 0。"))
 
 
-def wrong_belief(outcome: Outcome) -> Verdict:
+def _wrong_belief(outcome: Outcome[Study]) -> Verdict:
     """A filter that its own NIS convicts of overconfidence."""
     trial = outcome.study.trial
     if isinstance(trial, Refusal):
@@ -40,7 +42,7 @@ def wrong_belief(outcome: Outcome) -> Verdict:
     return Verdict(True, Text(f"{said.en}: the innovations give it away.", f"{said.zh}：新息使它露了馅。"))
 
 
-def below_the_tolerance(outcome: Outcome) -> Verdict:
+def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:
     """A rank that drops although no mode is hidden."""
     seen = outcome.study.structure.seen
     if isinstance(seen, Refusal):
@@ -61,3 +63,10 @@ def exam(seed: int) -> ExamItem:
     rng = np.random.default_rng(seed)
     a, b = (int(v) for v in rng.choice(np.arange(-9, 0), 2, replace=False))
     return ExamItem({"a": str(a), "b": str(b)}, 1.0 / (a - b), 0.005)
+
+
+TASKS = (
+    Task("through-the-limit", _through_the_limit, {"limited": True, "fed": APPLIED}),
+    Task("wrong-belief", _wrong_belief, {"belief": 0.003, "sensor": 0.003}),
+    Task("below-the-tolerance", _below_the_tolerance, {"tolerance": 0.9}),
+)

@@ -8,9 +8,9 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import solve_continuous_are
 
 from app.engine import observer_gain
+from lessons.duality.knobs import MODEL
 from lessons.duality.lesson import LESSON
-from lessons.duality.proofs import filter_riccati, observer_by_polynomial, output_energy
-from lessons.duality.twins import MODEL, gap, run_pair, turned
+from lessons.duality.study import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair, turned
 
 
 def outcome(**changes):

@@ -8,9 +8,10 @@ from scipy.linalg import expm
 
 from app.engine import Scenario, simulate
 from app.engine.systems import match_poles
-from lessons.hidden_modes.cases import CASES, COMMON, RELATIVE, UNMOVED, UNSEEN
-from lessons.hidden_modes.lesson import LESSON, movable
-from lessons.hidden_modes.pictures import DRAWS, random_poles
+from lessons.hidden_modes.figures import DRAWS, random_poles
+from lessons.hidden_modes.knobs import CASES, COMMON, RELATIVE, UNMOVED, UNSEEN
+from lessons.hidden_modes.lesson import LESSON
+from lessons.hidden_modes.study import movable
 
 
 def outcome(**changes):

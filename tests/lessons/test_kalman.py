@@ -5,14 +5,17 @@ from __future__ import annotations
 import control
 import numpy as np
 import pytest
+from lesson_checks import carried
 from scipy.linalg import expm, solve_discrete_are
 from scipy.stats import binom, chi2
 
 from app.engine import chi2_band
-from lessons.kalman.expected import expected
-from lessons.kalman.filters import ADC, DT, MODEL, SIGMA, compare, truth, tuned, watch, watcher
-from lessons.kalman.lesson import LESSON, RUNS
-from lessons.kalman.report import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
+from lessons.kalman.figures import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
+from lessons.kalman.filters import ADC, SIGMA, compare, truth, tuned, watch, watcher
+from lessons.kalman.job import RUNS
+from lessons.kalman.knobs import DT, MODEL
+from lessons.kalman.lesson import LESSON
+from lessons.kalman.study import expected
 
 
 def outcome(**changes):
@@ -237,8 +240,8 @@ def test_the_converters_noise_has_the_variance_that_its_density_promises():
 
 def test_runs_carry_over_to_another_sample_only():
     *_, (_, done) = LESSON.job.outcomes(outcome(q=1.0, r=1.0))
-    assert LESSON.carry(done, outcome(q=1.0, r=1.0, k=5)).study.trials is done.study.trials
-    assert LESSON.carry(done, outcome(q=1.1, r=1.0)).study.trials is None
+    assert carried(LESSON, done.design, done.study.trials, outcome(q=1.0, r=1.0, k=5)).study.trials is done.study.trials
+    assert carried(LESSON, done.design, done.study.trials, outcome(q=1.1, r=1.0)).study.trials is None
 
 
 @pytest.mark.parametrize("seed", range(1, 5))

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from lesson_checks import carried
 
 from app.engine import EngineError, compensator, loop_margins, lqg, recover
 from app.engine.feedback import state_feedback_margins
@@ -12,9 +13,9 @@ from app.lesson.lesson import Outcome
 from app.plants import MODELS, doyle
 from app.text import same
 from lessons.lqg.cases import case_of
+from lessons.lqg.job import bench_of
 from lessons.lqg.lesson import LESSON, on_model
 from lessons.lqg.loops import setting_of, trace
-from lessons.lqg.trials import bench_of
 from lessons.toolkit.figures import within
 
 
@@ -151,9 +152,9 @@ def test_the_runs_lie_on_the_prediction(values: dict) -> None:
     trials = last.study.trials
     assert trials.ratio == pytest.approx(np.ones(3), abs=0.08)
     assert (trials.inside > 0.85).all()  # 95 % are expected; neighbouring points are not independent
-    known = LESSON.carry(last, at(**{**values, "rule": "split"}))  # type: ignore[misc]
+    known = carried(LESSON, last.design, trials, at(**{**values, "rule": "split"}))
     assert known.study.trials is trials
-    assert LESSON.carry(last, at(**{**values, "recovery": 1.0})).study.trials is None  # type: ignore[misc]
+    assert carried(LESSON, last.design, trials, at(**{**values, "recovery": 1.0})).study.trials is None
 
 
 def test_a_computer_at_200_hz_keeps_little_of_the_literal_design() -> None:

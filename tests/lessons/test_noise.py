@@ -5,13 +5,16 @@ from __future__ import annotations
 import control
 import numpy as np
 import pytest
+from lesson_checks import carried
 from scipy.linalg import expm
 from scipy.optimize import minimize
 from scipy.stats import chi2
 
 from app.engine import error_parts
-from lessons.noise.lesson import LESSON, PLANT, RUNS
-from lessons.noise.variance import ray_of
+from lessons.noise.job import RUNS
+from lessons.noise.knobs import PLANT
+from lessons.noise.lesson import LESSON
+from lessons.noise.study import ray_of
 
 W, V = 0.04, 4e-4
 
@@ -114,8 +117,8 @@ def test_lyapunov_is_the_variance_of_many_runs(speed, seed):
 
 def test_runs_carry_over_to_another_view_of_the_same_design_only():
     *_, (_, done) = LESSON.job.outcomes(outcome())
-    assert LESSON.carry(done, outcome(watch="position")).study.trials is done.study.trials
-    assert LESSON.carry(done, outcome(w=0.05)).study.trials is None
+    assert carried(LESSON, done.design, done.study.trials, outcome(watch="position")).study.trials is done.study.trials
+    assert carried(LESSON, done.design, done.study.trials, outcome(w=0.05)).study.trials is None
 
 
 @pytest.mark.parametrize("seed", range(1, 6))

@@ -5,22 +5,18 @@ import math
 
 import numpy as np
 import pytest
+from lesson_checks import carried
 from scipy.integrate import solve_ivp
 
 from app.engine import EngineError, ShapeError, functional_observer, rlo
 from app.engine.observers import Region, vertices, worst_error_gain
 from app.lesson.knobs import KnobError
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2
+from lessons.robust_observer.job import swept
+from lessons.robust_observer.knobs import COLUMNS, LINES, REMARKS
 from lessons.robust_observer.lesson import LESSON
-from lessons.robust_observer.loops import (
-    FREQUENCIES,
-    criterion_1,
-    criterion_2,
-    observer_of,
-    steering,
-)
-from lessons.robust_observer.paper import COLUMNS, LINES, REMARKS, claimed_columns, free_columns, remark_3, true_size
-from lessons.robust_observer.search import swept
+from lessons.robust_observer.paper import claimed_columns, free_columns, remark_3, true_size
+from lessons.robust_observer.study import FREQUENCIES, criterion_1, criterion_2, observer_of, steering
 
 START = LESSON.start()
 SECOND = LESSON.apply(START, {"example": "2"})
@@ -242,9 +238,9 @@ def test_the_job_can_be_stopped_reports_progress_and_leaves_the_picture_as_it_wa
 
 def test_what_was_found_is_carried_over_while_it_holds():
     found = finished(outcome())
-    assert LESSON.carry(found, outcome(pole=(-2.0,))).study.search is found.study.search
+    assert carried(LESSON, found.design, found.study.search, outcome(pole=(-2.0,))).study.search is found.study.search
     for change in ({"alpha": 2.0}, {"region_high": -1.0}, {"example": "2"}, {"a1": 0.2}):
-        assert LESSON.carry(found, outcome(**change)).study.search is None
+        assert carried(LESSON, found.design, found.study.search, outcome(**change)).study.search is None
 
 
 def test_the_sweep_of_example_2_stands_at_s_and_s_minus_1():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from lesson_checks import carried
 from scipy.linalg import expm
 
 from app.engine import EngineError, Plant, observability, simulate_functional
@@ -89,11 +90,10 @@ def test_rlo_is_no_worse_than_the_start_and_is_shown(name: str, norm: str) -> No
     tables = {f.id: f.rows for f in lesson.figures(end) if isinstance(f, TableFigure)}
     assert tables["compared"][0][2] == f"{end.metrics['order_rlo']:.0f}"
     assert len(tables["attempts"]) >= end.metrics["order_rlo"]
-    assert lesson.carry is not None
     moved = lesson.compute(lesson.apply(end.design, {"delta_a": 20.0}))
-    assert lesson.carry(end, moved).study.found is end.study.found
+    assert carried(lesson, end.design, end.study.found, moved).study.found is end.study.found
     other = lesson.compute(lesson.apply(end.design, {"alpha": 2.0}))
-    assert lesson.carry(end, other) is other
+    assert carried(lesson, end.design, end.study.found, other) is other
 
 
 def test_j_is_that_of_the_matrices_shown_and_rlo_minimises_it() -> None:

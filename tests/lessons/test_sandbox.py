@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lesson_checks import carried
 
 from app.engine import Plant, closed_loop, controllability, hankel_singular_values, loop_margins, observability
 from app.lesson.figures import TableFigure
@@ -113,12 +114,13 @@ def test_recovery_brings_the_margin_of_a_minimum_phase_plant_back() -> None:
 
 def test_what_was_recovered_stays_while_only_the_observer_moves() -> None:
     lesson, start = opened(example("tanks"))
-    assert lesson.job is not None and lesson.carry is not None
-    *_, (_, done) = lesson.job.outcomes(start)
-    observer = lesson.compute(lesson.apply(done.design, {"tolerance": 1e-3}))
-    assert lesson.carry(done, observer).study.steps == done.study.steps
-    moved = lesson.apply(done.design, {"controller_poles": [1.2 * p for p in done.design["controller_poles"]]})
-    assert not lesson.carry(done, lesson.compute(moved)).study.steps
+    assert lesson.job is not None
+    *_, (_, found) = lesson.job.run(start)
+    assert found is not None and len(found.steps) > 1
+    observer = lesson.compute(lesson.apply(start.design, {"tolerance": 1e-3}))
+    assert carried(lesson, start.design, found, observer).study.steps == found.steps
+    moved = lesson.apply(start.design, {"controller_poles": [1.2 * p for p in start.design["controller_poles"]]})
+    assert not carried(lesson, start.design, found, lesson.compute(moved)).study.steps
 
 
 @pytest.mark.parametrize("seed", range(1, 9))

@@ -1,4 +1,4 @@
-"""Figures of the lesson: one step, the gain, the innovations, the tests, the spectra."""
+"""Figures of the lesson: one step, the gain, the innovations, the tests, the spectra, the lines of the report."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
 from ..toolkit.figures import TIME_TAB
-from .filters import CARRIED, DT, SKIP, STEPS
-from .report import report_figure
+from .filters import SKIP, STEPS
+from .knobs import CARRIED, DT, GAIN, JOSEPH, LINES, MEANS, NEAR_R, NONE, SHORT, SLIPS
+from .study import Study
 
 STEP_TAB, GAIN_TAB, TEST_TAB = Text("One step", "一步"), Text("Gain", "增益"), Text("Consistency", "一致性")
 INNOVATION_TAB, SPECTRUM_TAB = Text("Innovations", "新息"), Text("Spectrum", "频谱")
@@ -20,14 +21,14 @@ TURN = np.linspace(0, 2 * np.pi, 61)
 CIRCLE = np.column_stack([np.cos(TURN), np.sin(TURN)])
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     return (_ellipses(outcome), _step(outcome), _height(outcome), _pitch(outcome), _gain(outcome), _distance(outcome), _forms(outcome),
             _innovation(outcome), _correlation(outcome), _nis(outcome), _nees(outcome), _tests(outcome),
             _tracking(outcome), _colour(outcome), report_figure(outcome))
 
 
-def _time(outcome: Outcome) -> np.ndarray:
+def _time(outcome: Outcome[Study]) -> np.ndarray:
     return DT * np.arange(len(outcome.study.nis))
 
 
@@ -40,7 +41,7 @@ def _ellipse(mean: np.ndarray, P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return ring[:, 0], ring[:, 1]
 
 
-def _ellipses(outcome: Outcome) -> PlaneFigure:
+def _ellipses(outcome: Outcome[Study]) -> PlaneFigure:
     s, k = outcome.study, int(outcome.design["k"])
     plan, updated = s.watcher.schedule, outcome.design["phase"] == "update"
     before, at = int(plan.index[k - 1]), int(plan.index[k])
@@ -73,7 +74,7 @@ def _ellipses(outcome: Outcome) -> PlaneFigure:
                        (float(middle[1] - half[1]), float(middle[1] + half[1])), caption=said, tab=STEP_TAB)
 
 
-def _step(outcome: Outcome) -> TableFigure:
+def _step(outcome: Outcome[Study]) -> TableFigure:
     s, k = outcome.study, int(outcome.design["k"])
     plan, updated = s.watcher.schedule, outcome.design["phase"] == "update"
     at = int(plan.index[k])
@@ -86,7 +87,7 @@ def _step(outcome: Outcome) -> TableFigure:
                                     f"t = {k * DT:.2f} s；这次读数的 NIS 为 {s.nis[k]:.2f}。"))
 
 
-def _state(outcome: Outcome, name: str, title: Text, i: int, unit: str) -> TimeFigure:
+def _state(outcome: Outcome[Study], name: str, title: Text, i: int, unit: str) -> TimeFigure:
     s = outcome.study
     spread, mean, e = 2e3 * np.sqrt(s.track.variances[:, i]), 1e3 * s.track.means[:, i], s.truth.x[:, i] - s.track.means[:, i]
     inside = 100 * float(np.mean(1e3 * np.abs(e[SKIP:]) <= spread[SKIP:]))
@@ -98,16 +99,16 @@ def _state(outcome: Outcome, name: str, title: Text, i: int, unit: str) -> TimeF
                                    f"2 s 以后，真实值有 {inside:.0f} % 的时间落在滤波器自报的 2σ 之内；应为 95 %。"))
 
 
-def _height(outcome: Outcome) -> TimeFigure:
+def _height(outcome: Outcome[Study]) -> TimeFigure:
     return _state(outcome, "height", Text("height of the deck z", "平台高度 z"), 1, "mm")
 
 
-def _pitch(outcome: Outcome) -> TimeFigure:
+def _pitch(outcome: Outcome[Study]) -> TimeFigure:
     return _state(outcome, "pitch", Text("pitch of the deck θ", "平台俯仰角 θ"), 2, "mrad")
 
 
 # --- gain ------------------------------------------------------------------------------------------------------------
-def _gain(outcome: Outcome) -> TimeFigure:
+def _gain(outcome: Outcome[Study]) -> TimeFigure:
     s = outcome.study
     M, goal = s.track.gains[:100], s.watcher.steady.filter_gain
     shown = ((4, 0, "vz ← VL", "estimate"), (1, 0, "z ← VL", "force"), (3, 1, "vx ← HL", "second"))
@@ -118,7 +119,7 @@ def _gain(outcome: Outcome) -> TimeFigure:
                                                        "点线：Riccati 方程给出的稳态增益。"))
 
 
-def _distance(outcome: Outcome) -> TimeFigure:
+def _distance(outcome: Outcome[Study]) -> TimeFigure:
     s = outcome.study
     goal = s.watcher.steady.filter_gain
     away = np.abs(s.track.gains - goal).max(axis=(1, 2)) / np.abs(goal).max()
@@ -131,7 +132,7 @@ def _distance(outcome: Outcome) -> TimeFigure:
                                    f"{after:.2f} s 后相差不到 1 %。这与任何读数都无关。"))
 
 
-def _forms(outcome: Outcome) -> TimeFigure:
+def _forms(outcome: Outcome[Study]) -> TimeFigure:
     f, m = outcome.study.forms, outcome.metrics
     single = outcome.design["arithmetic"] == "single"
     lost = (Text("; neither is a covariance any more.", "；两者都已不再是协方差。") if m["joseph_least"] < 0 else
@@ -149,7 +150,7 @@ def _forms(outcome: Outcome) -> TimeFigure:
 
 
 # --- innovations -------------------------------------------------------------------------------------------------------
-def _innovation(outcome: Outcome) -> TimeFigure:
+def _innovation(outcome: Outcome[Study]) -> TimeFigure:
     s = outcome.study
     spread, nu = 2e3 * np.sqrt(s.track.S[:, 0, 0]), 1e3 * s.track.innovations[:, 0]
     inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
@@ -160,7 +161,7 @@ def _innovation(outcome: Outcome) -> TimeFigure:
                                    f"2 s 以后 {inside:.0f} % 在 2√S 之内；均值为其标准差的 {s.test.scores[0]:+.2f} 倍。"))
 
 
-def _correlation(outcome: Outcome) -> PlaneFigure:
+def _correlation(outcome: Outcome[Study]) -> PlaneFigure:
     w = outcome.study.test.whiteness
     lags = np.arange(1, len(w.correlation) + 1, dtype=float)
     dashes = (("VL", "estimate", "solid"), ("HL", "second", "solid"), ("VR", "disturbance", "dash"), ("HR", "plant", "dash"))
@@ -174,7 +175,7 @@ def _correlation(outcome: Outcome) -> PlaneFigure:
                        "k", "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
 
-def _squares(outcome: Outcome, name: str, title: Text, dof: int, values: np.ndarray, tried: np.ndarray | None) -> TimeFigure:
+def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, values: np.ndarray, tried: np.ndarray | None) -> TimeFigure:
     trials = outcome.study.trials
     count = 1 if trials is None else trials.count
     low, high = chi2_band(dof, count=count)
@@ -191,17 +192,17 @@ def _squares(outcome: Outcome, name: str, title: Text, dof: int, values: np.ndar
                                    f"{who.zh}：2 s 以后 {inside:.0f} % 的采样在 χ² 带 [{low:.3g}, {high:.3g}] 内。"))
 
 
-def _nis(outcome: Outcome) -> TimeFigure:
+def _nis(outcome: Outcome[Study]) -> TimeFigure:
     s = outcome.study
     return _squares(outcome, "nis", Text("NIS, four readings", "NIS（四个读数）"), 4, s.nis, None if s.trials is None else s.trials.nis)
 
 
-def _nees(outcome: Outcome) -> TimeFigure:
+def _nees(outcome: Outcome[Study]) -> TimeFigure:
     s = outcome.study
     return _squares(outcome, "nees", Text("NEES, six states", "NEES（六个状态）"), 6, s.nees, None if s.trials is None else s.trials.nees)
 
 
-def _tests(outcome: Outcome) -> TableFigure:
+def _tests(outcome: Outcome[Study]) -> TableFigure:
     m, held = outcome.metrics, {c.id: c.holds for c in outcome.checks}
 
     def verdict(name: str) -> Text:
@@ -221,7 +222,7 @@ def _tests(outcome: Outcome) -> TableFigure:
 
 
 # --- spectra -----------------------------------------------------------------------------------------------------------
-def _tracking(outcome: Outcome) -> FrequencyFigure:
+def _tracking(outcome: Outcome[Study]) -> FrequencyFigure:
     s = outcome.study
     clean = s.truth.clean[SKIP:, 0]
     guess = s.track.means[SKIP:, :6] @ s.watcher.filter.C[0, :6]
@@ -236,7 +237,7 @@ def _tracking(outcome: Outcome) -> FrequencyFigure:
                                                             f"在 0.16 Hz 处，误差比输出低 {drop:.0f} dB。"))
 
 
-def _colour(outcome: Outcome) -> FrequencyFigure:
+def _colour(outcome: Outcome[Study]) -> FrequencyFigure:
     s = outcome.study
     seen = psd(1e3 * s.track.innovations[SKIP:, 0], 1 / DT, segment=64)
     f, promised = seen.frequency[1:], 2e6 * DT * float(s.track.S[-1, 0, 0])
@@ -250,3 +251,32 @@ def _colour(outcome: Outcome) -> FrequencyFigure:
                            (Curve(Text("seen", "实测"), np.maximum(seen.density[1:], 1e-9), "error"),
                             Curve(Text("promised by S", "S 给出的值"), np.full(len(f), promised), "reference", "dash", 1.4)),
                            "(mm/s)²/Hz", window=(1e-2, 10.0), caption=said, tab=SPECTRUM_TAB)
+
+
+PRINTED_MEAN, PRINTED_SIGMA, PRINTED_SAMPLES = 5.46e-10, 1e-9, 20_000  # (61), (77), 20 s at 1 kHz as assumed here
+
+
+def report_figure(outcome: Outcome[Study]) -> TableFigure:
+    """The lines one by one; the chosen one with its evidence."""
+    m, chosen = outcome.metrics, outcome.design["line"]
+    sigmas = PRINTED_MEAN / (PRINTED_SIGMA / np.sqrt(PRINTED_SAMPLES))
+    evidence = {
+        GAIN: Text("holds: S = C P Cᵀ + R", "成立：S = C P Cᵀ + R"),
+        JOSEPH: Text("holds: right for every gain", "成立：对任何增益都正确"),
+        SHORT: Text(f"slip: not (59); off by up to {m['short_gap']:.1e} here, Joseph {m['joseph_gap']:.1e}",
+                    f"笔误：与 (59) 不符；此处最多偏差 {m['short_gap']:.1e}，Joseph 为 {m['joseph_gap']:.1e}"),
+        NEAR_R: Text(f"slip: it is S; S/R = {m['S_over_R']:.2f}, seen {m['seen_over_R']:.2f}; with σ_v = 1e-9 at 1 kHz, 8 million",
+                     f"笔误：应为 S；S/R = {m['S_over_R']:.2f}，实测 {m['seen_over_R']:.2f}；按其 σ_v = 1e-9、1 kHz 则为八百万"),
+        MEANS: Text(f"slip: {sigmas:.0f} σ of the mean (σ_v = 1e-9, 20 000 samples); HL and HR of one sign, though HR = −HL",
+                    f"笔误：为均值标准差的 {sigmas:.0f} 倍（σ_v = 1e-9，20 000 个采样）；HR = −HL，二者均值却同号"),
+    }
+    printed = {
+        GAIN: same("K = P Hᵀ S⁻¹"), JOSEPH: same("(I−KH) P (I−KH)ᵀ + K R Kᵀ"), SHORT: same("P = (I − K C) P"),
+        NEAR_R: same("cov ν ≈ R"), MEANS: same("5.46e-10 ≈ 0"),
+    }
+    rows = tuple((label, printed[key], evidence[key] if key == chosen else same("—")) for key, label in LINES if key != NONE)
+    said = (Text("Choose a line with the last knob.", "用最后一个旋钮选择一行。") if chosen == NONE else
+            Text("This line is a slip.", "这一行有误。") if chosen in SLIPS else Text("This line holds.", "这一行成立。"))
+    return TableFigure("report", Text("lines of the report", "报告中的若干行"),
+                       (Text("line", "行"), Text("printed", "所印"), Text("this filter says", "本滤波器的检验")), rows, said,
+                       Text("Report", "报告"))

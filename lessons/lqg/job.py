@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -12,29 +13,18 @@ from app.engine.feedback import NoisyLoop
 from app.engine.sampled import SampledLqg
 from app.engine.systems import root, step_covariance
 from app.lesson.knobs import KnobError
-from app.lesson.lesson import Outcome
+from app.lesson.lesson import Design, Job, Outcome
 from app.text.words import Text
 
 from .cases import Case
-from .loops import RECURSIVE, Setting, computer, setting_of
+from .knobs import NONE, RECURSIVE
+from .loops import Setting, computer, setting_of
+from .study import Study, Trials
 
 RECORDS = 12
 AT_ONCE = 400  # steps of the warm-up between two looks at cancel
 SEGMENTS = 4  # a segment is this part of a record
 EFFECTIVE = 5.6  # independent segments of a record with Hann windows that overlap by half, of 7 in all
-
-
-@dataclass(frozen=True, eq=False)
-class Trials:
-    """What `count` runs showed: densities (n_f, k) at the case's frequencies, those predicted for this computer, and
-    the χ² band (95 %) of their ratio at one frequency, and per channel the mean of that ratio and the share within."""
-
-    count: int
-    density: np.ndarray
-    predicted: np.ndarray
-    band: tuple[float, float]
-    ratio: np.ndarray
-    inside: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,23 +54,22 @@ def bench_of(case: Case, setting: Setting) -> Bench:
     return Bench(case, sampled, truth, process, readings, loop)
 
 
-def try_often(case: Case, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
-    """The job of a case: warm up if the filter is recursive, then one record after another."""
-    design = outcome.design
+def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
+    """The job: warm up if the filter is recursive, then one record after another."""
+    design, case = outcome.design, outcome.study.case
     bench = bench_of(case, setting_of(case, design))
     rng = np.random.default_rng([int(design["seed"]), 10])
     if design["filter"] == RECURSIVE:
         starts, share = np.empty((0, 0)), 0.4
         for done, ends in _warm_up(bench, rng):
             starts = ends
-            yield share * done, outcome
+            yield share * done, None
     else:
         starts, share = _stationary(bench, rng), 0.0
     total, predicted = 0.0, bench.loop.psd(case.frequency)
     for k, z in enumerate(starts, start=1):
         total = total + _record(bench, z, int(rng.integers(2**31)))  # type: ignore[operator]
-        outcome = with_trials(outcome, _trials(bench, k, total / k, predicted))
-        yield share + (1 - share) * k / len(starts), outcome
+        yield share + (1 - share) * k / len(starts), _trials(bench, k, total / k, predicted)
 
 
 def _stationary(bench: Bench, rng: np.random.Generator) -> np.ndarray:
@@ -132,9 +121,20 @@ def _trials(bench: Bench, count: int, density: np.ndarray, predicted: np.ndarray
     return Trials(count, density, predicted, band, ratio.mean(axis=0), ((ratio > band[0]) & (ratio < band[1])).mean(axis=0))
 
 
-def with_trials(outcome: Outcome, trials: Trials) -> Outcome:
+def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     """The outcome with what the runs showed."""
     metrics = {**outcome.metrics, "trials": float(trials.count),
                **{f"trial_ratio_{i}": float(r) for i, r in enumerate(trials.ratio)},
                **{f"trial_inside_{i}": float(r) for i, r in enumerate(trials.inside)}}
     return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)
+
+
+VIEWS = MappingProxyType({"rule": NONE, "cut": "1", "kick": -1.0})  # knobs that change no spectrum
+
+
+def key(design: Design) -> Design:
+    """What the runs rest on: all but what is looked at."""
+    return design.with_values(**VIEWS)
+
+
+JOB = Job(Text(f"Run it {RECORDS} times on a computer", f"在计算机上运行 {RECORDS} 次"), try_often, key, shown)

@@ -1,4 +1,4 @@
-"""Pictures of duality: the run, the twins in tables and over time, the ellipses."""
+"""Figures of duality: the run, the twins in tables and over time, the ellipses."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from app.text.words import Text, same, symbol
 
 from ..toolkit.figures import error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
-from .twins import Setting, Twins, weights_of
+from .study import Setting, Twins, weights_of
 
 TWINS_TAB, ELLIPSES_TAB = Text("Twins", "孪生"), Text("Ellipses", "椭圆")
 MOST_ROWS = 12  # of a table
 CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 
 
-def all_figures(here: Setting, outcome: Outcome) -> tuple[Figure, ...]:
+def all_figures(here: Setting, outcome: Outcome[Twins]) -> tuple[Figure, ...]:
     """The run; gains, Riccati solutions and the pairing beside their twins; both ellipses."""
     run, twins = outcome.run, outcome.study
     assert run is not None
@@ -30,7 +30,7 @@ def _entry(value: float) -> str:
     return f"{value:.6g}".replace("-", "−")
 
 
-def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
+def _gain_table(outcome: Outcome[Twins], twins: Twins) -> TableFigure:
     wide = twins.L.shape[1] > 1
     names = (symbol(f"L{i + 1}{j + 1}" if wide else f"L{i + 1}") for i, j in np.ndindex(twins.L.shape))
     rows = tuple((name, _entry(float(a)), _entry(float(b)), f"{abs(a - b):.0e}") for name, a, b in zip(
@@ -43,7 +43,7 @@ def _gain_table(outcome: Outcome, twins: Twins) -> TableFigure:
         caption=Text(f"Left board: {left}. Right board: {right}.", f"左板：{left}。右板：{right}。"))
 
 
-def _riccati_table(here: Setting, outcome: Outcome, twins: Twins) -> TableFigure:
+def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> TableFigure:
     rows = [(symbol(f"P{i + 1}{j + 1}"), _entry(float(twins.P[i, j])), _entry(float(twins.S_dual[i, j])),
              f"{abs(twins.P[i, j] - twins.S_dual[i, j]):.0e}") for i, j in np.ndindex(twins.P.shape) if i <= j][:MOST_ROWS]
     Q, R, W, V = weights_of(here, outcome.design)

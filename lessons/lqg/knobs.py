@@ -1,4 +1,4 @@
-"""The knobs of the lesson, for one case or for several."""
+"""The knobs of the lesson, for one case or for several, and the lines of the report in doubt."""
 
 from __future__ import annotations
 
@@ -8,9 +8,18 @@ from app.text.words import Text, same
 
 from ..toolkit.knobs import run_knobs
 from .cases import DOYLE, REPORT, Case
-from .loops import RECURSIVE, STEADY
-from .rules import NONE, RULES
 
+STEADY, RECURSIVE = "steady", "recursive"
+NONE, SPLIT, SENSOR, PROCESS, CAUTION, UNITS = "none", "split", "beta-r", "beta-q", "caution", "sigma"
+SLIPS = (SENSOR, UNITS)
+RULES = (
+    (NONE, Text("none", "无")),
+    (SPLIT, Text("tune LQR first, then LQE", "先调 LQR，再调 LQE")),
+    (SENSOR, Text("β_R ↑: noise is suppressed less", "β_R ↑：噪声抑制减弱")),
+    (PROCESS, Text("β_Q ↑: faster, more sensitive to disturbance", "β_Q ↑：更快，对扰动更敏感")),
+    (CAUTION, Text("LQG has no robustness of its own", "LQG 不具备内在鲁棒性")),
+    (UNITS, Text("σ_v = 1e-9 gives V = 1e-9", "σ_v = 1e-9 对应 V = 1e-9")),
+)
 When = tuple[str, tuple[str, ...]] | None
 
 

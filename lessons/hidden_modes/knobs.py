@@ -1,4 +1,4 @@
-"""The five plants of the lesson: a motion hidden from the sensor or from the force, and one that is not hidden."""
+"""The five plants of the lesson, a motion hidden from the sensor or from the force or not at all, and the knobs."""
 
 from __future__ import annotations
 
@@ -10,10 +10,13 @@ import numpy as np
 
 from app.engine import controllability, kalman_decomposition, observability
 from app.engine.structure import Controllability, KalmanDecomposition, Observability
+from app.lesson.knobs import Choice, Number, Poles
 from app.plants import two_mass
 from app.plants.chain_body import chain_body
 from app.plants.model import Model
 from app.text.words import Text
+
+from ..toolkit.knobs import run_knobs
 
 COMMON = np.kron(np.eye(2), np.array([[1.0, 1.0]])) / np.sqrt(2)  # both blocks alike: position and velocity, 2×4
 RELATIVE = np.kron(np.eye(2), np.array([[-1.0, 1.0]])) / np.sqrt(2)  # one against the other, 2×4
@@ -64,3 +67,30 @@ CASES: Mapping[str, Case] = MappingProxyType({
     name: _case(name, label, _visible() if name == "visible" else two_mass.HIDDEN[name].model)  # type: ignore[index]
     for name, label in _LABELS.items()})
 UNSEEN, UNMOVED = ("unseen-unstable", "unseen-stable"), ("unmoved-unstable", "unmoved-stable")
+FIRST = CASES["unseen-unstable"].model
+
+
+def _poles(name: str, symbol: str, label: Text, default: tuple[complex, ...], role: str, plants: tuple[str, ...]) -> Poles:
+    window = FIRST.controller_window if role == "plant" else FIRST.observer_window
+    return Poles(name, symbol, label, "rad/s", default=default, re_low=window.re_low, re_high=window.re_high,
+                 im_high=window.im_high, role=role, when=("plant", plants),
+                 hint=Text("Drag the crosses on the board; the bolts are not among these poles.",
+                           "拖动板上的叉号；螺栓不在其中。"))
+
+
+SLOW, QUICK = (-0.9 - 1.2j, -0.9 + 1.2j), (-1.5 - 3j, -1.5 + 3j)
+CALM, FAST = (-2.5 - 2j, -2.5 + 2j), (-3.5 - 4j, -3.5 + 4j)
+KNOBS = (
+    Choice("plant", "", Text("setup", "装置"), default="unseen-unstable",
+           options=tuple((case.id, case.label) for case in CASES.values()),
+           hint=Text("What holds the two blocks, where the sensor looks, and where the force acts.",
+                     "滑块由什么支承，传感器看哪里，力作用在哪里。")),
+    Number("centre", r"c_0", Text("common part of the start", "初始状态的同步部分"), "m", low=-0.3, high=0.3, default=0.06,
+           step=0.01, hint=Text("How far both blocks start to the same side. The observer believes 0.",
+                                "两滑块起始时同向偏离多少；观测器以为是 0。")),
+    _poles("controller_all", "p", Text("Controller poles", "控制器极点"), (*SLOW, *QUICK), "plant", (*UNSEEN, "visible")),
+    _poles("controller_part", "p", Text("Controller poles that move", "可移动的控制器极点"), QUICK, "plant", UNMOVED),
+    _poles("observer_part", "q", Text("Observer poles that move", "可移动的观测器极点"), FAST, "estimate", UNSEEN),
+    _poles("observer_all", "q", Text("Observer poles", "观测器极点"), (*CALM, *FAST), "estimate", (*UNMOVED, "visible")),
+    *run_knobs(FIRST.horizon),
+)

@@ -10,6 +10,7 @@ from app.lesson.lesson import Outcome
 from app.text.words import Text, same, squared
 
 from ..toolkit.figures import TIME_TAB
+from .study import Study
 
 SPEED_TAB, RUNS_TAB = Text("Speed", "速度"), Text("Many runs", "多次运行")
 NAMES = (Text("position", "位置"), Text("velocity", "速度"))
@@ -18,7 +19,7 @@ LEVEL = 0.95
 PLANNED = 400  # runs for which the band is drawn before any has been made
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     i = int(outcome.design["watch"] == "velocity")
     return (_valley(outcome, i), _peaks(outcome), _shares(outcome), _measured(outcome), _velocity(outcome), _error(outcome, i),
@@ -29,7 +30,7 @@ def _log(values: np.ndarray) -> np.ndarray:
     return np.log10(np.maximum(values, 1e-12))
 
 
-def _valley(outcome: Outcome, i: int) -> PlaneFigure:
+def _valley(outcome: Outcome[Study], i: int) -> PlaneFigure:
     study, m = outcome.study, outcome.metrics
     ray, x = study.ray, _log(study.ray.speed)
     total = _log(ray.process[:, i] + ray.sensor[:, i]) / 2
@@ -51,7 +52,7 @@ def _valley(outcome: Outcome, i: int) -> PlaneFigure:
         caption=_valley_words(outcome, i))
 
 
-def _valley_words(outcome: Outcome, i: int) -> Text:
+def _valley_words(outcome: Outcome[Study], i: int) -> Text:
     study, m = outcome.study, outcome.metrics
     now, least = (float(np.sqrt(P[i, i])) for P in (study.parts.total, study.kalman.solution))
     if now < 1.005 * least:
@@ -69,7 +70,7 @@ def _valley_words(outcome: Outcome, i: int) -> Text:
                 f"σ = {now:.3g} {UNITS[i]}，σ² 的 {share:.0f} % 来自传感器；最小值为 {least:.3g} {UNITS[i]}。{advice.zh}")
 
 
-def _peaks(outcome: Outcome) -> PlaneFigure:
+def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
     ray, m, d = outcome.study.ray, outcome.metrics, outcome.design["error0"]
     x, y = _log(ray.speed), _log(ray.peak)
     at = float(np.interp(_log(np.array(m["speed"])), x, y))
@@ -82,7 +83,7 @@ def _peaks(outcome: Outcome) -> PlaneFigure:
                      f"初始误差 {d:.2g} m 时，速度估计最多偏差 {m['peak']:.3g} m/s。"))
 
 
-def _shares(outcome: Outcome) -> TableFigure:
+def _shares(outcome: Outcome[Study]) -> TableFigure:
     study = outcome.study
     rows = []
     for i, name in enumerate(NAMES):
@@ -101,7 +102,7 @@ def _shares(outcome: Outcome) -> TableFigure:
         Text("P − P_min has a negative eigenvalue by rounding.", "P − P_min 因舍入出现负特征值。"))
 
 
-def _measured(outcome: Outcome) -> TimeFigure:
+def _measured(outcome: Outcome[Study]) -> TimeFigure:
     run = outcome.run
     assert run is not None
     noise = float(np.sqrt(outcome.design["v"] / run.scenario.dt))
@@ -113,7 +114,7 @@ def _measured(outcome: Outcome) -> TimeFigure:
                      f"单次读数的标准差为 {noise:.2g} m，稳态估计为 {outcome.metrics['position_rms']:.2g} m。"))
 
 
-def _velocity(outcome: Outcome) -> TimeFigure:
+def _velocity(outcome: Outcome[Study]) -> TimeFigure:
     run = outcome.run
     assert run is not None
     return TimeFigure(
@@ -142,7 +143,7 @@ def variance_curves(promised: np.ndarray, tried: np.ndarray | None, count: int) 
     return (*curves, Curve(Text("runs", "试验"), tried, "error")), 100 * float(np.mean(inside))
 
 
-def _error(outcome: Outcome, i: int) -> TimeFigure:
+def _error(outcome: Outcome[Study], i: int) -> TimeFigure:
     run, study = outcome.run, outcome.study
     assert run is not None
     spread = 2 * np.sqrt(np.maximum(study.grown[:, i, i], 0.0))
@@ -154,7 +155,7 @@ def _error(outcome: Outcome, i: int) -> TimeFigure:
                      f"本次运行有 {inside:.0f} % 落在无噪声误差的 2σ 之内；平均应为 95 %。"))
 
 
-def _variance(outcome: Outcome, i: int) -> TimeFigure:
+def _variance(outcome: Outcome[Study], i: int) -> TimeFigure:
     run, study = outcome.run, outcome.study
     assert run is not None
     promised = study.grown[:, i, i]

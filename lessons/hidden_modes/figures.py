@@ -15,7 +15,7 @@ from app.text.words import Text, same, symbol
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
 from ..toolkit.latex import pole_words
-from .cases import CASES, COMMON, RELATIVE, Case
+from .knobs import CASES, COMMON, RELATIVE, Case
 
 MODES_TAB, EVERY_TAB = Text("Modes", "模态"), Text("Every gain", "任意增益")
 CLEAR = 1e-3  # a margin above this is well above zero
@@ -24,7 +24,7 @@ SPREAD = np.array([3.0, 3.0, 8.0, 8.0])  # their standard deviations, position e
 YES, NO = Text("● yes", "● 是"), Text("○ no", "○ 否")
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     run, case = outcome.run, CASES[outcome.design["plant"]]
     assert run is not None

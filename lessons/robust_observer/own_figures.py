@@ -2,50 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 
-from app.engine.observers import FunctionalObserver, RobustObserver, criterion
+from app.engine.observers import FunctionalObserver, criterion
 from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.lesson import Design, Outcome
-from app.plants import Window
 from app.text.words import Text
 
 from ..toolkit.latex import pole_words
-from .own_loop import Run
-from .own_search import inside
-from .pictures import J_TAB, NONE, TIME_TAB
+from .figures import J_TAB, NONE, TIME_TAB
+from .own_job import inside
+from .own_loop import Run, Story
 
 LOOP_TAB = Text("Loop", "闭环")
 CHOSEN, RLO, MODEL = Text("true plant", "真实对象"), Text("true plant, RLO", "真实对象，RLO"), Text("model", "模型")
 
 
-@dataclass(frozen=True, eq=False)
-class Story:
-    """The observer, its runs on the model and on the true plant, what is wanted, and what RLO found if it has run."""
-
-    observer: FunctionalObserver
-    model: Run
-    true: Run
-    fed: bool
-    name: Text
-    window: Window
-    unit: str
-    found: RobustObserver | None = None
-    found_run: Run | None = None
-    key: tuple[Any, ...] = ()
-
-
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Story]) -> tuple[Figure, ...]:
     """Time, criterion, loop: at most three in a tab."""
     story = outcome.study
     return (_error(outcome, story), _signal(story), _compared(outcome, story), _attempts(story), _gain(story),
             _plane(outcome.design, story))
 
 
-def _error(outcome: Outcome, story: Story) -> TimeFigure:
+def _error(outcome: Outcome[Story], story: Story) -> TimeFigure:
     late, size = outcome.metrics["late_error"], outcome.metrics["late_wanted"]
     ideal = story.model.late(story.model.e)
     curves = [Curve(CHOSEN, story.true.e, "error"), Curve(MODEL, story.model.e, "reference", "dash", 1.6)]
@@ -77,7 +57,7 @@ def _parts(o: FunctionalObserver) -> tuple[str, ...]:
     return tuple(f"{criterion(*rows, w, norm=o.norm):.4g}" for rows in ((o.T, L, M), (T, o.L, M), (T, L, o.M)))
 
 
-def _compared(outcome: Outcome, story: Story) -> TableFigure:
+def _compared(outcome: Outcome[Story], story: Story) -> TableFigure:
     """The chosen observer beside that of RLO."""
     def column(o: FunctionalObserver, run: Run) -> tuple[Text | str, ...]:
         within = Text("yes", "是") if inside(o.poles, outcome.design) else Text("no", "否")

@@ -5,29 +5,41 @@ House sign u = −K x̂ throughout; the source has u = +K x̂, so its K, N and M
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
-from app.engine import functional_observer
-from app.engine.observers import FunctionalObserver, FunctionalRun, Perturbations, peak_gain, perturbed_loop, vertices
+from app.engine import functional_observer, simulate_functional
+from app.engine.observers import (
+    FunctionalObserver,
+    FunctionalRun,
+    Norm,
+    Perturbations,
+    RobustObserver,
+    error_index,
+    peak_gain,
+    perturbed_loop,
+    vertices,
+)
 from app.lesson.knobs import KnobError
-from app.lesson.lesson import Design
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.body import Body
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2, Example
+from app.plants.duan import EXAMPLE_1, EXAMPLE_2, Example, push
 from app.plants.duan_body import rack_body
 from app.text.words import Text
 
-ONE, TWO = "1", "2"
+from ..toolkit.boards import listed
+from ..toolkit.latex import matrix, number, pole_words
+from .knobs import IM_HIGH, NORMS, ONE, RE_HIGH, RE_LOW, TWO
+
 HORIZON, DT = 6.0, 0.015
 BEST = -5 / 3  # least J of example 1 with unit weights
 FREQUENCIES = np.geomspace(0.02, 20.0, 120)  # Hz
 MOST = 1e3  # gains and signals beyond are drawn at the edge
 SLOWEST = -0.01  # rad/s: an observer pole nearer to the imaginary axis is refused
 NEAR = 1e-3  # two real poles of example 2 must be farther apart than this
-NORMS: MappingProxyType[str, Any] = MappingProxyType({"1": 1, "2": 2, "inf": "inf"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +82,7 @@ def turn(design: Design) -> np.ndarray:
     return np.eye(1) if design["example"] == ONE else np.array([[1.0, design["w12"]], [0.0, 1.0]])
 
 
-def norm_of(design: Design) -> Any:
+def norm_of(design: Design) -> Norm:
     """The norm of J; in the first example all three are the same number."""
     return NORMS[design["norm"]]
 
@@ -133,7 +145,7 @@ def shown(run: FunctionalRun) -> FunctionalRun:
                    u=run.u[index], e_u=run.e_u[index])
 
 
-def gains_over_frequency(observer: FunctionalObserver, pairs: Any) -> tuple[np.ndarray, float]:
+def gains_over_frequency(observer: FunctionalObserver, pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, float]:
     """|v → e_u| of the loop for each (ΔA, ΔC), over FREQUENCIES (len(pairs), n_f), and the peak of all but the first.
 
     MOST where a loop is unstable. The peak is exact for the pair that is highest on the grid.
@@ -153,3 +165,113 @@ def gains_over_frequency(observer: FunctionalObserver, pairs: Any) -> tuple[np.n
 def vertices_of(design: Design) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """(ΔA, ΔC) at the eight sign patterns of the design's |δ|."""
     return vertices(CASES[design["example"]].example.wrong, *deltas(design))
+
+
+LOOP_LOW, LOOP_HIGH, LOOP_IM = -20.0, 4.0, 8.0  # of the loop's
+MET = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """What RLO found so far: results by norm, and the worst |e_u/v| over poles s (example 2: s and s − 1)."""
+
+    found: tuple[tuple[str, RobustObserver], ...] = ()
+    s: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    worst: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    done: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """The observer, its run on the model and on the true plant, |v → e_u| (n_f,) now and at the worst vertex."""
+
+    observer: FunctionalObserver
+    model: FunctionalRun
+    true: FunctionalRun
+    now: np.ndarray
+    worst: np.ndarray
+    search: Search | None = None
+
+
+def compute(design: Design) -> Outcome[Story]:
+    """The observer in house sign, one run on the model and one on the true plant, the worst of eight vertices."""
+    case = CASES[design["example"]]
+    example, observer, (dA, dC) = case.example, observer_of(design), errors(design)
+    z0 = start_of(design)
+    model = simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT)
+    true = shown(simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dC=dC))
+    gains, peak = gains_over_frequency(observer, ((dA, dC), *vertices_of(design)))
+    story = Story(observer, model, true, gains[0], gains[1:].max(axis=0))
+    loop = perturbed_loop(observer, dA=dA, dB=None, dC=dC)
+    late = true.t > 0.75 * HORIZON
+    metrics = {
+        "J": observer.J, "error_index": min(error_index(observer), 1e9), "order": float(observer.order),
+        "dynamics_residual": observer.dynamics_residual, "output_residual": observer.output_residual,
+        "slowest_loop": float(np.max(np.real(loop.poles))), "worst_gain": peak,
+        "error_start": float(true.e_u[0, 0]), "late_error": float(min(np.abs(true.e_u[late]).max(), MOST)),
+        "largest_N": float(np.abs(observer.N).max()), "coordinate_gap": _coordinate_gap(design, model),
+    }
+    kept = max(metrics["dynamics_residual"], metrics["output_residual"])
+    checks = (
+        Check("conditions", Text("T A − F T = L C and K = N T + M C", "T A − F T = L C 且 K = N T + M C"), kept < MET, kept),
+        Check("stable", Text("the loop with the true plant is stable", "真实对象的闭环稳定"), metrics["slowest_loop"] < 0,
+              metrics["slowest_loop"]),
+    )
+    o = observer
+    return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K},
+                   {"observer": np.array(design[case.poles]), "loop": loop.poles}, metrics, checks, None,
+                   _boards(design, case.poles, loop.poles), _stage(case.body, true), _formulas(o, design),
+                   _live(design, metrics), story)
+
+
+def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
+    """How far e_u on the model is from that of W = I started at the published z(0)."""
+    if design["example"] == ONE:
+        return 0.0
+    example = CASES[TWO].example
+    plain = simulate_functional(observer_of(design, np.eye(2)), push, x0=example.x0, z0=example.z0, horizon=HORIZON,
+                                dt=DT)
+    return float(np.abs(plain.e_u - model.e_u).max())
+
+
+def _boards(design: Design, knob: str, loop: np.ndarray) -> tuple[Board, Board]:
+    return (
+        Board("loop", Text("poles of the loop with the true plant", "真实对象闭环的极点"),
+              listed(loop),
+              role="plant", side="left", re_low=LOOP_LOW, re_high=LOOP_HIGH, im_high=LOOP_IM),
+        Board("observer", Text("observer poles  eig F", "观测器极点  eig F"), design[knob], knob, role="estimate",
+              side="right", re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
+    )
+
+
+def _stage(body: Body, run: FunctionalRun) -> Stage:
+    given, wanted = run.u, run.u - run.e_u
+    states = np.clip(np.hstack([run.x, run.z]), -MOST, MOST)
+    true, ghost = (np.hstack([states, np.clip(u, -MOST, MOST)]) for u in (wanted, given))
+    return Stage(body, run.t, true, ghost, np.clip(given, -MOST, MOST))
+
+
+def _formulas(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
+    sign = Text("The paper prints u = +K x. Here u = −K x̂: its K, N and M change sign; F, T and L do not.",
+                "论文印的是 u = +Kx，这里用 u = −K x̂：K、N、M 变号，F、T、L 不变。")
+    law = (r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3" if design["example"] == ONE else
+           r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}")
+    return (
+        Formula("law", law),
+        Formula("J", rf"J = \textstyle\sum_i \alpha\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),
+        Formula("F", rf"F = {matrix(o.F)}, \quad L = {matrix(o.L)}"),
+        Formula("T", rf"T = {matrix(o.T)}"),
+        Formula("house", rf"u = -(Nz + My) + v: \; N = {matrix(o.N)}, \; M = {number(float(o.M[0, 0]))}"),
+        Formula("paper", rf"u = +(Nz + My) + v: \; N = {matrix(-o.N)}, \; M = {number(float(-o.M[0, 0]))}", sign),
+    )
+
+
+def _live(design: Design, metrics: dict[str, float]) -> Text:
+    poles = pole_words([complex(p.real, abs(p.imag)) for p in design[CASES[design["example"]].poles]][:2])
+    start = Text(f"Observer at {poles}: J = {metrics['J']:.3g}.", f"观测器极点 {poles}：J = {metrics['J']:.3g}。")
+    if metrics["slowest_loop"] >= 0:
+        end = Text(" With the true plant the loop is unstable.", " 对真实对象，闭环不稳定。")
+    else:
+        end = Text(f" On the true plant û misses the wanted input by up to {metrics['late_error']:.2g} at the end.",
+                   f" 对真实对象，末段 û 与期望输入相差最多 {metrics['late_error']:.2g}。")
+    return Text(start.en + end.en, start.zh + end.zh)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -15,14 +14,15 @@ from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design, Outcome
 from app.text.words import Text
 
-from .loops import NORMS
+from .knobs import NORMS
 from .own_loop import errors, run_of, wanted_of, weighted
 from .own_plant import WORST_CONDITION, Here, met
+from .study import Story
 
 NUDGES = (1e-6, 1e-5, 1e-4, 1e-3)
 
 
-def depends(design: Design) -> tuple[Any, ...]:
+def key(design: Design) -> Hashable:
     """What the search rests on: neither the order nor the poles nor the errors of the plant."""
     names = ("wanted", "controller_poles", "norm", "alpha", "beta", "gamma", "region_low", "region_high", "region_tall")
     return tuple(design[name] for name in names)
@@ -34,7 +34,7 @@ def inside(poles: Poles, design: Design) -> bool:
                        & (np.abs(poles.imag) <= design["region_tall"])))
 
 
-def search(here: Here, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
+def search(here: Here, outcome: Outcome[Story]) -> Iterator[tuple[float, RobustObserver | None]]:
     """Algorithm RLO for this plant; a better observer of the same order that is already chosen stays the result."""
     design, chosen = outcome.design, outcome.study.observer
     units, row, result = here.scaled, wanted_of(here, design)[1], None
@@ -44,7 +44,7 @@ def search(here: Here, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
                                      norm=NORMS[design["norm"]], region=region,
                                      max_order=here.highest, worst_condition=WORST_CONDITION):
             result = found
-            yield 0.99 * part, outcome
+            yield 0.99 * part, None
     except (EngineError, np.linalg.LinAlgError) as problem:
         raise KnobError(Text("Algorithm RLO finds no observer in this region whose [T; C] has a condition number below 10⁴; widen the "
                              "region, also to complex poles.",
@@ -57,7 +57,7 @@ def search(here: Here, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
     same_order = chosen.order == result.observer.order and inside(chosen.poles, design)
     if same_order and chosen.condition <= WORST_CONDITION and result.value > chosen.J:
         result = replace(result, observer=chosen, value=chosen.J)
-    yield 1.0, with_search(here, outcome, result, depends(design))
+    yield 1.0, result
 
 
 def beside(here: Here, design: Design, row: np.ndarray, result: RobustObserver) -> RobustObserver:
@@ -76,17 +76,9 @@ def beside(here: Here, design: Design, row: np.ndarray, result: RobustObserver) 
     return result
 
 
-def with_search(here: Here, outcome: Outcome, result: RobustObserver, key: tuple[Any, ...]) -> Outcome:
+def shown(here: Here, outcome: Outcome[Story], result: RobustObserver) -> Outcome[Story]:
     """The outcome with what RLO found, run under the same errors of the plant."""
     run = run_of(here, outcome.design, result.observer, *errors(here, outcome.design))
     more = {"J_rlo": float(result.value), "order_rlo": float(result.observer.order),
             "late_error_rlo": run.late(run.e)}
-    return replace(outcome, study=replace(outcome.study, found=result, found_run=run, key=key), metrics={**outcome.metrics, **more})
-
-
-def carry(here: Here, before: Outcome, after: Outcome) -> Outcome:
-    """What RLO found goes over to the next design as long as what it rests on is the same."""
-    old = before.study
-    if old.found is None or after.study.found is not None or old.key != depends(after.design):
-        return after
-    return with_search(here, after, old.found, old.key)
+    return replace(outcome, study=replace(outcome.study, found=result, found_run=run), metrics={**outcome.metrics, **more})

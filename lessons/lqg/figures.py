@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
+
 import numpy as np
 
 from app.engine.feedback import ChannelMargins
@@ -11,8 +13,10 @@ from app.plants.names import called
 from app.text.words import Text, same, squared
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
+from ..toolkit.latex import tiny
+from .knobs import CAUTION, NONE, PROCESS, RULES, SENSOR, SLIPS, SPLIT, UNITS
 from .loops import Robustness
-from .rules import rules_figure
+from .study import Study
 
 SPECTRUM_TAB, COST_TAB = Text("Spectrum", "频谱"), Text("Input and cost", "输入与代价")
 ROBUST_TAB, RECOVERY_TAB = Text("Robustness", "鲁棒性"), Text("Recovery", "回路传递恢复")
@@ -23,7 +27,7 @@ ANY = Text("any", "任意")
 ROLES = ("force", "disturbance", "second")
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     return (*_spectra(outcome), _input(outcome), _cost(outcome), _nyquist(outcome), _return(outcome), _margins(outcome),
             _loop_gain(outcome), _price(outcome), *_run(outcome), rules_figure(outcome))
@@ -52,7 +56,7 @@ def _phase(m: ChannelMargins) -> Text | str:
 
 
 # --- spectra ---------------------------------------------------------------------------------------------------------
-def _spectra(outcome: Outcome) -> tuple[FrequencyFigure, ...]:
+def _spectra(outcome: Outcome[Study]) -> tuple[FrequencyFigure, ...]:
     s = outcome.study
     case, square = s.case, s.case.scale**2
     figures = []
@@ -81,9 +85,9 @@ def _deep(curves: list[Curve]) -> tuple[float, float] | None:
     return max(min(float(c.y.min()) for c in curves), 1e-12 * top), top
 
 
-def _spectrum_words(outcome: Outcome, i: int) -> Text:
+def _spectrum_words(outcome: Outcome[Study], i: int) -> Text:
     s = outcome.study
-    if s.density is None:
+    if s.density is None or s.variance is None:
         return Text("The loop is unstable: it has no stationary spectrum.", "回路不稳定，没有平稳频谱。")
     if s.trials is not None:
         t = s.trials
@@ -101,7 +105,7 @@ def _spectrum_words(outcome: Outcome, i: int) -> Text:
 
 
 # --- input and cost --------------------------------------------------------------------------------------------------
-def _input(outcome: Outcome) -> FrequencyFigure:
+def _input(outcome: Outcome[Study]) -> FrequencyFigure:
     s = outcome.study
     case, square = s.case, s.case.input_scale**2
     names = [called(case.plant, name) for name in case.plant.input_names]
@@ -122,7 +126,7 @@ def _input(outcome: Outcome) -> FrequencyFigure:
                            _deep(curves))
 
 
-def _cost(outcome: Outcome) -> TableFigure:
+def _cost(outcome: Outcome[Study]) -> TableFigure:
     c = outcome.study.cost
     unknown = c.total - c.known
     rows = (
@@ -145,7 +149,7 @@ def _cost(outcome: Outcome) -> TableFigure:
 
 
 # --- robustness ------------------------------------------------------------------------------------------------------
-def _nyquist(outcome: Outcome) -> PlaneFigure:
+def _nyquist(outcome: Outcome[Study]) -> PlaneFigure:
     s = outcome.study
 
     def both(ell: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -163,7 +167,7 @@ def _nyquist(outcome: Outcome) -> PlaneFigure:
                      f"输入增益在模型值的 {words(low, 4)} 倍与 {words(high, 6)} 倍之间时，LQG 回路保持稳定。"))
 
 
-def _return(outcome: Outcome) -> FrequencyFigure:
+def _return(outcome: Outcome[Study]) -> FrequencyFigure:
     s = outcome.study
     f, least = s.case.wide, words(s.real.margins.nearest)
     curves = [Curve(same("LQR |1 + ℓ|"), np.clip(np.abs(1 + s.ideal.gain), 1e-6, 1e6), "plant", "dash"),
@@ -180,7 +184,7 @@ def _return(outcome: Outcome) -> FrequencyFigure:
                            window=(0.1, 100.0))
 
 
-def _margins(outcome: Outcome) -> TableFigure:
+def _margins(outcome: Outcome[Study]) -> TableFigure:
     s = outcome.study
 
     def column(r: Robustness) -> tuple[Text | str, ...]:
@@ -202,7 +206,7 @@ def _margins(outcome: Outcome) -> TableFigure:
 
 
 # --- recovery --------------------------------------------------------------------------------------------------------
-def _loop_gain(outcome: Outcome) -> FrequencyFigure:
+def _loop_gain(outcome: Outcome[Study]) -> FrequencyFigure:
     s = outcome.study
     curves = [Curve(same("LQR |ℓ|"), np.clip(np.abs(s.ideal.gain), 1e-12, 1e12), "plant", "dash"),
               Curve(Text("plain LQG |ℓ|", "普通 LQG |ℓ|"), np.clip(np.abs(s.plain.gain), 1e-12, 1e12), "muted", "dot", 1.6),
@@ -214,7 +218,7 @@ def _loop_gain(outcome: Outcome) -> FrequencyFigure:
                                 f"LQG 与 LQR 灵敏度之差最大为 {words(gap)}。"), RECOVERY_TAB, window=(1e-3, 1e2))
 
 
-def _price(outcome: Outcome) -> TableFigure:
+def _price(outcome: Outcome[Study]) -> TableFigure:
     s = outcome.study
     unit = f" [{s.case.input_unit}]" if s.case.input_unit else ""
     noise = [s.case.input_scale * float(np.linalg.norm(c.sensors)) for c in (s.plain_cost, s.cost)]
@@ -236,7 +240,7 @@ def _price(outcome: Outcome) -> TableFigure:
 
 
 # --- one run ---------------------------------------------------------------------------------------------------------
-def _run(outcome: Outcome) -> tuple[TimeFigure, ...]:
+def _run(outcome: Outcome[Study]) -> tuple[TimeFigure, ...]:
     s = outcome.study
     run, model = s.trace, s.case.model
     figures = []
@@ -260,3 +264,25 @@ def _run(outcome: Outcome) -> tuple[TimeFigure, ...]:
         tab=TIME_TAB, window=(1e-3, 1.0),
         caption=Text(f"Last above a tenth of its first size at {after:.2f} s.", f"最后一次高于初始值的十分之一是在 {after:.2f} s。")))
     return tuple(figures)
+
+
+def rules_figure(outcome: Outcome[Study]) -> TableFigure:
+    """The rules one by one; the chosen one with its evidence."""
+    m, chosen = defaultdict(lambda: float("inf"), outcome.metrics), outcome.design["rule"]
+    evidence = {
+        SPLIT: lambda: Text(f"holds: the loop's poles are both sets, off by {tiny(m['union_error'])}",
+                            f"成立：回路极点即两组极点之并，偏差 {tiny(m['union_error'])}"),
+        SENSOR: lambda: Text(f"slip: input from sensor noise ×{m['sensor_less']:.3g} at β_R/10, ×{m['sensor_more']:.3g} at 10 β_R",
+                             f"有误：测量噪声引起的输入在 β_R/10 时为 {m['sensor_less']:.3g} 倍，10 β_R 时为 {m['sensor_more']:.3g} 倍"),
+        PROCESS: lambda: Text(f"holds: the filter's poles move left, their sum ×{m['process_more']:.3g} at 10 β_Q",
+                              f"成立：滤波器极点左移，10 β_Q 时极点之和为 {m['process_more']:.3g} 倍"),
+        CAUTION: lambda: Text(f"holds: nothing is promised; here min |1 + ℓ| = {m['nearest']:.3g}",
+                              f"成立：没有任何保证；此处 min |1 + ℓ| = {m['nearest']:.3g}"),
+        UNITS: lambda: Text("slip: R_v = σ_v² I gives 1e-18; the figures use 1e-9 and 1e-6",
+                            "有误：由 R_v = σ_v² I 应为 1e-18；图中用的是 1e-9 与 1e-6"),
+    }
+    rows = tuple((label, evidence[key]() if key == chosen else same("—")) for key, label in RULES if key != NONE)
+    said = (Text("Choose a line with the last knob.", "用最后一个旋钮选择一行。") if chosen == NONE else
+            Text("This line is wrong.", "这一行有误。") if chosen in SLIPS else Text("This line holds.", "这一行成立。"))
+    return TableFigure("rules", Text("lines of the report, section 5.2", "报告第 5.2 节的若干行"),
+                       (Text("line", "行"), Text("this loop says", "本回路的检验")), rows, said, Text("Report", "报告"))

@@ -18,27 +18,9 @@ from app.lesson.figures import (
 from app.lesson.lesson import Design, Outcome
 from app.text.words import Text, same
 
-from .loops import (
-    CASES,
-    FREQUENCIES,
-    MOST,
-    NORMS,
-    ONE,
-    criterion_1,
-    criterion_2,
-    steering,
-)
-from .paper import (
-    COLUMNS,
-    LINES,
-    PRINTED_SIZES,
-    REMARKS,
-    claimed_columns,
-    free_columns,
-    remark_3,
-    true_size,
-)
-from .search import Search
+from .knobs import COLUMNS, LINES, NORMS, ONE, REMARKS
+from .paper import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
+from .study import CASES, FREQUENCIES, MOST, Search, Story, criterion_1, criterion_2, steering
 
 TIME_TAB, J_TAB = Text("Time", "时间"), Text("Criterion J", "指标 J")
 WORST_TAB, PAPER_TAB = Text("Worst case", "最坏情况"), Text("Paper", "论文")
@@ -50,7 +32,7 @@ EDGE = 200.0  # signals beyond are drawn at the edge
 NONE = same("–")
 
 
-def all_figures(outcome: Outcome) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Story]) -> tuple[Figure, ...]:
     """Time, criterion, worst case, paper: at most three in a tab."""
     return (_error(outcome), _input(outcome), _output(outcome), _criterion(outcome), _map(outcome),
             _found(outcome), _frequency(outcome), _sweep(outcome), _numbers(outcome), _slips(outcome))
@@ -60,7 +42,7 @@ def _edge(values: np.ndarray) -> np.ndarray:
     return np.clip(values, -EDGE, EDGE)
 
 
-def _error(outcome: Outcome) -> TimeFigure:
+def _error(outcome: Outcome[Story]) -> TimeFigure:
     story, late = outcome.study, outcome.metrics["late_error"]
     t, window = story.true.t, (-5.0, 5.0)
     same_plant = np.array_equal(story.true.e_u, story.model.e_u)
@@ -76,7 +58,7 @@ def _error(outcome: Outcome) -> TimeFigure:
                       "e_u", window=window, caption=caption, tab=TIME_TAB)
 
 
-def _input(outcome: Outcome) -> TimeFigure:
+def _input(outcome: Outcome[Story]) -> TimeFigure:
     run = outcome.study.true
     given = run.u[:, 0]
     peak = min(float(np.max(np.abs(given))), MOST)
@@ -88,7 +70,7 @@ def _input(outcome: Outcome) -> TimeFigure:
                                    f"v = −4 sin(5t + π/2)。给出的输入最大为 {peak:.3g}。"), tab=TIME_TAB)
 
 
-def _output(outcome: Outcome) -> TimeFigure:
+def _output(outcome: Outcome[Story]) -> TimeFigure:
     story = outcome.study
     gap = min(float(np.max(np.abs(story.true.y - story.model.y))), MOST)
     return TimeFigure("output", Text("measured output y", "测量输出 y"), story.true.t,
@@ -103,7 +85,7 @@ def _poles(design: Design) -> tuple[complex, ...]:
     return design[CASES[design["example"]].poles]
 
 
-def _criterion(outcome: Outcome) -> PlaneFigure:
+def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
     design, J = outcome.design, outcome.metrics["J"]
     poles, search = _poles(design), outcome.study.search
     if design["example"] == ONE:
@@ -151,7 +133,7 @@ def _optimum(search: Search | None, design: Design, top: float) -> tuple[Point, 
     return ()
 
 
-def _map(outcome: Outcome) -> MapFigure:
+def _map(outcome: Outcome[Story]) -> MapFigure:
     """Where J would be less than now: over (s, γ) in example 1, over (s₁, s₂) in example 2."""
     design, now = outcome.design, outcome.metrics["J"]
     poles = _poles(design)
@@ -178,7 +160,7 @@ def _map(outcome: Outcome) -> MapFigure:
                                   f"图中 {100 * share:.0f} % 的区域 J 不大于 {now:.3g}。"))
 
 
-def _found(outcome: Outcome) -> TableFigure:
+def _found(outcome: Outcome[Story]) -> TableFigure:
     """What algorithm RLO found in each norm, or that it has not run."""
     columns = (Text("norm", "范数"), Text("order", "阶数"), Text("poles", "极点"), Text("least J", "最小 J"),
                Text("orders tried", "试过的阶数"))
@@ -202,7 +184,7 @@ def _found(outcome: Outcome) -> TableFigure:
 
 
 # --- worst case ------------------------------------------------------------------------------------------------------
-def _frequency(outcome: Outcome) -> FrequencyFigure:
+def _frequency(outcome: Outcome[Story]) -> FrequencyFigure:
     story, peak = outcome.study, outcome.metrics["worst_gain"]
     floor = 1e-6
     caption = (Text("At some sign pattern of the δ the loop is unstable.", "在某组 δ 符号下闭环不稳定。") if peak >= MOST else
@@ -213,7 +195,7 @@ def _frequency(outcome: Outcome) -> FrequencyFigure:
                            "|e_u/v|", caption=caption, tab=WORST_TAB, window=(1e-2, 1.0))
 
 
-def _sweep(outcome: Outcome) -> PlaneFigure:
+def _sweep(outcome: Outcome[Story]) -> PlaneFigure:
     """The worst case along the axis, as far as the job has come; now is the dotted line."""
     design, search, now = outcome.design, outcome.study.search, outcome.metrics["worst_gain"]
     top = nice(1.6 * min(max(now, 1.0), 50.0))
@@ -239,7 +221,7 @@ def _row(M: np.ndarray) -> str:
     return "; ".join(" ".join(f"{v:.4g}" if abs(v) > 1e-12 else "0" for v in row) for row in M).replace("-", "−")
 
 
-def _numbers(outcome: Outcome) -> TableFigure:
+def _numbers(outcome: Outcome[Story]) -> TableFigure:
     """Ours in both signs."""
     rows = [(name, _row(outcome.gains[name]), _row(outcome.gains[name] * (-1 if name in "KNM" else 1)))
             for name in ("F", "T", "L", "N", "M", "K")]
@@ -258,7 +240,7 @@ def _share(value: float | None) -> Text | str:
     return "0" if value < 1e-12 else f"{value:.2g}"
 
 
-def _slips(outcome: Outcome) -> TableFigure:
+def _slips(outcome: Outcome[Story]) -> TableFigure:
     """The chosen readings beside what the engine finds."""
     d = outcome.design
     gaps, printed, true = remark_3(d["remark"]), PRINTED_SIZES[d["line"]], true_size(d["line"])

@@ -1,0 +1,107 @@
+"""Gains for the modes that can be moved, the bolted ones left where they are, and one run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.engine import Scenario, observer_gain, place, simulate
+from app.engine.design import Placement
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome
+from app.text.words import Text
+
+from ..toolkit.boards import stage
+from ..toolkit.knobs import kicks
+from ..toolkit.latex import matrix, number, pole_words
+from .knobs import CASES, FIRST, Case
+
+APART = 0.1  # m, by which each block starts off the centre, one to either side
+
+
+def movable(case: Case) -> tuple[str, str]:
+    """Names of the knobs that hold the poles which K and which L can move."""
+    return ("controller_part" if case.unmoved else "controller_all",
+            "observer_part" if case.unseen else "observer_all")
+
+
+def compute(design: Design) -> Outcome[Case]:
+    """Gains for the movable poles with the bolted ones left where they are, and one run."""
+    case = CASES[design["plant"]]
+    plant, model, (left, right) = case.model.plant, case.model, movable(case)
+    control = place(plant.A, plant.B, (*design[left], *case.unmoved))
+    observer = observer_gain(plant.A, plant.C, (*design[right], *case.unseen))
+    c = design["centre"]
+    run = simulate(Scenario(plant, control.gain, observer.gain, x0=(c + APART, c - APART, 0, 0), xhat0=model.guess,
+                            horizon=model.horizon, dt=model.dt, impulses=kicks(design, model), seed=int(design["seed"])))
+    e = np.linalg.norm(run.e, axis=1)
+    metrics = {
+        "error_rate": float(max(np.real(observer.poles))), "state_rate": float(max(np.real(control.poles))),
+        "hidden_rate": max((p.real for p in (*case.unseen, *case.unmoved)), default=float("nan")),
+        "error_end": float(e[-1] / max(float(e[0]), 1e-12)), "state_end": float(np.linalg.norm(run.x[-1])),
+        "weakest_seen": min(m.margin for m in case.seen.modes),
+        "weakest_reached": min(m.margin for m in case.reached.modes),
+    }
+    metrics = {key: value for key, value in metrics.items() if np.isfinite(value)}
+    return Outcome(
+        design, {"K": control.gain, "L": observer.gain}, {"controller": control.poles, "observer": observer.poles},
+        metrics, checks_of(case, metrics), run, _boards(design, case, observer), stage(model, run),
+        _formulas(case, control, observer), _live(case), case)
+
+
+def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
+    """Seen, reached, and whether what is neither settles; then what these gains make of it."""
+    error, state = metrics["error_rate"], metrics["state_rate"]
+    return (
+        Check("observable", Text("observable: every mode leaves a trace", "能观：每个模态都留下痕迹"), case.seen.observable,
+              metrics["weakest_seen"]),
+        Check("detectable", Text("detectable: what leaves no trace settles", "可检测：不留痕迹的模态自行衰减"),
+              case.seen.detectable, metrics["weakest_seen"]),
+        Check("controllable", Text("controllable: every mode is reached", "能控：每个模态都够得着"),
+              case.reached.controllable, metrics["weakest_reached"]),
+        Check("stabilizable", Text("stabilizable: what is out of reach settles", "可镇定：够不着的模态自行衰减"),
+              case.reached.stabilizable, metrics["weakest_reached"]),
+        Check("error", Text("with this L the error dies out", "用这个 L，误差衰减到零"), error < 0, error),
+        Check("loop", Text("with this K and L the plant settles", "用这组 K、L，对象稳定下来"), max(error, state) < 0,
+              max(error, state)),
+    )
+
+
+def _boards(design: Design, case: Case, observer: Placement) -> tuple[Board, Board]:
+    left, right = movable(case)
+    c, o, plant = FIRST.controller_window, FIRST.observer_window, case.model.plant
+    return (
+        Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"), design[left], left,
+              fixed=case.unmoved, role="plant", side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), design[right], right,
+              fixed=case.unseen, role="estimate", side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high,
+              landscape=plant.A - observer.gain @ plant.C),
+    )
+
+
+def _formulas(case: Case, control: Placement, observer: Placement) -> tuple[Formula, ...]:
+    seen = min(case.seen.modes, key=lambda m: (m.margin > 1e-9, -m.pole.real, m.margin))
+    reached = min(case.reached.modes, key=lambda m: (m.margin > 1e-9, -m.pole.real, m.margin))
+
+    def rank(mode_pole: complex, stacked: str, distance: float) -> str:
+        value = "0" if distance < 1e-12 else number(distance)
+        pole = number(mode_pole.real) + (rf" {'+' if mode_pole.imag > 0 else '-'} {number(abs(mode_pole.imag))}j"
+                                         if abs(mode_pole.imag) > 1e-9 else "")
+        return rf"\lambda = {pole}: \quad \sigma_{{\min}} {stacked} = {value}"
+    return (
+        Formula("seen", rank(seen.pole, r"\begin{bmatrix} A-\lambda I \\ C \end{bmatrix}", seen.distance)),
+        Formula("reached", rank(reached.pole, r"\begin{bmatrix} A-\lambda I & B \end{bmatrix}", reached.distance)),
+        Formula("K", rf"K = {matrix(control.gain)}"),
+        Formula("L", rf"L^{{\mathsf T}} = {matrix(observer.gain.T)}"),
+    )
+
+
+def _live(case: Case) -> Text:
+    bolts = case.unseen or case.unmoved
+    if not bolts:
+        return Text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be moved.",
+                    "没有螺栓：对象同样受磁铁吸引而不稳定，但每个极点都能移动。")
+    words, rate = pole_words(list(bolts)), f"{max(p.real for p in bolts):.3g}".replace("-", "−")
+    if case.unseen:
+        return Text(f"The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
+                    f"极点 {words} 在 y 中不留痕迹。无论 L 取什么，e 中总有一部分按 e^({rate} t) 变化。")
+    return Text(f"The poles at {words} are out of reach of u. Whatever K is, part of x follows e^({rate} t).",
+                f"输入 u 够不着极点 {words}。无论 K 取什么，x 中总有一部分按 e^({rate} t) 变化。")

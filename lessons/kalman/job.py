@@ -1,0 +1,50 @@
+"""The job: the same filter on many drawn records."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from app.engine import nees, nis
+from app.lesson.lesson import Design, Job, Outcome
+from app.text.words import Text
+
+from .filters import SKIP, draw, watch
+from .knobs import NONE, PREDICT, SINGLE, WHITE
+from .study import Study, Trials
+
+RUNS, AT_ONCE = 100, 4
+VIEWS = MappingProxyType({"k": 1, "phase": PREDICT, "arithmetic": SINGLE, "line": NONE})  # knobs that change no run
+
+
+# --- many runs -------------------------------------------------------------------------------------------------------
+def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
+    """The job: the same filter on many drawn runs; NIS and NEES averaged at each sample."""
+    d, who = outcome.design, outcome.study.watcher
+    seeds = np.random.SeedSequence(int(d["seed"])).generate_state(RUNS)
+    squares = np.zeros((2, len(outcome.study.nis)))
+    for count, seed in enumerate(seeds, start=1):
+        what = draw(int(seed), d["noise"] != WHITE, d["force"], d["kick"])
+        track = watch(who, what)
+        squares[0] += nis(track.innovations, track.S).values
+        squares[1] += nees(what.x, track.means[:, :6], track.covariances[:, :6, :6]).values
+        if count % AT_ONCE == 0:
+            yield count / RUNS, Trials(count, squares[0] / count, squares[1] / count)
+
+
+def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
+    """The outcome with what the records showed."""
+    metrics = {**outcome.metrics, "trials": float(trials.count), "trials_nis": float(trials.nis[SKIP:].mean()),
+               "trials_nees": float(trials.nees[SKIP:].mean())}
+    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)
+
+
+def key(design: Design) -> Design:
+    """What the records rest on: all but what is looked at."""
+    return design.with_values(**VIEWS)
+
+
+JOB = Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often, key, shown)

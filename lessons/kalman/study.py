@@ -1,0 +1,196 @@
+"""One record through one filter and all that judges it, and what the tests say on the average over all records."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import solve_discrete_lyapunov
+from scipy.stats import chi2, ncx2
+
+from app.engine import chi2_band, innovation_test, nees, nis
+from app.engine.filters import InnovationTest, SquaredError, Track, with_coloured_noise
+from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
+from app.plants.deck_body import GAIN
+from app.plants.deck_body import STAGE as SCALE_OF_STAGE
+from app.text.words import Text
+
+from ..toolkit.latex import matrix, number
+from .filters import ADC, SKIP, Forms, Truth, Watcher, compare, truth, tuned, watch, watcher
+from .knobs import CARRIED, COUNT, DT, MODEL, SINGLE, UPDATE, WHITE
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """Means over `count` runs of NIS and NEES at each sample (n_t,)."""
+
+    count: int
+    nis: np.ndarray
+    nees: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """One record through one filter, and all that judges it. `nis` and `nees` are of the whole record."""
+
+    truth: Truth
+    watcher: Watcher
+    track: Track
+    test: InnovationTest
+    settled: SquaredError
+    nis: np.ndarray
+    nees: np.ndarray
+    forms: Forms
+    trials: Trials | None = None
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """The deck, the filter with its beliefs, the record filtered and judged."""
+    what = truth(int(design["seed"]), design["noise"] != WHITE, design["force"], design["kick"])
+    who = watcher(design["noise"], design["q"], design["r"], design["p0"])
+    track = watch(who, what)
+    settled = nees(what.x[SKIP:], track.means[SKIP:, :6], track.covariances[SKIP:, :6, :6], independent=who.independent)
+    first = nees(what.x[:SKIP], track.means[:SKIP, :6], track.covariances[:SKIP, :6, :6])
+    test = innovation_test(track.innovations[SKIP:], track.S[SKIP:])
+    early = nis(track.innovations[:SKIP], track.S[:SKIP])
+    study = Study(what, who, track, test, settled, np.concatenate([early.values, test.nis.values]),
+                  np.concatenate([first.values, settled.values]),
+                  compare(design["q"], design["r"], design["p0"], design["arithmetic"] == SINGLE))
+    metrics = _metrics(study)
+    t = DT * np.arange(len(what.x))
+    spread = 3 * SCALE_OF_STAGE * GAIN * np.sqrt(track.variances[:, 1])
+    return Outcome(design, {"M": track.schedule.gains[-1], "M_riccati": who.steady.filter_gain},
+                   {"filter": np.log(who.steady.poles.astype(complex)) / DT}, metrics, _checks(study, metrics), None, (),
+                   Stage(MODEL.body, t, what.x, track.means[:, :6], what.u, spread), _formulas(design, study),
+                   _live(study), study)
+
+
+def _metrics(s: Study) -> dict[str, float]:
+    M, last = s.watcher.steady.filter_gain, s.watcher.schedule.gains[-1]
+    quiet = s.watcher.filter.R[0, 0]
+    return {
+        "nis_mean": s.test.nis.mean, "nis_low": s.test.nis.mean_band[0], "nis_high": s.test.nis.mean_band[1],
+        "nees_mean": s.settled.mean, "nees_low": s.settled.mean_band[0], "nees_high": s.settled.mean_band[1],
+        "white_p": s.test.whiteness.p_value, "bias_p": s.test.bias_p_value, "failures": float(len(s.test.failures)),
+        "gain_gap": float(np.abs(last - M).max() / np.abs(M).max()), "riccati_residual": s.watcher.steady.residual,
+        "S_over_R": float(s.watcher.schedule.S[-1][0, 0] / quiet),
+        "seen_over_R": float(np.var(s.track.innovations[SKIP:, 0]) / quiet),
+        "short_gap": float(s.forms.short.max()), "joseph_gap": float(s.forms.joseph.max()),
+        "short_least": s.forms.least_short, "joseph_least": s.forms.least_joseph,
+    }
+
+
+def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
+    failed = s.test.failures
+    return (
+        Check("centred", Text("innovations have no bias", "新息无偏"), "biased" not in failed, m["bias_p"]),
+        Check("white", Text("innovations are white", "新息为白噪声"), "coloured" not in failed, m["white_p"]),
+        Check("nis", Text("NIS lies in its band", "NIS 在带内"), s.test.nis.verdict == "consistent", m["nis_mean"]),
+        Check("nees", Text("NEES lies in its band", "NEES 在带内"), s.settled.verdict == "consistent", m["nees_mean"]),
+        Check("riccati", Text("the gain has reached the Riccati solution", "增益已收敛到 Riccati 方程的解"), m["gain_gap"] < 1e-3,
+              m["gain_gap"]),
+    )
+
+
+def _formulas(design: Design, s: Study) -> tuple[Formula, ...]:
+    k = int(design["k"])
+    at = int(s.watcher.schedule.index[k])
+    pick = np.ix_([1, 4], [1, 4])
+    prior, after = (1e6 * P[at][pick] for P in (s.watcher.schedule.prior, s.watcher.schedule.posterior))
+    out = [Formula("predict", rf"P_{{{k}|{k - 1}}}^{{(z,v_z)}} = {matrix(prior)}",
+                   Text("in mm², mm²/s, mm²/s²", "单位 mm²、mm²/s、mm²/s²"))]
+    if design["phase"] == UPDATE:
+        S, M = s.watcher.schedule.S[at], s.watcher.schedule.gains[at]
+        out += [Formula("S", rf"S_{{VL}} = {number(1e6 * S[0, 0])}, \quad R = {number(1e6 * s.watcher.filter.R[0, 0])}"),
+                Formula("M", rf"M_{{v_z}} = {matrix(M[4:5])}"),
+                Formula("update", rf"P_{{{k}|{k}}}^{{(z,v_z)}} = {matrix(after)}")]
+    return (*out, Formula("nis", rf"\mathrm{{NIS}}_{{{k}}} = \nu^{{\mathsf T}} S^{{-1}} \nu = {number(float(s.nis[k]))}"))
+
+
+WORDS = (("biased", ("a bias", "有偏")), ("coloured", ("colour in the innovations", "新息有色")),
+         ("overconfident", ("NIS too large", "NIS 偏大")), ("cautious", ("NIS too small", "NIS 偏小")))
+
+
+def _live(s: Study) -> Text:
+    found = [words for name, words in WORDS if name in s.test.failures]
+    if s.settled.verdict != "consistent":
+        large = s.settled.verdict == "overconfident"
+        found.append(("NEES too large", "NEES 偏大") if large else ("NEES too small", "NEES 偏小"))
+    head = Text(f"NIS {s.test.nis.mean:.2f} (4 expected), NEES {s.settled.mean:.3g} (6 expected).",
+                f"NIS 均值 {s.test.nis.mean:.2f}（应为 4），NEES 均值 {s.settled.mean:.3g}（应为 6）。")
+    tail = (Text(" Nothing is flagged.", " 没有任何检验报警。") if not found else
+            Text(f" Flagged: {', '.join(w[0] for w in found)}.", f" 报警：{'、'.join(w[1] for w in found)}。"))
+    return Text(head.en + tail.en, head.zh + tail.zh)
+
+
+LAGS, LEVEL = 20, 1 - 0.05 / 3  # of the test of whiteness in `innovation_test`
+SAMPLES = COUNT - SKIP
+
+
+@dataclass(frozen=True)
+class Expected:
+    """Means of NIS and NEES over all records, with the bands that one record is judged by.
+
+    flagged: share of the records whose innovations the test of whiteness finds coloured, by a noncentral χ².
+    memory: correlation of neighbouring innovations of VL. over_R, S_over_R: variance of the innovation of VL, and what the
+    filter says of it, over its R.
+    """
+
+    nis: float
+    nis_band: tuple[float, float]
+    nees: float
+    nees_band: tuple[float, float]
+    flagged: float
+    memory: float
+    over_R: float
+    S_over_R: float
+
+    @property
+    def nis_holds(self) -> bool:
+        """Whether the mean of NIS lies in the band of one record."""
+        return self.nis_band[0] <= self.nis <= self.nis_band[1]
+
+    @property
+    def nees_holds(self) -> bool:
+        """Whether the mean of NEES does."""
+        return self.nees_band[0] <= self.nees <= self.nees_band[1]
+
+
+@lru_cache(maxsize=32)
+def expected(noise: str, q: float, r: float) -> Expected:
+    """Statistics once the filter has settled: the Lyapunov equation of truth and error together.
+
+    Truth z⁺ = A z + w, y = C z + v, z the deck and, for the converter, its noise states. The filter knows S z. With
+    e = S z − x̂⁻ and what it leaves out of y, D = C − C_f S: ν = D z + C_f e + v, and S A = A_f S makes
+    e⁺ = A_f (I − M C_f) e − A_f M (D z + v) + S w.
+    """
+    who, real = watcher(noise, q, r, 1.0), tuned() if noise == WHITE else with_coloured_noise(tuned(), ADC)
+    kf, M, n, k = who.filter, who.steady.filter_gain, real.n, who.filter.n
+    S = np.eye(k) if noise == CARRIED else np.eye(k, n)
+    D, keep = real.C - kf.C @ S, np.eye(k) - M @ kf.C
+    A = np.block([[real.A, np.zeros((n, k))], [-kf.A @ M @ D, kf.A @ keep]])
+    w, v = np.vstack([np.eye(n), S]), np.vstack([np.zeros((n, 4)), -kf.A @ M])
+    Z = solve_discrete_lyapunov(A, w @ real.Q @ w.T + v @ real.R @ v.T)
+    H, after = np.hstack([D, kf.C]), np.hstack([-M @ D, keep])
+    seen = H @ Z @ H.T + real.R
+    error = (after @ Z @ after.T + M @ real.R @ M.T)[:6, :6]
+    promised = kf.C @ who.steady.solution @ kf.C.T + kf.R
+    excess, memory = _colour(A, H, A @ Z @ H.T + v @ real.R, seen)
+    dof = 16 * LAGS
+    return Expected(
+        float(np.trace(np.linalg.solve(promised, seen))), chi2_band(4, count=SAMPLES, level=LEVEL),
+        float(np.trace(np.linalg.solve(who.steady.filtered[:6, :6], error))), chi2_band(6, count=who.independent),
+        float(ncx2.sf(chi2.ppf(LEVEL, dof), dof, max(excess, 1e-9))), memory, float(seen[0, 0] / kf.R[0, 0]),
+        float(promised[0, 0] / kf.R[0, 0]))
+
+
+def _colour(A: np.ndarray, H: np.ndarray, cross: np.ndarray, seen: np.ndarray) -> tuple[float, float]:
+    """Noncentrality N² Σ (N − l)⁻¹ (1 − l/N)² tr(C_lᵀ C₀⁻¹ C_l C₀⁻¹), and the correlation of VL at lag 1; C_l = H A^(l−1) cross."""
+    inverse, excess, first = np.linalg.inv(seen), 0.0, 0.0
+    for lag in range(1, LAGS + 1):
+        C = H @ cross
+        first = first if lag > 1 else float(C[0, 0] / seen[0, 0])
+        excess += (SAMPLES - lag) * float(np.trace(C.T @ inverse @ C @ inverse))
+        cross = A @ cross
+    return excess, first

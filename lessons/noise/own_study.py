@@ -1,0 +1,144 @@
+"""What the valley computes for a person's own plant: a ladder of beliefs, and the observer of the design on it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import Plant, Scenario, error_parts, lqe, simulate
+from app.engine.filters import ErrorParts, Ladder, growing_error, noise_ladder
+from app.engine.simulation import Run
+from app.engine.systems import sorted_poles
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome
+from app.plants import Model, Signal
+from app.text.words import Text
+
+from ..toolkit.boards import bolts, listed, stage
+from ..toolkit.gains import injection, noise_units
+from ..toolkit.knobs import kicks
+from ..toolkit.latex import gain_words
+from .knobs import POLES
+from .study import Trials
+
+BELIEF = "belief"
+RUNGS = np.logspace(-3, 3, 11)  # beliefs in the process noise, times the truth
+SAMPLED = 120  # instants at which a peak is looked for
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """The ladder of beliefs, the observer of the design on it, and its error: without noise, and how its variance grows."""
+
+    ladder: Ladder
+    parts: ErrorParts
+    least: ErrorParts
+    quiet: np.ndarray
+    grown: np.ndarray  # (n_t,) of the watched signal
+    peaks: np.ndarray  # (k,) largest error of the watched signal along the ladder, without noise
+    trials: Trials | None = None
+
+
+def signals(model: Model) -> tuple[Signal, Signal]:
+    """What the error is judged in: an output, and a state that no output reads, as far as there is one."""
+    second = next((s for s in model.watched if s.name.en.startswith("state")), model.watched[-1])
+    return model.watched[0], second
+
+
+def watched_signal(model: Model, design: Design) -> Signal:
+    return signals(model)[0 if design["watch"] == "first" else 1]
+
+
+def noises(model: Model, design: Design) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """G, W, V of a design."""
+    G, W, V = noise_units(model)
+    return G, design["w"] ** 2 * W, design["v"] ** 2 * V
+
+
+@lru_cache(maxsize=32)
+def _ladder(plant: Plant, G: bytes, W: bytes, V: bytes) -> Ladder:
+    G_ = np.frombuffer(G).reshape(plant.n, -1)
+    q = G_.shape[1]
+    return noise_ladder(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), RUNGS)
+
+
+def scenario_of(model: Model, design: Design, L: np.ndarray) -> Scenario:
+    """Plant and observer under both noises, steered by the starting controller where the plant would run away."""
+    G, W, V = noises(model, design)
+    runs_away = float(np.real(model.plant.poles).max()) > 1e-9 and model.controller is not None
+    return Scenario(model.plant, model.controller.gain if runs_away and model.controller else None, L,
+                    x0=[design["start"] * v for v in model.x0], xhat0=model.guess, horizon=model.horizon, dt=model.dt, W=W, V=V, G=G,
+                    impulses=kicks(design, model), seed=int(design["seed"]))
+
+
+def drawn(scenario: Scenario) -> Run:
+    """The run of a scenario. Raises KnobError where its noise outgrows every number."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        run = simulate(scenario)
+    if len(run.t) < 2 or not np.all(np.isfinite(run.x)):
+        raise KnobError(Text("The noise of this plant outgrows every number within the run.", "该对象的噪声在本次运行内超出了一切数值。"))
+    return run
+
+
+def compute(model: Model, design: Design) -> Outcome[Study]:
+    """The observer's error covariance beside the least one, the ladder, and one noisy run. Raises EngineError."""
+    plant, row = model.plant, np.array(watched_signal(model, design).weights)[None]
+    G, W, V = noises(model, design)
+    ladder = _ladder(plant, *(np.ascontiguousarray(M).tobytes() for M in (G, W, V)))
+    L = (lqe(plant.A, G, plant.C, design["belief"] * W, V).gain if design["method"] == BELIEF
+         else injection(plant, design["observer_poles"], model))
+    parts, least = error_parts(plant, L, G, W, V), ladder.parts[len(RUNGS) // 2]
+    scenario = scenario_of(model, design, L)
+    run, quiet = drawn(scenario), drawn(replace(scenario, W=None, V=None))
+    count = min(len(run.t), len(quiet.t))
+    study = Study(ladder, parts, least, quiet.e[:count], growing_error(plant, L, parts, V, model.dt, row, count)[:, 0],
+                  _peaks_along(plant, ladder, np.array(model.x0), row, model.dt, SAMPLED))
+    now, best = (float(np.sqrt(max((row @ P @ row.T).item(), 0.0))) for P in (parts.total, least.total))
+    floor = float(np.linalg.eigvalsh(parts.total - least.total)[0] / max(np.trace(least.total), 1e-300))
+    poles = sorted_poles(plant.A - L @ plant.C)
+    metrics = {"rms": now, "least_rms": best, "ratio": now / max(best, 1e-300), "floor": floor, "largest_gain": float(np.abs(L).max()),
+               "peak": float(np.abs(quiet.e @ row[0]).max())}
+    checks = (
+        Check("least", Text("within 1 % of the least variance", "方差与最小值相差不超过 1 %"), metrics["ratio"] ** 2 <= 1.01,
+              metrics["ratio"]),
+        Check("floor", Text("no observer beats the Kalman filter: P − P_min ≥ 0", "没有观测器优于卡尔曼滤波器：P − P_min ≥ 0"),
+              floor > -1e-6,
+              floor))
+    window = model.observer_window
+    by_hand = design["method"] == POLES
+    kalman = np.linalg.eigvals(plant.A - ladder.gains[len(RUNGS) // 2] @ plant.C)
+    boards = (
+        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), listed(np.sort_complex(kalman)), side="left",
+              re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
+              design["observer_poles"] if by_hand else listed(poles),
+              "observer_poles" if by_hand or len(poles) == len(model.observer_poles) else None,
+              bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
+              re_high=window.re_high, im_high=window.im_high, also=(("method", POLES),), landscape=plant.A - L @ plant.C))
+    return Outcome(design, {"L": L}, {"observer": poles, "kalman": kalman}, metrics, checks, run, boards, stage(model, run),
+                   (Formula("lyapunov", r"F P + P F^{\mathsf T} + G W G^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
+                    Formula("L", gain_words("L", L))), _live(metrics), study)
+
+
+def _peaks_along(plant: Plant, ladder: Ladder, start: np.ndarray, row: np.ndarray, dt: float, count: int) -> np.ndarray:
+    """max |row e| of the rungs from the error `start`, by the modes of F; the start itself where those are poor."""
+    t, found = dt * np.geomspace(0.02, 400, count), []
+    for L in ladder.gains:
+        values, vectors = np.linalg.eig(plant.A - L @ plant.C)
+        if np.linalg.cond(vectors) > 1e10:
+            found.append(np.nan)
+            continue
+        shares = (row @ vectors)[0] * np.linalg.solve(vectors, start.astype(complex))
+        found.append(float(np.abs(np.real(np.exp(np.minimum(np.outer(t, values).real,
+                                                            50.0) + 1j * np.outer(t, values).imag) @ shares)).max()))
+    known = np.array(found)
+    fill = float(np.nanmax(known)) if np.any(np.isfinite(known)) else 1.0
+    return np.maximum(np.nan_to_num(known, nan=fill), abs(float((row @ start).item())))
+
+
+def _live(m: dict[str, float]) -> Text:
+    if m["ratio"] < 1.005:
+        return Text("The error is as small as any observer can make it.", "误差已小到任何观测器所能达到的极限。")
+    return Text(f"The error is {m['ratio']:.3g} times the least possible.", f"误差是最小可能值的 {m['ratio']:.3g} 倍。")

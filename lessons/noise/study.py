@@ -1,0 +1,204 @@
+"""How large the estimation error of the block gets: in the limit, along a ray of observers, from sample to sample."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import expm, solve_discrete_lyapunov
+
+from app.engine import Plant, Scenario, error_parts, lqe, observer_gain, simulate
+from app.engine.design import Optimal
+from app.engine.filters import ErrorParts
+from app.engine.simulation import Run
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
+from app.plants.spring_damper import STAGE
+from app.text.words import Text
+
+from ..toolkit.boards import listed
+from ..toolkit.knobs import kicks
+from ..toolkit.latex import matrix, number
+from .knobs import DT, HORIZON, IM_HIGH, MODEL, PLANT, POLES, RE_HIGH, RE_LOW, SPEED, VELOCITY
+
+SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
+
+
+@dataclass(frozen=True, eq=False)
+class Ray:
+    """Observers whose poles are those of one pattern times a factor.
+
+    speed (n,): geometric mean of |pole| in rad/s; process, sensor (n, 2): variances of the error in position and
+    velocity by cause; peak (n,): largest velocity error for each metre of starting error, without noise, in 1/s.
+    """
+
+    speed: np.ndarray
+    process: np.ndarray
+    sensor: np.ndarray
+    peak: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Trials:
+    """Monte-Carlo: mean square (n_t, k) of k components of e about its noise-free course over `count` runs."""
+
+    count: int
+    square: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Everything about the noise of one design. `quiet` is the error without noise (n_t, 2), `grown` P at each sample."""
+
+    parts: ErrorParts
+    kalman: Optimal
+    ray: Ray
+    quiet: np.ndarray
+    grown: np.ndarray
+    trials: Trials | None = None
+
+
+def scenario_of(design: Design, L: np.ndarray) -> Scenario:
+    """Plant and observer under both noises, nobody steering."""
+    return Scenario(PLANT, None, L, x0=(design["error0"], 0.0), xhat0=(0.0, 0.0), horizon=HORIZON, dt=DT,
+                    W=[[design["w"]]], V=[[design["v"]]], G=PLANT.B, impulses=kicks(design, MODEL),
+                    seed=int(design["seed"]))
+
+
+def compute(design: Design) -> Outcome[Study]:
+    """The observer's error covariance beside the least one, the ray through its poles, and one noisy run."""
+    W, V = design["w"], design["v"]
+    kalman = lqe(PLANT.A, PLANT.B, PLANT.C, [[W]], [[V]])
+    poles, L = _observer(design, kalman)
+    parts = error_parts(PLANT, L, PLANT.B, [[W]], [[V]])
+    scenario = scenario_of(design, L)
+    run, quiet = simulate(scenario), simulate(replace(scenario, W=None, V=None))
+    study = Study(parts, kalman, ray_of(PLANT, poles, SPEEDS, W, V), quiet.e,
+                  growing(PLANT, L, parts, V, DT, len(run.t)))
+    metrics = _metrics(design, study, poles, L)
+    ratio = metrics["variance_ratio"]
+    checks = (
+        Check("least", Text("within 1 % of the least variance", "方差与最小值相差不超过 1 %"), ratio <= 1.01, ratio),
+        Check("floor", Text("no observer beats the Kalman filter: P − P_min ≥ 0", "没有观测器优于卡尔曼滤波器：P − P_min ≥ 0"),
+              metrics["floor"] > -1e-9, metrics["floor"]),
+    )
+    return Outcome(design, {"L": L, "L_kalman": kalman.gain}, {"observer": np.asarray(poles), "kalman": kalman.poles},
+                   metrics, checks, run, _boards(poles, kalman, PLANT.A - L @ PLANT.C), _stage(run, study),
+                   _formulas(L, study), _live(design, metrics), study)
+
+
+def _observer(design: Design, kalman: Optimal) -> tuple[tuple[complex, ...], np.ndarray]:
+    """Poles and gain. Raises KnobError where the error does not settle."""
+    if design["method"] == SPEED:
+        poles = tuple(complex(p) * design["speed"] for p in kalman.poles)
+        if design["speed"] == 1.0:
+            return poles, kalman.gain
+    else:
+        poles = design["observer_poles"]
+    if max(p.real for p in poles) > -0.02:
+        raise KnobError(Text("An observer pole is not left of −0.02, so the error has no variance to speak of; drag it left.",
+                             "有观测器极点不在 −0.02 左侧，误差方差无法稳定；请把它向左拖。"))
+    return poles, observer_gain(PLANT.A, PLANT.C, poles).gain
+
+
+def _metrics(design: Design, study: Study, poles: tuple[complex, ...], L: np.ndarray) -> dict[str, float]:
+    P, least, i = study.parts.total, study.kalman.solution, int(design["watch"] == VELOCITY)
+    size = np.abs(study.quiet)
+    late = np.flatnonzero(size[:, 1] > 0.02 * max(float(size[:, 1].max()), 1e-12))
+    return {
+        "position_rms": float(np.sqrt(P[0, 0])), "velocity_rms": float(np.sqrt(P[1, 1])),
+        "least_position_rms": float(np.sqrt(least[0, 0])), "least_velocity_rms": float(np.sqrt(least[1, 1])),
+        "variance_ratio": float(P[i, i] / least[i, i]),
+        "worst_ratio": float(max(P[0, 0] / least[0, 0], P[1, 1] / least[1, 1])),
+        "floor": float(np.linalg.eigvalsh(P - least)[0] / np.trace(least)),
+        "sensor_share": float(study.parts.sensor[i, i] / P[i, i]),
+        "speed": float(np.sqrt(abs(poles[0] * poles[1]))), "kalman_speed": float(np.sqrt(np.abs(np.prod(study.kalman.poles)))),
+        "peak": float(size[:, 1].max()), "settled_after": float(DT * (late[-1] + 1)) if len(late) else 0.0,
+        "riccati_residual": study.kalman.residual, "largest_gain": float(np.abs(L).max()),
+    }
+
+
+def _boards(poles: tuple[complex, ...], kalman: Optimal, error: np.ndarray) -> tuple[Board, Board]:
+    return (
+        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), listed(kalman.poles), side="left",
+              re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
+        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
+              listed(poles), "observer_poles", role="estimate", side="right", re_low=RE_LOW,
+              re_high=RE_HIGH, im_high=IM_HIGH, also=(("method", POLES),), landscape=error),
+    )
+
+
+def _stage(run: Run, study: Study) -> Stage:
+    return Stage(MODEL.body, run.t, run.x, run.xhat, run.u_applied, 3 * STAGE * np.sqrt(np.maximum(study.grown[:, 0, 0], 0.0)))
+
+
+def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:
+    P = study.parts.total
+    return (
+        Formula("lyapunov", r"F P + P F^{\mathsf T} + B W B^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
+        Formula("L", rf"L = {matrix(L)}, \quad L_{{\mathrm{{Kalman}}}} = {matrix(study.kalman.gain)}"),
+        Formula("P", rf"P = {matrix(P, 2)}"),
+        Formula("least", rf"P_{{\min}} = {matrix(study.kalman.solution, 2)}, \quad "
+                rf"\mathrm{{tr}}\,(P - P_{{\min}}) = {number(float(np.trace(P - study.kalman.solution)), 2)}"),
+    )
+
+
+def _live(design: Design, m: dict[str, float]) -> Text:
+    ratio, share = np.sqrt(m["variance_ratio"]), 100 * m["sensor_share"]
+    name = Text("velocity", "速度") if design["watch"] == VELOCITY else Text("position", "位置")
+    if ratio < 1.005:
+        return Text(f"The {name.en} error is as small as any observer can make it: {share:.0f} % of its variance is sensor noise.",
+                    f"{name.zh}误差已小到任何观测器所能达到的极限：方差的 {share:.0f} % 来自测量噪声。")
+    return Text(f"The {name.en} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is sensor noise.",
+                f"{name.zh}误差是最小可能值的 {ratio:.3g} 倍；方差的 {share:.0f} % 来自测量噪声。")
+
+
+def ray_of(plant: Plant, pattern: tuple[complex, ...], speeds: np.ndarray, W: float, V: float) -> Ray:
+    """All observers along a ray at once, for two states and one output: Ackermann's gain, Lyapunov by Kronecker."""
+    unit = np.asarray(pattern) / np.sqrt(abs(pattern[0] * pattern[1]))
+    damping, square = -np.real(unit.sum()) * speeds, np.real(unit[0] * unit[1]) * speeds**2  # s² + damping s + square
+    A, C, eye = plant.A, plant.C, np.eye(2)
+    last = np.linalg.solve(np.vstack([C, C @ A]), np.array([[0.0], [1.0]]))
+    L = (A @ A + damping[:, None, None] * A + square[:, None, None] * eye) @ last
+    F = A - L @ C
+    M = np.einsum("kij,ab->kiajb", F, eye) + np.einsum("ij,kab->kiajb", eye, F)
+    noise = np.stack([np.broadcast_to(W * plant.B @ plant.B.T, F.shape), V * L @ np.swapaxes(L, 1, 2)], axis=-1)
+    P = np.linalg.solve(M.reshape(-1, 4, 4), -noise.reshape(-1, 4, 2)).reshape(-1, 2, 2, 2)
+    variances = np.maximum(np.diagonal(P, axis1=1, axis2=2), 0.0)  # (n, cause, state)
+    return Ray(speeds, variances[:, 0], variances[:, 1], peak_of(F[:, 1, 0], damping, square))
+
+
+def peak_of(F21: np.ndarray, damping: np.ndarray, square: np.ndarray) -> np.ndarray:
+    """max |e₂(t)| for ė = F e from e(0) = (1, 0): e₂ = F₂₁ e^{αt} sinh(δt)/δ with α = −damping/2, δ² = α² − square.
+
+    Its slope vanishes at tanh(δt) = −δ/α, where sinh(δt)/δ = 1/√square.
+    """
+    alpha = -damping / 2
+    gap = alpha**2 - square
+    delta = np.sqrt(np.abs(gap))
+    small = delta < 1e-6 * np.abs(alpha)
+    safe = np.where(small, 1.0, delta)
+    turning = np.arctan2(safe, -alpha) / safe
+    real = np.arctanh(np.minimum(safe / -alpha, 1 - 1e-12)) / safe
+    t = np.where(small, -1 / alpha, np.where(gap < 0, turning, real))
+    return np.abs(F21) * np.exp(alpha * t) / np.sqrt(square)
+
+
+def growing(plant: Plant, L: np.ndarray, parts: ErrorParts, V: float, dt: float, steps: int) -> np.ndarray:
+    """Covariances (steps, 2, 2) of e at 0, dt, … from P(0) = 0, exactly as simulated: v is held over a step.
+
+    P_k = P_h − Φᵏ P_h Φᵏᵀ, where P_h is the limit with the sampled sensor noise of covariance V/dt.
+    """
+    F = plant.A - L @ plant.C
+    wide = np.zeros((4, 4))
+    wide[:2, :2], wide[:2, 2:] = F, np.eye(2)
+    both = expm(wide * dt)
+    Phi, push = both[:2, :2], both[:2, 2:] @ L
+    limit = parts.process + solve_discrete_lyapunov(Phi, V / dt * push @ push.T)
+    powers = np.empty((steps, 2, 2))
+    powers[0], done, jump = np.eye(2), 1, Phi
+    while done < steps:
+        more = min(done, steps - done)
+        powers[done:done + more] = powers[:more] @ jump
+        done, jump = done + more, jump @ jump
+    return limit - powers @ limit @ np.swapaxes(powers, 1, 2)

@@ -1,0 +1,71 @@
+"""The job: the loop recovered step by step towards what state feedback has."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from app.engine import loop_margins, recover
+from app.engine.design import typical_rate
+from app.engine.feedback import state_feedback_margins
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Design, Job, Outcome
+from app.plants import Model
+from app.text.words import Text
+
+from ..toolkit.gains import by_hand
+from .analyses import Margins, Refusal, attempt, margins, noises
+from .study import SAMPLED, STEPS, Study, frequencies, largest
+
+
+@dataclass(frozen=True, eq=False)
+class Recovery:
+    """What was recovered so far: steps (q, α, α with x known), σ_max(S) over frequency, and the margins of the loop with `L`."""
+
+    steps: tuple[tuple[float, float, float], ...]
+    sensitivity: np.ndarray
+    L: np.ndarray
+    margins: Margins | Refusal
+
+
+def try_recovery(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float, Recovery]]:
+    """The job: the loop recovered step by step towards what state feedback has, from the design's own K."""
+    plant, K, L, design = model.plant, outcome.gains["K"], outcome.gains["L"], outcome.design
+    if plant.dt:
+        raise KnobError(SAMPLED)
+    aim = state_feedback_margins(plant, K)
+    if not aim.stable:
+        raise KnobError(Text("A − BK is not stable, so there is nothing to recover; move a controller pole.",
+                             "A − BK 不稳定，无从恢复；请移动控制器极点。"))
+    G, W, V = noises(model, design["sensor"])
+    size = np.sqrt(float(np.trace(G @ W @ G.T)) / max(float(np.trace(plant.B @ plant.B.T)), 1e-300))
+    target = aim.input_disk.alpha
+    own = attempt(lambda: margins(plant, K, L, True))
+    grid, steps = frequencies(plant_rate=typical_rate(plant), dt=plant.dt), ()
+    for k, q in enumerate(STEPS, start=1):
+        found = recover(plant, K, W, V, float(q) * size, G=G)
+        built = loop_margins(plant, found.compensator)
+        steps = (*steps, (float(q), float(built.input_disk.alpha), float(target)))
+        yield k / len(STEPS), Recovery(steps, largest(built.loop, grid), L, own)
+
+
+def key(design: Design) -> Hashable:
+    """What the recovery rests on: K and the noise."""
+    chosen = design["controller_poles"] if by_hand(design) else (design["q"], design["r"])
+    return design["method"], chosen, design["sensor"]
+
+
+def shown(outcome: Outcome[Study], found: Recovery) -> Outcome[Study]:
+    """The outcome with what was recovered, and the margins of its loop if they were worked out for it."""
+    study = replace(outcome.study, steps=found.steps, recovered=found.sensitivity)
+    if np.array_equal(found.L, outcome.gains["L"]):
+        study = replace(study, margins=found.margins)
+    return replace(outcome, study=study)
+
+
+def job_on(model: Model) -> Job[Study, Recovery]:
+    """The job for a plant."""
+    return Job(Text("Recover the margins", "恢复裕度"), partial(try_recovery, model), key, shown)

@@ -1,0 +1,200 @@
+"""All that is asked of a plant and a design, and one line for each answer: a light and the number it rests on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, cast
+
+import numpy as np
+
+from app.engine import Scenario, closed_loop, simulate
+from app.engine.feedback import ClosedLoop, Sensitivity
+from app.engine.simulation import separation_meter
+from app.engine.structure import Mode
+from app.lesson.lesson import Check, Design, Formula, Outcome
+from app.plants import Model
+from app.text.words import Text
+
+from ..toolkit.boards import pole_boards, stage
+from ..toolkit.gains import gains
+from ..toolkit.knobs import kicks
+from ..toolkit.latex import gain_words, pole_words, tiny
+from .analyses import (
+    Margins,
+    Noise,
+    Refusal,
+    Structure,
+    Trial,
+    attempt,
+    certificates,
+    margins,
+    noise,
+    noises,
+    structure,
+    trial,
+)
+
+STEPS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
+POINTS = 140  # of the sensitivity over frequency
+SAMPLED = Text("Recovery is for continuous plants: a sampled loop keeps the delay of a step.",
+               "回路传递恢复只适用于连续对象：采样回路总有一步的时延。")
+Row = tuple[Text, bool | None, Text]
+EXACT = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """All that was asked; each answer or the sentence why there is none. `steps` of recovery: (q, α, α with x known)."""
+
+    structure: Structure
+    loop: ClosedLoop
+    certificates: tuple[tuple[Text, float], ...] | Refusal
+    noise: Noise | Refusal
+    trial: Trial | Refusal
+    margins: Margins | Refusal
+    meter: float
+    steps: tuple[tuple[float, float, float], ...] = ()
+    recovered: np.ndarray | None = None
+    refused: Text | None = None
+
+
+def compute(model: Model, design: Design) -> Outcome[Study]:
+    """Gains and one run, which every plant has, and each analysis for itself."""
+    plant, seed = model.plant, int(design["seed"])
+    K, L = gains(design, plant, model)
+    loop = closed_loop(plant, K, L)
+    G, W, V = noises(model, design["sensor"])
+    limit, noisy = (design["u_max"] if design["limited"] else None), design["noisy"]
+    run = simulate(Scenario(
+        plant, K, L, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt, u_min=None if limit is None else -limit,
+        u_max=limit, fed=cast(Literal["applied", "commanded"], design["fed"]), impulses=kicks(design, model), seed=seed,
+        W=W if noisy else None, V=V if noisy else None, G=G if noisy else None))
+    study = Study(
+        structure(plant), loop, attempt(lambda: certificates(plant, loop, K, L)), attempt(lambda: noise(model, L, design["sensor"])),
+        attempt(lambda: trial(model, design["sensor"], design["belief"], seed)), attempt(lambda: margins(plant, K, L, False)),
+        separation_meter(run), refused=SAMPLED if plant.dt else None)
+    clipped = float(np.mean(np.any(np.abs(run.u_asked) > (limit or np.inf) * (1 + 1e-9), axis=1)))
+    metrics = {"separation_meter": study.meter, "clipped_share": clipped, "union_error": loop.union_error,
+               "slowest_loop": _slowest(loop.poles, plant.dt), "largest_input": float(np.abs(run.u_asked).max())}
+    if not isinstance(study.margins, Refusal):
+        metrics["disk_margin"] = study.margins.together
+    if not isinstance(study.trial, Refusal):
+        metrics["nis_mean"], metrics["nis_expected"] = study.trial.test.mean, study.trial.expected
+    rows = verdicts(study.structure, loop, study.meter, limit is not None, study.noise, study.trial, study.margins)
+    checks = tuple(Check(f"row{i}", Text(f"{name.en}: {said.en}", f"{name.zh}：{said.zh}"), holds)
+                   for i, (name, holds, said) in enumerate(rows) if holds is not None)
+    return Outcome(
+        design, {"K": K, "L": L},
+        {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles, "compensator": loop.compensator_poles,
+         "plant": plant.poles},
+        metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
+        stage(model, run), (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
+        _live(rows), study)
+
+
+def _slowest(poles: np.ndarray, dt: float) -> float:
+    return float(np.abs(poles).max() - 1) if dt else float(np.real(poles).max())
+
+
+def _live(rows: tuple[tuple[Text, bool | None, Text], ...]) -> Text:
+    no = [name for name, holds, _ in rows if holds is False]
+    if not no:
+        return Text("No analysis that applies here says no.", "凡适用的分析，结论都是“是”。")
+    return Text(f"Answered with no: {', '.join(n.en for n in no)}.", f"结论为“否”：{'、'.join(n.zh for n in no)}。")
+
+
+@lru_cache(maxsize=64)
+def frequencies(plant_rate: float, dt: float) -> np.ndarray:
+    """Hz, two decades around the plant's own pace, below half the sampling rate."""
+    middle = plant_rate / (2 * np.pi)
+    high = min(100 * middle, 0.499 / dt) if dt else 100 * middle
+    return np.geomspace(min(middle / 100, high / 100), high, POINTS)
+
+
+def largest(loop: Sensitivity, grid: np.ndarray) -> np.ndarray:
+    """σ_max of the block of S at the inputs, over frequencies in Hz."""
+    m = loop.inputs
+    S = loop.at(2 * np.pi * grid)[:, :m, :m]
+    values = np.abs(S[:, 0, 0]) if m == 1 else np.linalg.svd(S, compute_uv=False)[:, 0]
+    return np.clip(np.nan_to_num(values, nan=1.0, posinf=1e6), 1e-6, 1e6)
+
+
+def verdicts(found: Structure, loop: ClosedLoop, meter: float, limited: bool, noise: Noise | Refusal, trial: Trial | Refusal,
+             margins: Margins | Refusal) -> tuple[Row, ...]:
+    """All rows, in the order of the lessons."""
+    return (*_structure(found), *_loop(loop, meter, limited), _noise(noise), _trial(trial), _margins(margins))
+
+
+def _weakest(modes: tuple[Mode, ...], hidden: tuple[complex, ...]) -> Text:
+    if hidden:
+        words = pole_words([p for p in hidden if p.imag >= 0][:4])
+        return Text(f"{len(hidden)} hidden: {words}", f"{len(hidden)} 个隐藏：{words}")
+    d = min(mode.margin for mode in modes)
+    return Text(f"nearest mode {d:.2g} from hidden", f"与“隐藏”的最小距离 {d:.2g}")
+
+
+def _structure(found: Structure) -> tuple[Row, ...]:
+    names = ((Text("observable", "能观"), Text("detectable", "可检测")), (Text("controllable", "能控"), Text("stabilizable", "可镇定")))
+    rows: list[Row] = []
+    for report, (strong, weak), fixed, good in ((found.seen, names[0], "unobservable", "detectable"),
+                                                (found.reached, names[1], "uncontrollable", "stabilizable")):
+        if isinstance(report, Refusal):
+            rows += [(strong, None, report.text), (weak, None, report.text)]
+            continue
+        hidden = getattr(report, fixed)
+        loose = [p for p, m in zip(hidden, [m for m in report.modes if not m.visible], strict=False) if not m.stable]
+        rows += [(strong, not hidden, _weakest(report.modes, hidden)),
+                 (weak, getattr(report, good), Text("nothing is hidden", "没有隐藏的部分") if not hidden else
+                  Text("what is hidden settles", "隐藏的部分自行衰减") if not loose else
+                  Text(f"{len(loose)} hidden and not settling", f"{len(loose)} 个隐藏且不衰减"))]
+    d = found.decomposition
+    if isinstance(d, Refusal):
+        rows.append((Text("minimal", "最小实现"), None, d.text))
+    else:
+        n, both = sum(d.sizes), d.sizes[0]
+        rows.append((Text("minimal", "最小实现"), both == n, Text(f"{both} of {n} states act from u to y",
+                                                              f"{n} 个状态中有 {both} 个从 u 到 y 起作用")))
+    return tuple(rows)
+
+
+def _loop(loop: ClosedLoop, meter: float, limited: bool) -> tuple[Row, ...]:
+    error = min(loop.union_error, loop.polynomial_error)
+    held = Text(" with the limit on", "（限幅已开）") if limited else Text("", "")
+    return (
+        (Text("loop stable", "闭环稳定"), loop.stable, Text(f"{len(loop.poles)} poles", f"{len(loop.poles)} 个极点")),
+        (Text("separation of the poles", "极点分离"), error < EXACT, Text(f"off the union by {tiny(error)}", f"与并集相差 {tiny(error)}")),
+        (Text("error lives by itself", "误差独自演化"), meter < EXACT, Text(f"meter {'0' if meter < 1e-8 else f'{meter:.2g}'}{held.en}",
+                                                                    f"分离度量 {'0' if meter < 1e-8 else f'{meter:.2g}'}{held.zh}")),
+        (Text("compensator stable by itself", "补偿器自身稳定"), loop.compensator_stable,
+         Text(f"{len(loop.compensator_poles)} poles of its own", f"自身有 {len(loop.compensator_poles)} 个极点")),
+    )
+
+
+def _noise(found: Noise | Refusal) -> Row:
+    name = Text("observer near the Kalman filter", "观测器接近卡尔曼滤波器")
+    if isinstance(found, Refusal):
+        return name, None, found.text
+    if isinstance(found.ours, Refusal):
+        return name, None, found.ours.text
+
+    def size(P: np.ndarray) -> float:
+        return float(np.sqrt(np.mean(np.diag(P) / found.unit**2)))
+    ratio = size(found.ours.total) / max(min(size(p.total) for p in found.ladder.parts), 1e-300)
+    return name, ratio < 1.5, Text(f"error {ratio:.3g} times the least", f"误差为最小值的 {ratio:.3g} 倍")
+
+
+def _trial(found: Trial | Refusal) -> Row:
+    name = Text("Kalman filter consistent", "卡尔曼滤波器一致")
+    if isinstance(found, Refusal):
+        return name, None, found.text
+    p = found.test.dof
+    return name, abs(found.expected / p - 1) < 0.1, Text(f"NIS {found.expected:.3g} on average, {p} expected",
+                                                         f"NIS 平均为 {found.expected:.3g}，应为 {p}")
+
+
+def _margins(found: Margins | Refusal) -> Row:
+    name = Text("robust at the inputs (α ≥ 0.5)", "输入端鲁棒（α ≥ 0.5）")
+    if isinstance(found, Refusal):
+        return name, None, found.text
+    return name, found.together >= 0.5, Text(f"disk margin {found.together:.3g}", f"圆盘裕度 {found.together:.3g}")
