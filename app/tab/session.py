@@ -73,6 +73,8 @@ class Session:
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due."""
         for number, edits in grouped(self._mailbox.take(wait)):
+            if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
+                return
             self._show.answered = number
             self._show.touched |= not isinstance(edits, (Recalled, Answer))
             try:

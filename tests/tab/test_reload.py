@@ -25,6 +25,7 @@ from app.tab.commands import (
     SetKnobs,
     SetLanguage,
     ShowHint,
+    ToggleHelp,
     ToggleLecture,
     Undo,
 )
@@ -225,6 +226,24 @@ def test_a_tab_that_leaves_before_the_answer_costs_no_page() -> None:
     session.close()
     _until(lambda: set(threading.enumerate()) <= before)
     assert not view.calls
+
+
+def test_what_a_tab_that_leaves_has_still_asked_for_is_not_done() -> None:
+    """400 commands that waited cost 18 s after their tab had left."""
+    class Leaves(FakeView):
+        def open_help(self) -> None:
+            super().open_help()
+            session.close()
+    view = Leaves()
+    session = Session(three(), view, "first")
+    session.restore(None)
+    session.open()
+    view.clear()
+    session.post(ToggleHelp())
+    for _ in range(400):
+        session.post(SetLanguage())
+    session.step(0.0)
+    assert [name for name, _ in view.calls] == ["help"]
 
 
 def test_what_is_kept_is_bounded_and_the_latest_work_stays(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,35 @@
+"""A connection that takes nothing of what waits for it is given up; a slow one is not."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from types import SimpleNamespace
+
+import pytest
+
+from app.view import handshake
+from app.view.handshake import Connection
+
+
+def waiting(*sizes: int) -> tuple[Connection, deque[int]]:
+    """A connection whose buffer is full and has these sizes whenever somebody looks."""
+    left = deque(sizes)
+    connection = Connection.__new__(Connection)
+    connection.paused, connection.drain_waiters = True, deque()
+    connection.transport = SimpleNamespace(  # type: ignore[assignment]
+        is_closing=lambda: False, get_write_buffer_size=lambda: left.popleft() if len(left) > 1 else left[0])
+    return connection, left
+
+
+@pytest.mark.parametrize(("sizes", "looks"), [((5, 5), 2), ((5, 6), 2), ((5, 4, 3, 3), 4)])
+def test_a_connection_is_given_up_once_nothing_goes_out(sizes: tuple[int, ...], looks: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(handshake, "STALLED", 0.01)
+    connection, left = waiting(*sizes)
+
+    async def drain() -> None:
+        connection.loop = asyncio.get_running_loop()
+        await connection.drain()
+    with pytest.raises(TimeoutError):
+        asyncio.run(drain())
+    assert len(sizes) == looks and len(left) == 1, "as long as something goes out it is waited for"
