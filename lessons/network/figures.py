@@ -12,7 +12,7 @@ from app.text import Text, same, text, text_in
 from ..toolkit.figures import TIME_TAB
 from .cases import KINDS, SAMPLES
 from .job import RUNS
-from .study import INPUT_LOSSES, LOSSES, MOST, OVER, ZERO, Study, bounds_over_loss, growth_now, input_growth, key
+from .study import HELD, INPUT_LOSSES, LOSSES, MOST, OVER, ZERO, Study, bounds_over_loss, growth_now, input_growth, key
 
 MEAN_TAB, WALL_TAB, INPUT_TAB = text("Covariance"), text("Separation"), text("Lost inputs")
 JUST = 1e-3  # of a period: how long before a sample its upper corner is drawn
@@ -169,14 +169,14 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
     rows: tuple[tuple[Text | str, ...], ...] = (
         (same("max|λ|"), f"{plant.radius:.4f}"),
         (text("diverges above 1/max|λ|²"), f"{100 * edge.lost:.2f} %" if edge.lost < 1 else NEVER),
-        (text("bounded below"), f"{100 * edge.safe:.2f} %"),
+        (text("the upper bound has a limit below"), f"{100 * edge.safe:.2f} %"),
         (text("lost now"), f"{100 * p:.1f} %"),
         (text("loss · max|λ|², growth per sample"), f"{m['growth']:.4f}"),
         (text("least limit of the mean, σ²/σ₀²"), least),
     )
-    said = (text("The mean stays bounded.") if p < edge.safe else
-            text("The mean grows without end.") if p > edge.lost else
-            text("Between the two: these bounds do not decide."))
+    said = (text("The mean grows without end.") if not edge.bounded(p) else
+            text("The mean stays bounded.") if p < edge.safe else
+            text("The mean stays bounded, though the upper bound does not: the modes differ in modulus (Mo and Sinopoli)."))
     return TableFigure("limits", text("how many may be lost"), (text("quantity"), text("value")), rows,
                        caption=said, tab=MEAN_TAB)
 
@@ -184,10 +184,10 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
 # --- separation --------------------------------------------------------------------------------------------------------
 def _error(outcome: Outcome[Study]) -> TimeFigure:
     s, meter = outcome.study, outcome.metrics["separation_meter"]
-    held = meter < 1e-6
+    held = meter < HELD
     words = (text("Separation meter: 0. The error is what noise and packets make of it, whatever the controller "
                   "does.") if held else
-             text("Separation meter: {meter}. The controller now drives the error of the estimate.",
+             text("Separation meter: {meter}. State or inputs now drive the error of the estimate.",
                   meter=_big(meter)))
     return TimeFigure("error", text("estimation error, in σ₀"), times(outcome),
                       (Curve(text("error"), _lines(s.size), "error"),
@@ -219,7 +219,9 @@ def _blocks(outcome: Outcome[Study]) -> MatrixFigure:
     scale = np.concatenate([1 / np.sqrt(s.watched.weights), np.ones(delay * m), 1 / np.sqrt(s.watched.weights)])
     shown = s.loop / scale[:, None] * scale[None, :] if n > 1 else s.loop
     corner = float(np.abs(shown[N:, :N]).max())
-    words = (text("The lower left block is zero: state and inputs do not drive the error.")
+    words = (text("Delay alone. The lower left block is zero: state and inputs do not drive the error.")
+             if corner == 0 and outcome.metrics["separation_meter"] < HELD else
+             text("Delay alone leaves the lower left block at zero; what the meter reads comes from packets lost or out of order.")
              if corner == 0 else
              text("The lower left block is not zero: what the observer is told is not what acts, and the "
                   "difference drives the error."))

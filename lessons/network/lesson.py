@@ -15,5 +15,6 @@ from .tasks import TASKS, exam
 
 LESSON = Lesson(
     "network", 18, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,
-    source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004",
+    source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004; "
+           "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
     words=read_prose(Path(__file__).parent), job=JOB)

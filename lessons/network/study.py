@@ -179,19 +179,20 @@ def compute(design: Design) -> Outcome[Study]:
     """One run over the two links, bounds of the mean covariance, the loop with its delay."""
     study = tell(design)
     s = study.watched.sampled
+    poles = {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
+             "loop": np.linalg.eigvals(study.loop)}
     metrics = {
         "critical": s.edge.lost, "safe": s.edge.safe, "growth": design["loss"] * s.radius**2, "radius": s.radius,
         "period": s.plant.dt, "separation_meter": study.meter, "loop_radius": loop_radius(study),
+        "designed_radius": float(max(np.abs(p).max() for name, p in poles.items() if name != "loop")),
         "lower": float(study.lower[-1]), "upper": float(study.upper[-1]), "peak": float(study.teeth.max()),
         "lost_measurements": float(np.sum(~study.heard)), "lost_inputs": float(np.sum(study.run.draw.acted < 0)),
     }
     checks = (
-        Check("bounded", text("the mean covariance stays bounded"), design["loss"] < s.edge.safe, metrics["growth"]),
+        Check("bounded", text("the mean covariance stays bounded"), s.edge.bounded(design["loss"]) is True, metrics["growth"]),
         Check("separation", text("the error lives by itself"), study.meter < HELD, study.meter),
         Check("loop", text("the loop with its delay is stable"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
     )
-    poles = {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
-             "loop": np.linalg.eigvals(study.loop)}
     return Outcome(design, {"K": s.K, "L": study.watched.steady.gain, "M": study.watched.steady.filter_gain}, poles, metrics,
                    checks, None, (), _stage(design, study), _formulas(design, study), _live(design, metrics), study)
 
@@ -208,7 +209,7 @@ def _stage(design: Design, study: Study) -> Stage:
     def played(x: np.ndarray) -> np.ndarray:
         return np.hstack([x[index] * (1 - share) + x[after] * share, lamps])
     row = np.array(kind.shown)
-    sigma = np.sqrt(np.einsum("i,kij,j->k", row, study.run.plan.P, row))
+    sigma = np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, study.run.plan.P, row), 0.0))  # rounding of a huge P may go below
     t = np.arange(len(index)) * s.plant.dt / fine
     return Stage(kind.body, t, played(study.x), played(study.xhat), study.applied[index], 3 * np.minimum(sigma, 1e3)[index])
 
@@ -238,14 +239,12 @@ def _live(design: Design, m: dict[str, float]) -> Text:
         first = text("{lost} of the measurements are lost; this plant does not run away, so the mean stays "
                      "bounded.",
                      lost=lost)
-    elif design["loss"] < m["safe"]:
-        first = text("{lost} of the measurements are lost, {safe:.1f} % may be: the mean stays bounded.",
-                     lost=lost, safe=100 * m["safe"])
-    elif design["loss"] > m["critical"]:
-        first = text("{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.",
+    elif design["loss"] < m["critical"]:
+        first = text("{lost} of the measurements are lost, {critical:.1f} % may be: the mean stays bounded.",
                      lost=lost, critical=100 * m["critical"])
     else:
-        first = text("{lost} of the measurements are lost, between the two bounds.", lost=lost)
+        first = text("{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.",
+                     lost=lost, critical=100 * m["critical"])
     second = (text("Separation meter: 0.") if m["separation_meter"] < HELD else
               text("Separation meter: {separation_meter:.2g}.", separation_meter=m["separation_meter"]))
     return joined(first, second)

@@ -12,6 +12,8 @@ from app.text import text
 from .cases import CART, SCALAR, TWO
 from .study import AHEAD, HELD, Study
 
+NO_FASTER = 0.82  # share that may be lost at most where sampling is no faster than needed
+
 
 def _edge(outcome: Outcome[Study]) -> Verdict:
     d, m = outcome.design, outcome.metrics
@@ -31,11 +33,13 @@ def _faster(outcome: Outcome[Study]) -> Verdict:
     if d["case"] != CART or d["loss"] < 0.8:
         return Verdict(False, text("{loss:.0f} % lost; take the pole on a cart and lose at least 80 %.",
                                    loss=100 * d["loss"]))
-    if d["loss"] >= m["safe"]:
-        return Verdict(False, text("Sampled every {period:.0f} ms only {safe:.1f} % may be lost.",
-                                   period=1000.0 * m["period"], safe=100 * m["safe"]))
-    return Verdict(True, text("Sampled every {period:.0f} ms {safe:.1f} % may be lost.",
-                              period=1000.0 * m["period"], safe=100 * m["safe"]))
+    period, critical = 1e3 * m["period"], 100 * m["critical"]
+    if d["loss"] >= m["critical"]:
+        return Verdict(False, text("Sampled every {period:.1f} ms only {critical:.1f} % may be lost.", period=period, critical=critical))
+    if m["critical"] > NO_FASTER:
+        return Verdict(False, text("Sampled every {period:.1f} ms {critical:.1f} % may be lost: faster than needed.",
+                                   period=period, critical=critical))
+    return Verdict(True, text("Sampled every {period:.1f} ms {critical:.1f} % may be lost.", period=period, critical=critical))
 
 
 def _gap(outcome: Outcome[Study]) -> Verdict:
@@ -43,9 +47,7 @@ def _gap(outcome: Outcome[Study]) -> Verdict:
     if d["case"] != TWO:
         return Verdict(False, text("Choose the plant with two unstable modes."))
     if not m["safe"] < d["loss"] < m["critical"]:
-        side = text("both bounds stay finite") if d["loss"] <= m["safe"] else text("both "
-                                                                                                         "bounds "
-                                                                                                         "diverge")
+        side = text("both bounds stay finite") if d["loss"] <= m["safe"] else text("both bounds diverge")
         return Verdict(False, text("At {loss:.1f} % {side}.", loss=100 * d["loss"], side=side))
     return Verdict(True, text("At {loss:.1f} % the lower bound has a limit and the upper one has none.",
                               loss=100 * d["loss"]))
@@ -59,9 +61,9 @@ def _wall(outcome: Outcome[Study]) -> Verdict:
         read = f"{m['separation_meter']:.2g}"
         return Verdict(False, text("The meter reads {read}: the observer counts with an input that does not act.",
                                    read=read))
-    if m["loop_radius"] >= 1:
-        return Verdict(False, text("The meter reads 0, but the loop has a pole of modulus {loop_radius:.3f}.",
-                                   loop_radius=m["loop_radius"]))
+    if m["loop_radius"] > m["designed_radius"] * (1 + 1e-6):
+        return Verdict(False, text("The meter reads 0, but the loop has a pole of modulus {loop_radius:.3f}; designed were "
+                                   "{designed:.3f} at most.", loop_radius=m["loop_radius"], designed=m["designed_radius"]))
     return Verdict(True, text("The meter reads 0 and the largest modulus is {loop_radius:.3f}, as designed.",
                               loop_radius=m["loop_radius"]))
 
@@ -75,7 +77,7 @@ def exam(seed: int) -> ExamItem:
 
 TASKS = (
     Task("edge", _edge, {"a": 1.4, "loss": 0.5}),
-    Task("faster", _faster, {"case": CART, "loss": 0.8, "stretch": 0.5}),
+    Task("faster", _faster, {"case": CART, "loss": 0.8, "stretch": 0.6}),
     Task("gap", _gap, {"case": TWO, "loss": 0.58}),
     Task("wall", _wall, {"case": CART, "delay": 2.0, "told": AHEAD}),
 )

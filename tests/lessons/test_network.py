@@ -11,11 +11,12 @@ from scipy.linalg import expm
 
 from app.engine import critical_loss
 from app.engine.network import mean_square_growth
-from app.lesson.lesson import Outcome
+from app.lesson.knobs import Choice, Number
+from app.lesson.lesson import Design, Outcome
 from app.plants import MODELS
 from lessons.network.cases import CART, CHIP, DECK, KINDS, SAMPLES, SCALAR, TWO, sampled
 from lessons.network.lesson import LESSON
-from lessons.network.study import LOSSES, OVER, bounds_over_loss, key
+from lessons.network.study import HELD, LOSSES, OVER, bounds_over_loss, key
 from lessons.network.tasks import TASKS
 
 SEEDS = range(1, 9)
@@ -94,6 +95,58 @@ def test_averages_go_over_only_where_they_still_hold() -> None:
         assert carried(LESSON, o.design, o.study.trials, outcome(**other)).study.trials is None
 
 
+# --- what the page claims, at designs drawn at random and at the ends of the knobs ---------------------------------------------
+def designs(count: int) -> list[Design]:
+    """Designs of every case, each knob at an end, at rest or anywhere between."""
+    rng, found = np.random.default_rng(18), []
+    for index in range(count):
+        values: dict[str, Any] = {"case": list(KINDS)[index % len(KINDS)]}
+        for knob in LESSON.knobs:
+            if knob.name in ("case", "seed", "kick"):
+                continue
+            if isinstance(knob, Choice):
+                values[knob.name] = str(rng.choice([name for name, _ in knob.options]))
+            elif isinstance(knob, Number):
+                values[knob.name] = float(rng.choice([knob.low, knob.default, knob.high, rng.uniform(knob.low, knob.high)]))
+        found.append(LESSON.apply(LESSON.start(), values))
+    return found
+
+
+@pytest.mark.parametrize("case", list(KINDS))
+def test_the_light_of_the_bounded_mean_goes_out_at_the_critical_share_and_nowhere_else(case: str) -> None:
+    for stretch, a in ((0.5, 1.01), (1.0, 1.2), (1.7, 1.6), (3.0, 2.0)):
+        o = outcome(case=case, stretch=stretch, a=a, loss=0.0)
+        edge = o.study.watched.sampled.edge
+        assert edge.critical is not None and edge.critical == (1.0 if edge.lost == 1 else 1 / o.metrics["radius"] ** 2)
+        for loss in (edge.critical - 1e-3, edge.critical + 1e-3):
+            if 0 <= loss <= 0.99:
+                o = outcome(case=case, stretch=stretch, a=a, loss=loss)
+                light = next(check for check in o.checks if check.id == "bounded")
+                said = next(f for f in LESSON.figures(o) if f.id == "limits").caption.en
+                assert light.holds == ("stays bounded" in o.live.en) == ("stays bounded" in said) == (loss < edge.critical)
+
+
+def test_a_deck_that_loses_everything_stays_bounded() -> None:
+    s = sampled(DECK, 1.2, 3.0)
+    assert s.radius < 1 and s.edge.bounded(1.0)
+
+
+def test_nothing_is_said_to_leave_the_error_alone_where_the_meter_reads() -> None:
+    quiet = 0
+    for design in designs(60):
+        o = LESSON.compute(design)
+        said = {f.id: f.caption.en for f in LESSON.figures(o) if f.id in ("blocks", "error")}
+        alone = o.metrics["separation_meter"] < HELD
+        assert ("do not drive the error" not in said["blocks"]) or alone, design
+        assert ("whatever the controller does" in said["error"]) == alone, design
+        quiet += alone
+    assert 5 < quiet < 55
+    for values in (dict(told="asked", loss_u=0.3, delay=0), dict(jitter=3, order="arrival")):
+        o = outcome(**values)
+        caption = next(f for f in LESSON.figures(o) if f.id == "blocks").caption.en
+        assert o.metrics["separation_meter"] > 0.1 and "lost or out of order" in caption
+
+
 # --- late, and taken for fresh -------------------------------------------------------------------------------------------
 def test_late_measurements_put_in_their_place_keep_the_wall_and_the_edge() -> None:
     o = outcome(jitter=4)
@@ -152,6 +205,20 @@ def test_near_misses_of_the_tasks() -> None:
     assert not gap.check(outcome(case=TWO, loss=0.5)).solved and not gap.check(outcome(case=TWO, loss=0.7)).solved
     assert not wall.check(outcome(case=CART, delay=2, told="asked")).solved
     assert not wall.check(outcome(case=CART, delay=2, told="applied")).solved
+
+
+@pytest.mark.parametrize("stretch", [0.5, 0.7, 1.0, 2.0, 3.0])
+@pytest.mark.parametrize("told", ["asked", "applied"])
+def test_the_wall_is_not_mended_without_looking_ahead(told: str, stretch: float) -> None:
+    wall = TASKS[3]
+    for delay in (2, 3, 4):
+        assert not wall.check(outcome(case=CART, delay=delay, told=told, stretch=stretch)).solved
+
+
+def test_the_fastest_sampling_is_not_the_answer() -> None:
+    faster = TASKS[1]
+    solved = [stretch for stretch in np.arange(10, 21) / 20 if faster.check(outcome(case=CART, loss=0.8, stretch=stretch)).solved]
+    assert solved == [0.6, 0.65]
 
 
 def test_the_exam_is_the_edge_of_the_sampled_plant() -> None:
