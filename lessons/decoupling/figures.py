@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from types import MappingProxyType
 
 import numpy as np
 
@@ -24,7 +25,7 @@ from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y
 from app.text import NO_WORDS, Text, joined, same, text, text_in
 
-from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels
+from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels, lower_of
 from .study import Study
 
 SPECTRA_TAB, CHANNEL_TAB = text("Spectra"), text("Channels")
@@ -35,6 +36,8 @@ BARE, CLOSED, SENSOR = text("no control"), text("closed"), text("sensor noise")
 VERTICAL, ROTATION, HORIZONTAL = (text_in("channel", "vertical"), text_in("channel", "rotation"), text_in("channel", "horizontal"))
 DOWN = ((text("down 10 dB or more"), "force"), (text("down 3 to 10 dB"), "second"),
         (text("down less"), "plant"), (text("up"), "muted"), (text("least"), "error"))
+# what the peaks come down by in the report: (35) to (36), (37) to (38), (33) to (34)
+PRINTED_DB = MappingProxyType({"vertical": text("90 to 100"), "rotation": text("20 to 30"), "horizontal": text("40")})
 CONTROLLER_SWEEP = np.geomspace(1e-3, 1e3, 160)
 RE_LOW, RE_HIGH, IM_HIGH = -20.0, 5.0, 20.0
 
@@ -57,9 +60,11 @@ def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> Freque
     noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
     caption = (text("The loop is unstable: what is drawn is no spectrum.")
                if outcome.metrics["rightmost"] >= 0 else
-               text("Peak in 0.1–10 Hz as without control.") if abs(gain) < 0.05 else
-               text("Peak in 0.1–10 Hz down by {gain:.1f} dB, before sensor noise.", gain=gain) if gain >= 0 else
-               text("Peak in 0.1–10 Hz up by {gain:.1f} dB.", gain=-gain))
+               text("Peak in 0.1–10 Hz as without control; the report prints {printed} dB.", printed=PRINTED_DB[name])
+               if abs(gain) < 0.05 else
+               text("Peak in 0.1–10 Hz down by {gain:.1f} dB, before sensor noise; the report prints {printed} dB.",
+                    gain=gain, printed=PRINTED_DB[name]) if gain >= 0 else
+               text("Peak in 0.1–10 Hz up by {gain:.1f} dB; the report prints {printed} dB down.", gain=-gain, printed=PRINTED_DB[name]))
     return FrequencyFigure(f"spectrum-{name}", text("{title} velocity", title=title), s.f,
                            (Curve(BARE, _nano(s.bare[:, i]), "muted"), Curve(CLOSED, _nano(s.closed[:, i]), "plant"),
                             Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "[nm/s/√Hz]", caption=caption,
@@ -69,7 +74,7 @@ def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> Freque
 # --- channels ----------------------------------------------------------------------------------------------------------
 def _dominance(outcome: Outcome[Study]) -> FrequencyFigure:
     """Row ratios of rotation and horizontal with the mixing of the design."""
-    mixed, plain = outcome.study.mixed, channels()
+    mixed, plain = outcome.study.mixed, channels(lower_of(outcome.design))
     G = plain.response @ mixed.S
     rows = np.abs(np.stack([G[:, 1, 2] / G[:, 1, 1], G[:, 2, 1] / G[:, 2, 2]], axis=1))
     width = np.gradient(np.log(CHANNELS))

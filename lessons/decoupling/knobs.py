@@ -57,6 +57,8 @@ KNOBS = (
            hint=text("Lower end of the band over which J is summed.")),
     Number("f_high", "f_2", text("J up to"), "Hz", low=0.5, high=30.0, default=10.0, scale="log", group=MIXING,
            hint=text("Upper end of the band over which J is summed.")),
+    Number("lower", r"\Delta h", text("coil below the spring's line"), "mm", low=-20.0, high=20.0, default=0.0, step=0.5, group=WORLD,
+           hint=text("How far the horizontal coil pushes below the line in which the horizontal spring pulls.")),
     Choice("ground", "", text("ground motion"), default=WHITE, group=WORLD,
            options=((WHITE, text("white, 1 µm/√Hz")), (FALLING, text("falling as "
                                                                                                    "1/f²"))),

@@ -26,7 +26,7 @@ NONE, OWN, BEST = "none", "own", "best"
 WHITE, FALLING = "white", "falling"
 MODEL = MODELS["platform"]
 PLATFORM = platform.plant()
-COILS, GROUND = coils(PLATFORM), ground(PLATFORM)
+GROUND = ground(PLATFORM)
 HORIZON, DT = 10.0, 0.02
 SLOWEST = 1e-7  # rad/s: poles nearer to zero stand on the plant's zero at s = 0; they are read off the controllers
 MODES = (0.9953, 1.1811, 1.1925, 1.4938)  # Hz: the deck's three, and the zeros that P_h has between them
@@ -90,24 +90,35 @@ class Shaken:
 
 
 # --- channels and mixing -----------------------------------------------------------------------------------------------
-@lru_cache(maxsize=1)
-def three() -> Plant:
+@lru_cache(maxsize=64)
+def platform_of(lower: float) -> Plant:
+    """The platform whose horizontal coil pushes `lower` m below the line of the spring: all that the coil's height moves is B."""
+    return platform.plant(platform.Parameters(lower=lower))
+
+
+@lru_cache(maxsize=64)
+def three(lower: float = 0.0) -> Plant:
     """The platform from v to (vertical, rotation, horizontal)."""
-    whole = in_channels(PLATFORM)
+    whole = in_channels(platform_of(lower))
     return Plant(whole.A, whole.B, whole.C[:3])
 
 
-@lru_cache(maxsize=1)
-def channels() -> Dominance:
+@lru_cache(maxsize=64)
+def channels(lower: float = 0.0) -> Dominance:
     """G over the working band, without mixing."""
-    return dominance(three(), 2 * np.pi * CHANNELS)
+    return dominance(three(lower), 2 * np.pi * CHANNELS)
 
 
 @lru_cache(maxsize=128)
-def band_of(low: float, high: float) -> tuple[Coupling, Mixing, np.ndarray]:
+def band_of(low: float, high: float, lower: float = 0.0) -> tuple[Coupling, Mixing, np.ndarray]:
     """J over a band in Hz, its optimum, and its map over the grid."""
-    J = coupling(dominance(three(), 2 * np.pi * np.geomspace(low, high, SAMPLES)).response, channels=(1, 2))
+    J = coupling(dominance(three(lower), 2 * np.pi * np.geomspace(low, high, SAMPLES)).response, channels=(1, 2))
     return J, best_mixing(J.response), J.map(GRID_A, GRID_B)
+
+
+def lower_of(design: Design) -> float:
+    """How far the horizontal coil pushes below the line of the spring, in m."""
+    return 1e-3 * design["lower"]
 
 
 def mixed(design: Design) -> Mixed:
@@ -116,7 +127,7 @@ def mixed(design: Design) -> Mixed:
     if high < 1.5 * low:
         raise KnobError(text("The band must reach from {low:g} Hz to at least {low2:.3g} Hz.",
                              low=low, low2=1.5 * low))
-    J, best, over = band_of(low, high)
+    J, best, over = band_of(low, high, lower_of(design))
     a, b = {NONE: (0.0, 0.0), OWN: (design["a"], design["b"]), BEST: (best.a, best.b)}[design["mix"]]
     return Mixed(J, best, over, a, b, J(a, b), mixing_matrix(a, b, size=3, channels=(1, 2)))
 
@@ -124,7 +135,7 @@ def mixed(design: Design) -> Mixed:
 # --- controllers -------------------------------------------------------------------------------------------------------
 def controllers(design: Design, S: np.ndarray) -> Controllers:
     """The controllers of a design; those placed by poles are placed for the mixed plant."""
-    placed = (siso.horizontal_by_poles(design["control_poles"], design["observer_poles"], S)
+    placed = (siso.horizontal_by_poles(design["control_poles"], design["observer_poles"], S, platform.Parameters(lower=lower_of(design)))
               if design["horizontal"] == POLES else None)
     horizontal = {PUBLISHED: lambda: negated(siso.published_ch()), POLES: lambda: placed.controller() if placed else None,
                   GAIN: lambda: loop_shaped(LoopShape(-design["gain_h"])), OPEN: lambda: None}[design["horizontal"]]()
@@ -141,9 +152,9 @@ def shape_of(design: Design) -> LoopShape:
                      2 * np.pi * design["roll_off"])
 
 
-def close(controller: Plant, noise: float = 0.0) -> NoisyLoop:
+def close(controller: Plant, noise: float = 0.0, lower: float = 0.0) -> NoisyLoop:
     """The loop with unit ground and sensors of one-sided density noise², in m/s/√Hz."""
-    return noisy_loop(COILS, controller, GROUND, 1.0, V=noise**2 / 2)
+    return noisy_loop(coils(platform_of(lower)), controller, GROUND, 1.0, V=noise**2 / 2)
 
 
 def rightmost(loop: NoisyLoop, controller: Plant) -> tuple[float, float]:
@@ -168,7 +179,7 @@ def ground_density(f: np.ndarray, kind: str) -> np.ndarray:
 @lru_cache(maxsize=1)
 def bare_loop() -> NoisyLoop:
     """The platform without control."""
-    return noisy_loop(COILS, None, GROUND, 1.0)
+    return noisy_loop(coils(PLATFORM), None, GROUND, 1.0)
 
 
 @lru_cache(maxsize=1)

@@ -9,6 +9,7 @@ import numpy as np
 
 from app.engine.design import polynomial_roots
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
+from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.body import with_longer_arrows
 from app.plants.platform_channels import HORIZONTAL
@@ -24,6 +25,7 @@ from .loops import (
     Spectra,
     close,
     controllers,
+    lower_of,
     mixed,
     rightmost,
     shaken,
@@ -56,12 +58,13 @@ def compute(design: Design) -> Outcome[Study]:
     """The mixing, the controllers y → u, the closed loop with its spectra, and one run on a shaking ground."""
     mix = mixed(design)
     built = controllers(design, mix.S)
-    loop = close(built.whole, design["noise"])
+    lower = lower_of(design)
+    loop = close(built.whole, design["noise"], lower)
     right, drift = rightmost(loop, built.whole)
     without = right
     if design["pitch"]:
         apart = siso.from_channels(built.vertical, None, built.horizontal, mixing=mix.S)
-        without = rightmost(close(apart), apart)[0]
+        without = rightmost(close(apart, lower=lower), apart)[0]
     seen, run = spectra(loop, design), shaken(loop, design)
     down = suppression(seen)
     metrics = {
@@ -73,7 +76,7 @@ def compute(design: Design) -> Outcome[Study]:
     worst = max(right, drift)
     checks = (Check("stable", text("every pole of the loop lies on the left"), worst < 0, worst),
               Check("claim", text("closing pitch leaves the loop stable"), right < 0 or without >= 0, right))
-    zeros = polynomial_roots(siso.rigid_polynomials(HORIZONTAL, mix.S)[0])
+    zeros = polynomial_roots(siso.rigid_polynomials(HORIZONTAL, mix.S, platform.Parameters(lower=lower))[0])
     own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
     return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics, checks, None,
                    _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
