@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import pytest
+from laws import holds_for_all
 
 from app.lesson.figures import MapFigure
 from app.lesson.lesson import Design, Lesson
@@ -74,22 +75,24 @@ def test_a_lesson(lesson: Lesson) -> None:
     assert not english(shown(dataclasses.replace(lesson.words["zh"], source="")))
 
 
-@pytest.mark.parametrize("key", EXAMPLES)
 @pytest.mark.parametrize("lesson", [it for it in LESSONS.values() if it.adapt is not None],
                          ids=[k for k, it in LESSONS.items() if it.adapt is not None])
-def test_a_lesson_on_an_example(lesson: Lesson, key: str) -> None:
-    fitted = lesson.fit(example(key))
-    assert not english(page(fitted, fitted.start()))
-    assert not english(shown(fitted.words["zh"].introduction))
+def test_a_lesson_on_the_examples(lesson: Lesson) -> None:
+    def law(key: str) -> None:
+        fitted = lesson.fit(example(key))
+        assert not english(page(fitted, fitted.start()))
+        assert not english(shown(fitted.words["zh"].introduction))
+    holds_for_all(EXAMPLES, law)
 
 
-@pytest.mark.parametrize("key", EXAMPLES)
-def test_every_name_of_an_example_is_known_in_both_languages(key: str) -> None:
-    plant = plant_of(example(key))
-    names = {n for n in (*plant.state_names, *plant.input_names, *plant.output_names) if not re.fullmatch(r"[a-z]\d+", n)}
-    assert set(SIGNALS[plant.name]) == names
-    assert all(called(plant, n).en == n != called(plant, n).zh for n in names)
-    assert title_of(plant).en == plant.name and EXAMPLES[key].label.zh.startswith(title_of(plant).zh)
+def test_every_name_of_an_example_is_known_in_both_languages() -> None:
+    def law(key: str) -> None:
+        plant = plant_of(example(key))
+        names = {n for n in (*plant.state_names, *plant.input_names, *plant.output_names) if not re.fullmatch(r"[a-z]\d+", n)}
+        assert set(SIGNALS[plant.name]) == names
+        assert all(called(plant, n).en == n != called(plant, n).zh for n in names)
+        assert title_of(plant).en == plant.name and EXAMPLES[key].label.zh.startswith(title_of(plant).zh)
+    holds_for_all(EXAMPLES, law)
 
 
 def test_the_names_of_a_persons_own_plant_stay_as_they_are() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from laws import each
 
 from app.lesson.figures import (
     FLOOR,
@@ -65,7 +66,7 @@ def test_a_nice_number_is_round_and_the_least_that_is_enough(value: float) -> No
     assert min(abs(n / 10 ** math.floor(math.log10(n * (1 + 1e-12))) - s) for s in (1, 2, 2.5, 5, 10)) < 1e-6
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
+@each("value", [0.0, -1.0, float("nan"), float("inf")])
 def test_a_nice_number_for_nothing_is_one(value: float) -> None:
     assert nice(value) == 1.0
 
@@ -101,10 +102,9 @@ def test_a_logarithmic_axis_runs_over_whole_decades_around_the_data(values: list
         assert low <= min(values) * (1 + 1e-9)
 
 
-@pytest.mark.parametrize("log", [False, True])
-@pytest.mark.parametrize("series", [[[0.0, 0.0]], [[np.nan, np.nan]], [[np.inf, -np.inf]], [[1e300, 0.0]], [[1e-300, 0.0]], [[5e-324]],
-                                    [[-5e-324]], [], [[]],
-                                    [[-1e-15, 1e-15]]])
+@each("log", [False, True])
+@each("series", [[[0.0, 0.0]], [[np.nan, np.nan]], [[np.inf, -np.inf]], [[1e300, 0.0]], [[1e-300, 0.0]],
+                 [[5e-324]], [[-5e-324]], [], [[]], [[-1e-15, 1e-15]]])
 def test_an_axis_is_a_finite_range_whatever_the_data(series: list[list[float]], log: bool) -> None:
     low, high = axis_range(time_figure(*series, log=log))
     assert math.isfinite(low) and math.isfinite(high) and low < high

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from laws import each
 
 from app.view.gate import Gate, policy
 
@@ -33,27 +34,27 @@ def status(gate: Gate, head: Head) -> int:
     return 200 if refusal is None else refusal.status
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1:8080", "127.0.0.1", "localhost:1", "LOCALHOST.:8080", "[::1]:8080", "127.9.9.9:80"])
+@each("host", ["127.0.0.1:8080", "127.0.0.1", "localhost:1", "LOCALHOST.:8080", "[::1]:8080", "127.9.9.9:80"])
 def test_every_name_of_loopback_is_answered(host: str) -> None:
     assert status(LOCAL, page(host)) == status(LOCAL, socket_of(host)) == 200
     assert status(LOCAL, socket_of(host, f"http://{host}")) == 200
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example:8080",
-                                  "192.0.2.7:8080", "0.0.0.0:8080", "[2001:db8::1]:8080", "lab.example"])
+@each("host", ["evil.example", "evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example:8080",
+               "192.0.2.7:8080", "0.0.0.0:8080", "[2001:db8::1]:8080", "lab.example"])
 def test_a_name_that_was_made_to_point_here_is_refused(host: str) -> None:
     """DNS rebinding: the page of the other site calls us by that site's name."""
     assert status(LOCAL, page(host)) == status(LOCAL, socket_of(host, f"http://{host}")) == 403
 
 
-@pytest.mark.parametrize("host", ["", "a b", "a/b", "a@127.0.0.1", "127.0.0.1:", "127.0.0.1:x", "[::1", "é.example", "a,b",
-                                  "127.0.0.1\r\nX: 1", "127.0.0.1:8080 ", ":8080", "'none'; script-src *"])
+@each("host", ["", "a b", "a/b", "a@127.0.0.1", "127.0.0.1:", "127.0.0.1:x", "[::1", "é.example", "a,b",
+               "127.0.0.1\r\nX: 1", "127.0.0.1:8080 ", ":8080", "'none'; script-src *"])
 def test_what_is_no_host_is_refused(host: str) -> None:
     for gate in (LOCAL, PUBLIC, PROXIED):
         assert status(gate, page(host)) in (400, 403)
 
 
-@pytest.mark.parametrize("field", ["Host", "Origin", "Upgrade"])
+@each("field", ["Host", "Origin", "Upgrade"])
 def test_a_doubled_field_is_refused(field: str) -> None:
     head = socket_of("127.0.0.1:8080", "http://127.0.0.1:8080")
     assert status(LOCAL, head) == 200
@@ -65,9 +66,9 @@ def test_a_request_without_a_host_is_refused() -> None:
     assert status(LOCAL, Head()) == 400
 
 
-@pytest.mark.parametrize("origin", ["http://evil.example", "https://evil.example:8080", "http://127.0.0.1:1", "null", "",
-                                    "file://", "http://127.0.0.1", "http://localhost:8080", "ftp://127.0.0.1:8080",
-                                    "http://[::1", "http://127.0.0.1:8080@evil.example", "http://127.0.0.1:8080.evil.example"])
+@each("origin", ["http://evil.example", "https://evil.example:8080", "http://127.0.0.1:1", "null", "",
+                 "file://", "http://127.0.0.1", "http://localhost:8080", "ftp://127.0.0.1:8080",
+                 "http://[::1", "http://127.0.0.1:8080@evil.example", "http://127.0.0.1:8080.evil.example"])
 def test_a_page_of_another_site_is_refused(origin: str) -> None:
     """A sandboxed frame of any site has the origin "null"; another port of this machine is another site."""
     assert status(LOCAL, socket_of("127.0.0.1:8080", origin)) == 403
@@ -78,9 +79,9 @@ def test_the_origin_matters_for_connections_only() -> None:
     assert status(LOCAL, Head(Host=["127.0.0.1:8080"], Origin=["http://evil.example"])) == 200
 
 
-@pytest.mark.parametrize(("host", "origin"), [("lab.example", "https://lab.example"), ("lab.example:443", "https://lab.example"),
-                                              ("127.0.0.1:8080", "https://lab.example"), ("10.1.2.3", "http://10.1.2.3"),
-                                              ("localhost:8080", "https://LAB.example:8443")])
+@each(("host", "origin"), [("lab.example", "https://lab.example"), ("lab.example:443", "https://lab.example"),
+                           ("127.0.0.1:8080", "https://lab.example"), ("10.1.2.3", "http://10.1.2.3"),
+                           ("localhost:8080", "https://LAB.example:8443")])
 def test_a_proxy_that_was_named_may_keep_or_change_the_host(host: str, origin: str) -> None:
     assert status(PROXIED, socket_of(host, origin)) == 200
     assert status(PROXIED, socket_of(host, origin.lower().replace("lab", "lob").replace("10.1", "10.2"))) == 403
@@ -92,7 +93,7 @@ def test_a_public_server_answers_to_addresses_but_not_to_names_of_others() -> No
     assert status(PUBLIC, page("evil.example:8080")) == 403
 
 
-@pytest.mark.parametrize("name", ["", "http://lab.example", "lab.example:80", "a b", "*"])
+@each("name", ["", "http://lab.example", "lab.example:80", "a b", "*"])
 def test_what_is_no_name_cannot_be_allowed(name: str) -> None:
     with pytest.raises(ValueError, match="name"):
         Gate.of("127.0.0.1", False, (name,))

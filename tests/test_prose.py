@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from laws import each
 
 import lessons
 from app.lesson.prose import ProseError, parse_prose, read_prose
@@ -58,10 +59,10 @@ def test_every_part_is_read() -> None:
     assert prose.source == "Here."
 
 
-@pytest.mark.parametrize("lost, name", [("> A question\n> over two lines?\n", "question"), ("What happens?\n", "predict"),
-                                        ("It was so.\n", "reveal"), ("## source\nHere.\n", "source"),
-                                        ("## exam\nWhat is ${a}$ in $x^{{2}}$?\n", "exam"),
-                                        ("Some $x$ words.\n\nA second paragraph.\n", "introduction")])
+@each("lost, name", [("> A question\n> over two lines?\n", "question"), ("What happens?\n", "predict"),
+                     ("It was so.\n", "reveal"), ("## source\nHere.\n", "source"),
+                     ("## exam\nWhat is ${a}$ in $x^{{2}}$?\n", "exam"),
+                     ("Some $x$ words.\n\nA second paragraph.\n", "introduction")])
 def test_what_is_missing_is_named(lost: str, name: str) -> None:
     assert lost in GOOD
     with pytest.raises(ProseError, match=rf"lesson/en.md has no {name}"):
@@ -73,7 +74,7 @@ def test_a_section_that_does_not_exist_is_named() -> None:
         parse_prose(GOOD + "## wonder about\nx\n")
 
 
-@pytest.mark.parametrize("text", ["", "no title", "## predict\nx"])
+@each("text", ["", "no title", "## predict\nx"])
 def test_a_file_begins_with_its_title(text: str) -> None:
     with pytest.raises(ProseError, match="# title"):
         parse_prose(text)
@@ -93,7 +94,7 @@ def test_a_language_reads_its_own_file_and_english_where_it_has_none(tmp_path) -
 
 
 # --- drawing -------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("latex, pieces", [
+@each("latex, pieces", [
     (r"\dot e=(A-LC)e", ["<mi>e</mi>", "<mi>A</mi>", "<mi>L</mi>"]),
     (r"\begin{bmatrix} 1 & 0 \\ 2 & -3 \end{bmatrix}", ["<mtable", "<mtr>", "<mn>3</mn>"]),
     (r"\hat{x}", ["<mover"]), (r"\frac{d}{dt}", ["<mfrac>"]), (r"u_{\max}", ["<msub>"]),
@@ -127,7 +128,7 @@ def test_markdown_without_formulas_stays_as_it_is() -> None:
 FRAME = {name: value for name, value in vars(phrases).items() if isinstance(value, Text)}
 
 
-@pytest.mark.parametrize("name", FRAME)
+@each("name", FRAME)
 def test_the_words_of_the_frame_are_there_in_both_languages(name: str) -> None:
     text = FRAME[name]
     assert text.en.strip() and text.zh.strip()
@@ -141,7 +142,7 @@ def test_a_text_speaks_the_language_asked_for() -> None:
     assert (text("en"), text("zh"), same("x")("zh")) == ("1 is 2", "1 是 2", "x")
 
 
-@pytest.mark.parametrize(("plain", "set_"), [
+@each(("plain", "set_"), [
     ("the rightmost pole is -0.0011 rad/s", "the rightmost pole is −0.0011 rad/s"), ("-2 or (-.5, -3j)", "−2 or (−.5, −3j)"),
     ("最右极点为 -3，增益（-4）", "最右极点为 −3，增益（−4）"),
     ("1e-05 of 3-4 low-order 2-D <b class=a-1>", "10⁻⁵ of 3-4 low-order 2-D <b class=a-1>"),

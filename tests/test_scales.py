@@ -6,6 +6,7 @@ import html
 
 import numpy as np
 import pytest
+from laws import each
 
 from app.lesson.figures import Curve, FrequencyFigure, TimeFigure
 from app.lesson.lesson import Lesson
@@ -18,7 +19,7 @@ from app.view.transport import step_of
 from lessons import LESSONS
 
 
-@pytest.mark.parametrize(("low", "high"), [(0.3, 3.0), (0.1, 10.0), (10.0, 100.0), (2e-4, 9e-4), (3.0, 300.0), (0.9, 1.4e3)])
+@each(("low", "high"), [(0.3, 3.0), (0.1, 10.0), (10.0, 100.0), (2e-4, 9e-4), (3.0, 300.0), (0.9, 1.4e3)])
 def test_a_narrow_logarithmic_axis_has_more_than_one_number(low: float, high: float) -> None:
     values, names = decades(low, high)
     assert 2 <= len(values) <= 8 and len(set(names)) == len(values)
@@ -39,7 +40,7 @@ def test_no_cursor_stands_in_a_chart_whose_time_is_not_the_runs() -> None:
     assert not on_the_clock(FrequencyFigure("f", same("f"), np.ones(2), ()), 1.0)
 
 
-@pytest.mark.parametrize("horizon", [0.002, 0.35, 2.0, 2.4, 6.0, 7.9, 12.0, 16.0, 600.0])
+@each("horizon", [0.002, 0.35, 2.0, 2.4, 6.0, 7.9, 12.0, 16.0, 600.0])
 def test_the_clock_stands_at_numbers_that_fit_their_field(horizon: float) -> None:
     step = step_of(horizon)
     assert horizon / 1300 < step <= horizon / 499

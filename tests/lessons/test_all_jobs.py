@@ -12,6 +12,7 @@ from app.lesson.figures import MapFigure
 from app.lesson.lesson import Lesson
 
 
+@pytest.mark.slow
 @every_lesson
 def test_a_job_rises_to_its_end_and_leaves_its_start_alone(lesson: Lesson) -> None:
     if lesson.job is None:

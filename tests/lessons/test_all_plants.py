@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from laws import holds_for_all
 from lesson_checks import boards_of, check_figures, check_mathml, complete, contents, every_lesson, numbers_of, others
 
 from app.cli.entry import main
@@ -130,9 +131,8 @@ def test_an_adapted_lesson_is_the_same_lesson(lesson: Lesson) -> None:
         assert list(prose.tasks) == [task.id for task in lesson.tasks if task.id in {t.id for t in own.tasks}]
 
 
-@adaptable
-@examples
-def test_the_example_plants_open_everywhere_or_say_why_not(lesson: Lesson, name: str) -> None:
+def is_complete_on(lesson: Lesson, name: str) -> None:
+    """Words, formulas and tasks of a lesson on an example plant, where it fits."""
     own = fitted(lesson.id, name)
     if own is None:
         opens(lesson, example(name))
@@ -154,9 +154,14 @@ def test_the_example_plants_open_everywhere_or_say_why_not(lesson: Lesson, name:
     assert {tab.tab.en for tab in figures if sum(f.tab == tab.tab for f in figures) > 3} == set()
 
 
+@pytest.mark.slow
 @adaptable
-@examples
-def test_every_knob_of_an_adapted_lesson_does_something(lesson: Lesson, name: str) -> None:
+def test_the_example_plants_open_everywhere_or_say_why_not(lesson: Lesson) -> None:
+    holds_for_all(EXAMPLES, partial(is_complete_on, lesson))
+
+
+def knobs_move_something_on(lesson: Lesson, name: str) -> None:
+    """Every knob of a lesson on an example plant, where it fits."""
     own = fitted(lesson.id, name)
     if own is None:
         return
@@ -179,9 +184,14 @@ def test_every_knob_of_an_adapted_lesson_does_something(lesson: Lesson, name: st
         assert changed, knob.name
 
 
+@pytest.mark.slow
 @adaptable
-@pytest.mark.parametrize("name", ["aircraft", "motor", "pendulum"])
-def test_jobs_of_adapted_lessons_rise_to_their_end_or_can_be_dropped(lesson: Lesson, name: str) -> None:
+def test_every_knob_of_an_adapted_lesson_does_something(lesson: Lesson) -> None:
+    holds_for_all(EXAMPLES, partial(knobs_move_something_on, lesson))
+
+
+def job_works_on(lesson: Lesson, name: str) -> None:
+    """The job of a lesson on an example plant, where it fits."""
     own = fitted(lesson.id, name)
     if own is None or own.job is None:
         return
@@ -202,6 +212,12 @@ def test_jobs_of_adapted_lessons_rise_to_their_end_or_can_be_dropped(lesson: Les
     if own.pick is not None:
         picked = own.apply(outcome.design, own.pick(last, 0.5, -0.5))
         assert own.job.key(picked) == own.job.key(outcome.design)
+
+
+@pytest.mark.slow
+@adaptable
+def test_jobs_of_adapted_lessons_rise_to_their_end_or_can_be_dropped(lesson: Lesson) -> None:
+    holds_for_all(("aircraft", "motor", "pendulum"), partial(job_works_on, lesson))
 
 
 @every_lesson

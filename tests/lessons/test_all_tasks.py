@@ -7,6 +7,7 @@ import string
 from typing import Any
 
 import pytest
+from laws import each
 from lesson_checks import check_markdown, complete, every_lesson, shown
 
 from app.lesson.lesson import ExamItem, Lesson
@@ -20,7 +21,7 @@ def every_task() -> list[Any]:
     return [pytest.param(lesson, task, id=f"{lesson.id}-{task.id}") for lesson in LESSONS.values() for task in lesson.tasks]
 
 
-@pytest.mark.parametrize("lesson, task", every_task())
+@each("lesson, task", every_task())
 def test_a_task_fails_at_the_start_and_passes_at_its_own_solution(lesson: Lesson, task: Any) -> None:
     start = lesson.start()
     before = task.check(shown(start)[0])

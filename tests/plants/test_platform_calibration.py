@@ -80,6 +80,7 @@ def test_mass_damping_and_stiffness_are_positive_definite(solved):
             assert np.array_equal(matrix, matrix.T) and np.linalg.eigvalsh(matrix)[0] > 0
 
 
+@pytest.mark.slow
 def test_the_search_does_not_hang_on_its_start(solved):
     rng = np.random.default_rng(4)
     for _ in range(6):
@@ -88,6 +89,7 @@ def test_the_search_does_not_hang_on_its_start(solved):
         assert asdict(again.parameters) == pytest.approx(asdict(solved.parameters), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_spread_is_what_another_rounding_of_the_list_would_do(solved):
     """All 16 corners of the printed digits of σ3 … σ6 solved anew: none leaves the stated spread by more than curvature."""
     spread = dict(zip(UNKNOWNS, solved.spread, strict=True))
@@ -166,6 +168,7 @@ def test_nonsense_is_refused():
         calibrate(wanted=2 * targets(), unknowns=("cp",))
 
 
+@pytest.mark.slow
 def test_it_prints_its_table(solved):
     done = subprocess.run([sys.executable, "-W", "error", "-m", "app.plants.platform_calibration"], capture_output=True,
                           text=True, check=True, encoding="utf-8", env={**os.environ, "PYTHONIOENCODING": "utf-8"})

@@ -69,6 +69,7 @@ def test_with_one_input_halving_the_step_of_the_hand_halves_the_step_of_the_gain
     assert largest_step_of_the_gain(seed, 1, 40) == pytest.approx(largest_step_of_the_gain(seed, 1, 20) / 2, rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("m", "bound"), [(2, 0.05), (3, 0.01)])
 def test_with_several_inputs_the_gain_follows_a_dragged_pole(m, bound):
     """Sixty small steps of the hand are small steps of K; two minima may change places, hence the median."""

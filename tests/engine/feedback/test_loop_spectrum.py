@@ -40,6 +40,7 @@ def test_the_area_under_the_density_is_the_lyapunov_variance(seed: int) -> None:
     assert area(loop, rows) == pytest.approx(loop.variance(rows), rel=1e-4)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None, derandomize=True)
 @given(st.integers(0, 10_000))
 def test_samples_of_a_loop_keep_its_variance_and_fold_its_density(seed: int) -> None:

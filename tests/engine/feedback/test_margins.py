@@ -179,6 +179,7 @@ def test_structured_margin_does_not_depend_on_the_units_of_the_signals():
 
 
 # --- peers -------------------------------------------------------------------------------------------------------------
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_python_control_agrees_on_one_channel(seed):
     plant, _, controller = lqg(seed, 4, 1, 1)

@@ -155,6 +155,7 @@ def test_flicker_and_floor_are_equal_at_the_corner_and_fall_like_one_over_f_belo
     assert ADC.density(100.0) == pytest.approx(floor, rel=0.06)
 
 
+@pytest.mark.slow
 def test_area_under_the_density_is_the_variance():
     f = np.linspace(0, 250, 2_000_001)
     area = trapezoid(ADC.density(f), f)

@@ -76,6 +76,7 @@ def test_the_growing_variance_is_that_of_many_simulated_runs_and_ends_at_its_lim
     assert np.all(np.abs(square[-1] / grown[-1] - 1) < 5 * np.sqrt(2 / 400))
 
 
+@pytest.mark.slow
 def test_a_filter_on_trial_that_knows_the_truth_expects_as_many_as_it_reads() -> None:
     plant = plant_of(2, 4, 0.0)
     found = simulate_filter(plant, plant.B, np.eye(2), 0.1 * np.eye(2), 0.05, 200, seed=3)

@@ -161,6 +161,7 @@ def test_a_sensor_that_sees_all_unstable_modes_at_once_closes_the_gap() -> None:
     assert np.isfinite(mare(TWO[0], np.array([[1.0, 1.0], [0.0, 1.0]]), TWO[2], np.eye(2), LOST - 1e-3)).all()
 
 
+@pytest.mark.slow
 def test_two_sensors_for_three_unstable_modes_lie_between() -> None:
     A = np.array([[1.3, 0.2, 0.0], [0.0, 1.2, 0.1], [0.0, 0.0, 1.15]])
     C = np.array([[1.0, 0.4, -0.3], [0.2, -1.0, 0.5]])

@@ -36,6 +36,7 @@ def test_example_1_criterion_grows_on_both_sides_of_its_kink(low, high, best):
     assert np.all(np.diff(J) < 0 if best == high else np.diff(J) > 0)
 
 
+@pytest.mark.slow
 def test_another_measure_has_another_optimum():
     """The worst |e_u/v| over the sign vertices is least near −1.3, not at −5/3."""
     errors = vertices(E1.wrong, E1.delta_A, E1.delta_C)
@@ -43,6 +44,7 @@ def test_another_measure_has_another_optimum():
     assert found.observer.poles[0].real == pytest.approx(-1.30, abs=0.03) and 0.81 < found.value < 0.821
 
 
+@pytest.mark.slow
 def test_example_2_raises_the_order_and_runs_to_equal_poles():
     """2-norm, Re s ≤ −2: inf J = 7 + 2√2 = 9.82843 at s1 → s2 → −2, where N has no bound."""
     found = rlo(E2.plant, E2.K, wrong=E2.wrong, norm=2, region=Region(-20, -2), worst_condition=1e6)
@@ -55,6 +57,7 @@ def test_example_2_raises_the_order_and_runs_to_equal_poles():
     assert tame.observer.condition <= 30.001 and tame.value > found.value and np.abs(tame.observer.N).max() < 100
 
 
+@pytest.mark.slow
 def test_example_2_against_a_grid():
     region = Region(-6, -2.5)
     found = rlo(E2.plant, E2.K, wrong=E2.wrong, norm="inf", region=region, worst_condition=50)
@@ -88,6 +91,7 @@ def test_a_region_for_each_pole():
     assert -9 <= fast <= -8 and -3 <= slow <= -2.5
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(st.integers(0, 10**4), st.sampled_from([(2, 1), (3, 1), (4, 2), (5, 3), (6, 3), (3, 3)]))
 def test_any_observable_plant_and_any_row_K(seed, shape):
@@ -120,6 +124,7 @@ def test_a_nearly_dependent_output_comes_last_in_its_chain():
     assert found.output_residual < 1e-12 and found.condition < 1e3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "n", "p"), [(0, 4, 2), (1, 3, 1), (2, 5, 3)])
 def test_several_wanted_rows(seed, n, p):
     plant, K = plant_of(seed, n, p), np.random.default_rng(seed + 1).standard_normal((2, n))
@@ -128,6 +133,7 @@ def test_several_wanted_rows(seed, n, p):
     assert found.observer.N.shape[0] == 2 and found.observer.order <= n - p
 
 
+@pytest.mark.slow
 def test_steps_report_progress_and_end_with_the_result():
     parts = list(rlo_steps(E2.plant, E2.K, wrong=E2.wrong, region=Region(-6, -2)))
     fractions = [f for f, _ in parts]
@@ -151,6 +157,7 @@ def test_requests_that_make_no_sense_get_one_sentence(more, word):
         rlo(E2.plant, E2.K, **({"region": Region(-8, -0.5)} | more))
 
 
+@pytest.mark.slow
 def test_outputs_that_repeat_others_and_stiff_units():
     """The rigid deck: four velocity sensors on three motions; one wanted row needs one state."""
     plant, K = MODELS["deck"].controlled, np.array([[3e4, 1e3, 0, 2e3, -5e2, 1e2]])

@@ -63,6 +63,7 @@ def test_the_literal_design_at_1_khz_loses_what_its_sampling_cannot_carry() -> N
     assert suppression(late) == pytest.approx(np.array([73, 87, 76]), abs=1.3)
 
 
+@pytest.mark.slow
 def test_after_convergence_the_recursive_filter_closes_the_same_loop_at_1_khz() -> None:
     """Joseph's recursion from the covariance of the open loop; the gain meets the Riccati one to 1e-6."""
     s = report(1e-10)

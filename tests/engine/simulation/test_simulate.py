@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from laws import each
 from scipy import signal
 from scipy.linalg import expm
 
@@ -199,7 +200,7 @@ def test_scan_of_held_inputs_equals_the_plain_recursion_for_every_length() -> No
             assert np.allclose(states[k + 1], z, rtol=1e-11, atol=1e-12)
 
 
-@pytest.mark.parametrize("wrong, words", [
+@each("wrong, words", [
     ({"K": [[1, 2, 3]]}, "K must be 1×2"), ({"L": [[1, 2]]}, "L must be 2×1"), ({"x0": [1]}, "x0 must have 2"),
     ({"dt": 0}, "dt must be"), ({"dt": np.nan}, "dt must be"), ({"horizon": 1e12}, "too many"),
     ({"horizon": 0.001}, "shorter"), ({"u_min": 1, "u_max": -1}, "below"), ({"u_max": [1, 2]}, "one number"),

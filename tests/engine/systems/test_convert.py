@@ -13,6 +13,7 @@ import scipy.sparse
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
+from laws import each
 from scipy.io import savemat
 
 from app.engine import EngineError, Plant, from_control, from_json, from_mat, load_plant, to_control, to_json, to_mat
@@ -92,7 +93,7 @@ def edited(**changes):
     return json.dumps({**json.loads(to_json(CART)), **changes})
 
 
-@pytest.mark.parametrize(("text", "says"), [
+@each(("text", "says"), [
     ("", "JSON"), ("{", "JSON"), ("[1]", "object"), ("null", "object"), ("[" * 100_000, "JSON"),
     ("{\"A\": " + "9" * 5000 + "}", "JSON|real|rows"), ("{}", "no matrix A"), (" " * 1_000_001, "1 MB"),
     (edited(A="eye(2)"), "rows"), (edited(A=[[1, 2], [3]]), "equally long"), (edited(A=[]), "rows"),
@@ -114,6 +115,7 @@ def test_broken_json_is_one_sentence(text, says):
     assert str(caught.value).endswith(".") and len(str(caught.value)) < 200
 
 
+@pytest.mark.slow
 @given(st.recursive(st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
                     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
                     max_leaves=8),
@@ -168,7 +170,7 @@ def bomb():
     return variables()[:128] + struct.pack("<II", 15, len(packed)) + packed
 
 
-@pytest.mark.parametrize(("data", "says"), [
+@each(("data", "says"), [
     (b"", "readable"), (b"\x00" * 40, "readable|matrix"), (b"hello world" * 50, "readable"),
     (bytes(1_000_001), "1 MB"), (variables()[:200], "readable|no matrix"),
     (b"MATLAB 7.3 MAT-file".ljust(124) + b"\x00\x02IM" + bytes(100), "7.3|-v7"),
