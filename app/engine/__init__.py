@@ -12,10 +12,12 @@ from .filters import (
     SquareRootFilter,
     UnscentedKalmanFilter,
     chi2_band,
+    correct,
     error_parts,
     innovation_test,
     nees,
     nis,
+    predict,
 )
 from .network import Link, NetworkScenario, critical_loss, simulate_network
 from .observers import (
@@ -79,6 +81,7 @@ __all__ = [
     "closed_loop",
     "compensator",
     "controllability",
+    "correct",
     "critical_loss",
     "dlqe",
     "dlqr",
@@ -103,6 +106,7 @@ __all__ = [
     "observability",
     "observer_gain",
     "place",
+    "predict",
     "psd",
     "recover",
     "residual_generator",

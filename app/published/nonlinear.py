@@ -6,13 +6,12 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..engine import Belief, UnscentedKalmanFilter
+from ..engine import Belief, ExtendedKalmanFilter, UnscentedKalmanFilter
 from ..engine.filters import (
     Beliefs,
     Experiment,
-    ExtendedFilters,
-    ManyFilters,
-    UnscentedFilters,
+    NonlinearFilter,
+    PrintedUnscentedFilter,
     errors_squared,
     joseph,
     short_form,
@@ -45,7 +44,8 @@ def redrawn() -> tuple[float, float]:
 def as_printed() -> tuple[float, float]:
     """The same by Algorithm 3 as printed."""
     ukf, start = scalar()
-    after = ukf.step_without_redraw(start, [1.0])
+    printed = PrintedUnscentedFilter(ukf.f, ukf.h, ukf.Q, ukf.R)
+    after = printed.correct(printed.predict(Beliefs.alike(start.mean, start.covariance, 1)), ONE).beliefs
     return after.mean.item(), after.covariance.item()
 
 
@@ -55,7 +55,7 @@ def covariance_of_a_gain(form: str) -> float:
     return (joseph(P, ONE, ONE, gain) if form == "Joseph" else short_form(P, ONE, gain)).item()
 
 
-def growth_square(filter_: ManyFilters) -> float:
+def growth_square(filter_: NonlinearFilter) -> float:
     """Mean square error of a filter on the growth model."""
     rng = np.random.default_rng(14)
     inputs = np.array([[growth.drive(k + 1)] for k in range(1, STEPS)] + [[0.0]])
@@ -68,12 +68,13 @@ def growth_square(filter_: ManyFilters) -> float:
 
 def extended_on_growth() -> float:
     """The extended filter."""
-    return growth_square(ExtendedFilters(growth.step, growth.seen, ONE, ONE, growth.step_expanded, growth.seen_expanded))
+    return growth_square(ExtendedKalmanFilter(growth.step, growth.seen, ONE, ONE, growth.step_expanded,
+                                              growth.seen_expanded))
 
 
 def unscented_on_growth(alpha: float, beta: float, kappa: float) -> float:
     """The unscented filter; α = 1, β = κ = 0 makes it the cubature filter."""
-    return growth_square(UnscentedFilters(growth.step, growth.seen, ONE, ONE, alpha, beta, kappa))
+    return growth_square(UnscentedKalmanFilter(growth.step, growth.seen, ONE, ONE, alpha, beta, kappa))
 
 
 @lru_cache(maxsize=1)
@@ -84,8 +85,8 @@ def fall() -> tuple[float, float]:
     rng = np.random.default_rng(14)
     x0 = np.array(falling_body.GUESS)[:, None] + np.array(falling_body.SPREAD)[:, None] * rng.standard_normal((3, runs))
     x0[2] = falling_body.START[2]
-    filters = {"UKF": UnscentedFilters(flow, plant.output, np.zeros((3, 3)), R),
-               "EKF": ExtendedFilters(flow, plant.output, np.zeros((3, 3)), R, h_expand=plant.observe)}
+    filters = {"UKF": UnscentedKalmanFilter(flow, plant.output, np.zeros((3, 3)), R),
+               "EKF": ExtendedKalmanFilter(flow, plant.output, np.zeros((3, 3)), R, h_expand=plant.observe)}
     start = Beliefs.alike(falling_body.GUESS, np.diag(np.square(falling_body.SPREAD)), runs)
     *_, last = simulate_filters(Experiment(flow, plant.output, np.zeros((3, 3)), R, x0, start, np.zeros((31, 0)),
                                            filters), rng)

@@ -7,17 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.engine import EngineError, NonlinearPlant, chi2_band
+from app.engine import EngineError, ExtendedKalmanFilter, NonlinearPlant, UnscentedKalmanFilter, chi2_band
 from app.engine.filters import (
     Beliefs,
     Experiment,
-    ExtendedFilters,
-    LinearFilters,
-    ManyFilters,
-    PrintedUnscentedFilters,
+    LinearisedFilter,
+    NonlinearFilter,
+    PrintedUnscentedFilter,
     Sample,
     Steering,
-    UnscentedFilters,
     errors_squared,
     simulate_filters,
 )
@@ -62,14 +60,14 @@ class Study:
         return float(min(np.mean(self.nees[name]) / self.x.shape[1], LARGEST))
 
 
-def filters_of(case: Case, plant: NonlinearPlant, design: Design) -> dict[str, ManyFilters]:
+def filters_of(case: Case, plant: NonlinearPlant, design: Design) -> dict[str, NonlinearFilter]:
     """The three filters on one flow: expanded once, at every estimate, and by sigma points."""
     flow = flow_of(case, plant)
     Q, R = design["wind"] * case.Q, design["sensor"]**2 * case.R
-    points = UnscentedFilters if design["redraw"] else PrintedUnscentedFilters
+    points = UnscentedKalmanFilter if design["redraw"] else PrintedUnscentedFilter
     return {
-        KF: LinearFilters(flow, plant.output, Q, R, case.guess, np.zeros(plant.m)),
-        EKF: ExtendedFilters(flow, plant.output, Q, R, h_expand=plant.observe),
+        KF: LinearisedFilter(flow, plant.output, Q, R, case.guess, np.zeros(plant.m)),
+        EKF: ExtendedKalmanFilter(flow, plant.output, Q, R, h_expand=plant.observe),
         UKF: points(flow, plant.output, Q, R, design["alpha"], design["beta"], design["kappa"]),
     }
 

@@ -21,7 +21,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from app.engine.filters import Beliefs, Experiment, ExtendedFilters, UnscentedFilters, simulate_filters
+from app.engine import ExtendedKalmanFilter, UnscentedKalmanFilter
+from app.engine.filters import Beliefs, Experiment, simulate_filters
 from app.plants import nonlinear_platform
 
 RUNS, STEPS, FEW = 200, 100, 4
@@ -100,7 +101,7 @@ def main() -> None:
 
     alone = seconds(lambda: many({}))
     print(f"{'the runs alone, batched':52s} {1e3 * alone:10.1f} ms")
-    for name, make, peer, gate in (("unscented", UnscentedFilters, unscented, 50), ("extended", ExtendedFilters, extended, 15)):
+    for name, make, peer, gate in (("unscented", UnscentedKalmanFilter, unscented, 50), ("extended", ExtendedKalmanFilter, extended, 15)):
         filters = {name: make(FLOW, PLANT.output, Q, R)}
         samples = many(filters)
         for run in range(FEW):

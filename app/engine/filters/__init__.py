@@ -1,7 +1,7 @@
 """Kalman filters, linear and not, one or many at once, and whether they are consistent."""
 
 from .adc import AdcNoise, with_coloured_noise
-from .belief import Belief, Correction, RootBelief
+from .belief import Belief, Beliefs, Correction, Corrections, RootBelief
 from .consistency import (
     InnovationTest,
     SquaredError,
@@ -13,24 +13,17 @@ from .consistency import (
     nis,
     whiteness,
 )
+from .extended import ExtendedKalmanFilter, LinearisedFilter
 from .filter_trial import FilterTrial, simulate_filter
-from .kalman import KalmanFilter, gain_of, joseph, short_form
+from .kalman import KalmanFilter, correct, joseph, predict, short_form
 from .linear_filter import LinearFilter
-from .many_filters import (
-    Beliefs,
-    Corrections,
-    ExtendedFilters,
-    LinearFilters,
-    ManyFilters,
-    PrintedUnscentedFilters,
-    UnscentedFilters,
-)
 from .many_runs import Experiment, Sample, Steering, errors_squared, simulate_filters
-from .nonlinear import ExtendedKalmanFilter, UnscentedKalmanFilter
+from .nonlinear import NonlinearFilter
 from .sigma_points import sigma_weights
 from .square_root import SquareRootFilter
 from .track import Schedule, Track, as_record, means_along
 from .trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
+from .unscented import PrintedUnscentedFilter, UnscentedKalmanFilter
 
 __all__ = [
     "AdcNoise",
@@ -40,16 +33,15 @@ __all__ = [
     "Corrections",
     "ErrorParts",
     "Experiment",
-    "ExtendedFilters",
     "ExtendedKalmanFilter",
     "FilterTrial",
     "InnovationTest",
     "KalmanFilter",
     "Ladder",
     "LinearFilter",
-    "LinearFilters",
-    "ManyFilters",
-    "PrintedUnscentedFilters",
+    "LinearisedFilter",
+    "NonlinearFilter",
+    "PrintedUnscentedFilter",
     "RootBelief",
     "Sample",
     "Schedule",
@@ -57,14 +49,13 @@ __all__ = [
     "SquaredError",
     "Steering",
     "Track",
-    "UnscentedFilters",
     "UnscentedKalmanFilter",
     "Whiteness",
     "as_record",
     "chi2_band",
+    "correct",
     "error_parts",
     "errors_squared",
-    "gain_of",
     "growing_error",
     "independent_errors",
     "innovation_test",
@@ -73,6 +64,7 @@ __all__ = [
     "nees",
     "nis",
     "noise_ladder",
+    "predict",
     "short_form",
     "sigma_weights",
     "simulate_filter",

@@ -1,4 +1,4 @@
-"""What a filter believes: a mean and a covariance, immutable."""
+"""What a filter believes: a mean and a covariance, immutable; in one run or in many at once."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.arrays import as_covariance
+from ..systems.errors import EngineError, ShapeError, phrase
 
-__all__ = ["Belief", "Correction", "RootBelief"]
+__all__ = ["Belief", "Beliefs", "Correction", "Corrections", "RootBelief"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,3 +69,35 @@ class Correction:
         seen = np.isfinite(self.innovation)
         nu = self.innovation[seen]
         return float(nu @ np.linalg.solve(self.S[np.ix_(seen, seen)], nu)) if seen.any() else 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Beliefs:
+    """A Gaussian belief in each of N runs: means (n, N), covariances (N, n, n) or (1, n, n) where all share one.
+
+    `points` (n, 2n + 1, N) are sigma points carried on instead of being drawn anew, by `PrintedUnscentedFilter` alone.
+    """
+
+    mean: np.ndarray
+    covariance: np.ndarray
+    points: np.ndarray | None = None
+
+    @classmethod
+    def alike(cls, mean: object, covariance: object, runs: int) -> Beliefs:
+        """The same belief, mean (n,) and covariance (n×n), in every run."""
+        mean = np.asarray(mean, dtype=float)
+        P = as_covariance(covariance, phrase("The covariance"), mean.size)
+        return cls(np.repeat(mean[:, None], runs, axis=1), np.repeat(P[None], runs, axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class Corrections:
+    """One measurement taken in by every run: beliefs after it, innovations (p, N), their covariances S, gains M.
+
+    S is (N, p, p) and M (N, n, p), or with 1 for N where all runs share one covariance.
+    """
+
+    beliefs: Beliefs
+    innovation: np.ndarray
+    S: np.ndarray
+    gain: np.ndarray

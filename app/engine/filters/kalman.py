@@ -12,35 +12,65 @@ from ..systems.errors import EngineError
 from .belief import Belief
 from .linear_filter import LinearFilter
 
-__all__ = ["KalmanFilter", "gain_of", "joseph", "short_form"]
+__all__ = ["KalmanFilter", "ahead", "correct", "gain_of", "joseph", "predict", "short_form"]
+
+def predict(A: np.ndarray, Q: np.ndarray, mean: np.ndarray, P: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The belief N(x̂, P) about x one step later, about A x + w with w ~ N(0, Q): mean (n,) and covariance n×n.
+
+    A x + w − A x̂ = A e + w with e = x − x̂ and w independent, so E x⁺ = A x̂ and P⁺ = E (A e + w)(A e + w)ᵀ = A P Aᵀ + Q.
+    """
+    return A @ mean, ahead(A, Q, P)
+
+
+def correct(C: np.ndarray, R: np.ndarray, mean: np.ndarray, P: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The belief N(x̂, P) after y = C x + v, v ~ N(0, R), is heard: mean (n,) and covariance n×n.
+
+    (x, y) is Gaussian with cov(x, y) = P Cᵀ and var y = S = C P Cᵀ + R, so E(x | y) = x̂ + M (y − C x̂) with M = P Cᵀ S⁻¹,
+    and what is left, x − E(x | y) = (I − M C) e − M v, has the covariance (I − M C) P (I − M C)ᵀ + M R Mᵀ.
+    """
+    _, M = gain(P, C, R)
+    return mean + M @ (y - C @ mean), joseph(P, C, R, M)
+
+
+def ahead(A: np.ndarray, Q: np.ndarray, P: np.ndarray) -> np.ndarray:
+    """A P Aᵀ + Q, symmetric; A and P may be stacks (…, n, n)."""
+    return symmetric(A @ P @ A.swapaxes(-1, -2)) + Q
+
 
 def gain(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """S = C P Cᵀ + R (p×p) and M = P Cᵀ S⁻¹ (n×p). Raises EngineError where S is singular."""
-    CP = C @ P
-    S = CP @ C.T + R
-    return S, gain_of(S, CP)
+    across = P @ C.T
+    S = symmetric(C @ across) + R
+    return S, gain_of(S, across)
 
 
 def gain_of(S: np.ndarray, across: np.ndarray) -> np.ndarray:
-    """M = P_xy S⁻¹ (n×p) from S (p×p) and P_yx (p×n), by Cholesky, or by elimination where rounding spoilt S.
+    """M = P_xy S⁻¹ from S (…, p, p) and P_xy (…, n, p), by Cholesky, or by elimination where rounding spoilt S.
 
-    Raises EngineError where S is singular.
+    Raises EngineError where a single S is singular; in a stack its run has gone astray and takes the pseudo-inverse.
     """
-    _, solution, failure = dposv(S, across)
-    if failure:
-        try:
-            solution = np.linalg.solve(S, across)
-        except np.linalg.LinAlgError as problem:
-            raise EngineError("The covariance S of the innovation is singular: give every sensor some noise R, or use the "
-                              "square-root filter.") from problem
-    return solution.T
+    if S.ndim == 2:
+        _, solution, failure = dposv(S, across.T)
+        if not failure:
+            return solution.T
+    elif S.shape[-1] == 1:
+        return across / S
+    try:
+        return np.linalg.solve(S, across.swapaxes(-1, -2)).swapaxes(-1, -2)
+    except np.linalg.LinAlgError as problem:
+        if S.ndim > 2:
+            return across @ np.linalg.pinv(np.nan_to_num(S))
+        raise EngineError("The covariance S of the innovation is singular: give every sensor some noise R, or use the "
+                          "square-root filter.") from problem
 
 
 def joseph(P: np.ndarray, C: np.ndarray, R: np.ndarray, M: np.ndarray) -> np.ndarray:
-    """(I − M C) P (I − M C)ᵀ + M R Mᵀ, symmetric: right for any gain M, positive semidefinite whatever the rounding."""
-    keep = -(M @ C)
-    keep.reshape(-1)[::len(P) + 1] += 1.0
-    return symmetric(keep @ P @ keep.T + M @ R @ M.T)
+    """(I − M C) P (I − M C)ᵀ + M R Mᵀ, symmetric: right for any gain M, positive semidefinite whatever the rounding.
+
+    P (…, n, n), C (…, p, n) and M (…, n, p) may be stacks.
+    """
+    keep = np.eye(P.shape[-1]) - M @ C
+    return symmetric(keep @ P @ keep.swapaxes(-1, -2) + M @ R @ M.swapaxes(-1, -2))
 
 
 def short_form(P: np.ndarray, C: np.ndarray, M: np.ndarray) -> np.ndarray:
@@ -70,7 +100,7 @@ class KalmanFilter(LinearFilter):
 
     def forward(self, spread: np.ndarray) -> np.ndarray:
         """A P Aᵀ + Q."""
-        return symmetric(self.A @ spread @ self.A.T + self.Q)
+        return ahead(self.A, self.Q, spread)
 
     def corrected(self, spread: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """S, M and P after the measurement by the sensors that were `seen`."""

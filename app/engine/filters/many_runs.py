@@ -8,9 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..systems.errors import EngineError, ShapeError
-from ..systems.flow import Flow, Map
+from ..systems.flow import Flow
+from ..systems.jacobian import Map
 from ..systems.noise import root
-from .many_filters import Beliefs, Corrections, ExtendedFilters, ManyFilters
+from .belief import Beliefs, Corrections
+from .extended import ExtendedKalmanFilter
+from .nonlinear import NonlinearFilter
 
 __all__ = ["Experiment", "Sample", "Steering", "errors_squared", "simulate_filters"]
 
@@ -41,7 +44,7 @@ class Experiment:
     x0: np.ndarray
     start: Beliefs
     inputs: np.ndarray
-    filters: Mapping[str, ManyFilters]
+    filters: Mapping[str, NonlinearFilter]
     steering: Steering | None = None
     kicks: tuple[tuple[int, np.ndarray], ...] = ()
 
@@ -105,10 +108,10 @@ def _ahead(e: Experiment, x: np.ndarray, u: np.ndarray,
     """States and beliefs one step later; all that needs the flow goes through it at once, slopes at the front."""
     n, N = x.shape
     ahead: dict[str, Beliefs] = {}
-    expanded: dict[str, ExtendedFilters] = {}
+    expanded: dict[str, ExtendedKalmanFilter] = {}
     pointed: dict[str, np.ndarray] = {}
     for name, filter_ in e.filters.items():
-        if filter_.f is e.flow and isinstance(filter_, ExtendedFilters) and isinstance(e.flow, Flow):
+        if filter_.f is e.flow and isinstance(filter_, ExtendedKalmanFilter) and isinstance(e.flow, Flow):
             expanded[name] = filter_
         elif filter_.f is e.flow and (points := filter_.wanted(steps[name].beliefs)) is not None:
             pointed[name] = points

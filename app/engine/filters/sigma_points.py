@@ -7,6 +7,7 @@ import numpy as np
 from ..systems.errors import EngineError
 
 SMALLEST_ALPHA = 0.1
+LEAST = 1e-12  # of an eigenvalue of a correlation matrix whose Cholesky factor does not exist
 
 
 def check_spread(n: int, alpha: float, beta: float, kappa: float) -> None:
@@ -47,3 +48,18 @@ def centred(values: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.nda
     first = values[:, :1]
     mean = first[:, 0] + np.moveaxis(values - first, 1, -1) @ weights
     return mean, values - mean[:, None]
+
+
+def roots(P: np.ndarray) -> np.ndarray:
+    """Factors U (…, n, n) with U Uᵀ = P: Cholesky's, or from eigenvalues of the correlations kept above 1e-12."""
+    try:
+        return np.linalg.cholesky(P)
+    except np.linalg.LinAlgError:
+        spread = np.sqrt(np.maximum(np.diagonal(P, axis1=-2, axis2=-1), 1e-300))
+        scale = spread[..., :, None] * spread[..., None, :]
+        values, vectors = np.linalg.eigh(np.nan_to_num(P / scale))
+        factors = spread[..., :, None] * (vectors * np.sqrt(np.maximum(values, LEAST))[..., None, :])
+        whole = (values[..., 0] > LEAST) & np.isfinite(P).all(axis=(-2, -1))  # whatever befalls the others
+        if P.ndim > 2:
+            factors[whole] = np.linalg.cholesky(P[whole])
+        return factors

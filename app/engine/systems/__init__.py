@@ -3,8 +3,8 @@
 from .arrays import as_covariance, symmetric
 from .convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
 from .errors import EngineError, PoleError, RiccatiError, ShapeError
-from .flow import Flow, Map, NonlinearPlant, slopes
-from .jacobian import columns, each_column, expand, jacobian
+from .flow import Flow, NonlinearPlant
+from .jacobian import Map, each_column, slopes
 from .noise import process_noise, root, step_covariance
 from .plant import Plant, as_matrix
 from .pole_sets import Poles, all_stable, check_poles, match_poles, move_pole, pole_text, sorted_poles
@@ -29,17 +29,14 @@ __all__ = [
     "as_covariance",
     "as_matrix",
     "check_poles",
-    "columns",
     "continuous_of",
     "discretise",
     "each_column",
-    "expand",
     "frequency_response",
     "from_control",
     "from_json",
     "from_mat",
     "held_scan",
-    "jacobian",
     "load_plant",
     "match_poles",
     "modal_coordinates",

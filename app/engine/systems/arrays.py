@@ -14,8 +14,8 @@ NEGATIVE = 1e-9  # how far below zero rounding may push an eigenvalue of the cor
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
-    """(M + Mᵀ)/2."""
-    return (matrix + matrix.T) / 2
+    """(M + Mᵀ)/2 of a matrix, or of each in a stack (…, n, n)."""
+    return (matrix + matrix.swapaxes(-1, -2)) / 2
 
 
 def as_covariance(value: object, name: str, size: int) -> np.ndarray:

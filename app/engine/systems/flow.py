@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import EngineError, ShapeError
+from .errors import EngineError
+from .jacobian import Map, slopes
 from .plant import Plant
 
-__all__ = ["Flow", "NonlinearPlant", "slopes"]
-
-Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
-STEP = 1e-30  # of the complex step: its square is below every rounding
+__all__ = ["Flow", "NonlinearPlant"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,25 +69,6 @@ class Flow:
             x = x + h / 6 * (k1 + 2 * (k2 + k3) + rhs(fourth, u))
         assert Phi is not None
         return x, Phi
-
-
-def slopes(f: Map, x: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """f(x) (p, N) and ∂f/∂x (N, p, n) at the columns of x (n, N), by a complex step: exact to rounding.
-
-    Squire and Trapp (1998). f must be analytic: no |x|, no comparisons. Raises ShapeError, EngineError.
-    """
-    n, N = x.shape
-    many = (x[:, None, :] + 1j * STEP * np.eye(n)[:, :, None]).reshape(n, n * N)
-    values = np.asarray(f(many, np.tile(u, (1, n)) if u.shape[1] == N and N > 1 else u))
-    if values.ndim != 2 or values.shape[1] != n * N:
-        raise ShapeError("The map must return a column for each of {n} states; its result has the shape "
-                         "{values_shape}.",
-                         n=n * N, values_shape=values.shape)
-    if not np.iscomplexobj(values):
-        raise EngineError("The map loses the imaginary part, so a complex step cannot differentiate it; give its "
-                          "slope.")
-    values = values.reshape(len(values), n, N)
-    return np.real(values[:, 0]).copy(), (np.imag(values) / STEP).transpose(2, 0, 1)
 
 
 @dataclass(frozen=True, eq=False)

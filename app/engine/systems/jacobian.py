@@ -9,10 +9,10 @@ import numpy as np
 
 from .errors import EngineError, ShapeError
 
-__all__ = ["columns", "each_column", "expand", "jacobian"]
+__all__ = ["each_column", "slopes", "values_of"]
 
 Map = Callable[[np.ndarray, np.ndarray], np.ndarray]
-STEP = 1e-30  # of the complex step, relative to nothing: its square is below every rounding
+STEP = 1e-30  # of the complex step: its square is below every rounding
 
 
 def each_column(one: Map) -> Map:
@@ -23,43 +23,35 @@ def each_column(one: Map) -> Map:
     return many
 
 
-def columns(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int) -> np.ndarray:
-    """f at the states in the columns of x (n, N): (rows, N). Raises ShapeError, EngineError with `name` in it."""
-    values = np.asarray(f(x, u[:, None]))
-    if values.shape != (rows, x.shape[1]):
+def values_of(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int | None = None) -> np.ndarray:
+    """f at the states in the columns of x (n, N): (rows, N). Raises ShapeError with `name` in it."""
+    values = np.asarray(f(x, u))
+    if values.ndim != 2 or values.shape != (rows or len(values), x.shape[1]):
+        if rows is None:
+            raise ShapeError("The map must return a column for each of {n} states; its result has the shape "
+                             "{values_shape}.", n=x.shape[1], values_shape=values.shape)
         raise ShapeError("{name} must return {rows} rows and a column for each state; for {columns} states its "
                          "result has the shape {values_shape}. each_column wraps a function of one state.",
                          name=name, rows=rows, columns=x.shape[1], values_shape=values.shape)
-    if not np.isfinite(values).all():
-        raise EngineError("{name} gave NaN or infinity: the estimate has left the region where the model holds.",
-                          name=name)
     return values
 
 
-def jacobian(f: Map, x: np.ndarray, u: np.ndarray, name: str, rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """f(x) (rows,) and ∂f/∂x (rows × n) from one call: f(x + ihe_j) = f(x) + ih ∂f/∂x_j + O(h²), h = 1e-30.
+def slopes(f: Map, x: np.ndarray, u: np.ndarray, *, name: str = "The map",
+           rows: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """f(x) (p, N) and ∂f/∂x (N, p, n) at the columns of x (n, N): f(x + ihe_j) = f(x) + ih ∂f/∂x_j + O(h²), h = 1e-30.
 
-    Squire and Trapp (1998). Raises EngineError where f cannot be called with complex states.
+    Exact to rounding. Squire and Trapp (1998). f must be analytic: no |x|, no comparisons. Raises ShapeError, EngineError.
     """
-    unfit = EngineError("{name} cannot be differentiated by a complex step; give its Jacobian.", name=name)
+    n, N = x.shape
+    many = (x[:, None, :] + 1j * STEP * np.eye(n)[:, :, None]).reshape(n, n * N)
+    unfit = EngineError("{name} cannot be differentiated by a complex step; give its slope.", name=name)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", np.exceptions.ComplexWarning)
-            values = columns(f, x[:, None] + 1j * STEP * np.eye(x.size), u, name, rows)
+            values = values_of(f, many, np.tile(u, (1, n)) if u.shape[1] == N and N > 1 else u, name, rows)
     except (TypeError, np.exceptions.ComplexWarning) as problem:
         raise unfit from problem
     if not np.iscomplexobj(values):
         raise unfit
-    return np.real(values[:, 0]).copy(), np.imag(values) / STEP
-
-
-def expand(f: Map, derivative: Map | None, x: np.ndarray, u: np.ndarray, name: str,
-           rows: int) -> tuple[np.ndarray, np.ndarray]:
-    """f(x) and its Jacobian at one state x (n,), by the `derivative` given or by a complex step."""
-    if derivative is None:
-        return jacobian(f, x, u, name, rows)
-    slope = np.asarray(derivative(x, u), dtype=float)
-    if slope.shape != (rows, x.size):
-        raise ShapeError("The Jacobian of {name} must be {rows}×{x_size}; its shape is {slope_shape}.",
-                         name=name, rows=rows, x_size=x.size, slope_shape=slope.shape)
-    return columns(f, x[:, None], u, name, rows)[:, 0], slope
+    values = values.reshape(len(values), n, N)
+    return np.real(values[:, 0]).copy(), (np.imag(values) / STEP).transpose(2, 0, 1)

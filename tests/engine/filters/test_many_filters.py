@@ -18,11 +18,9 @@ from app.engine import (
 from app.engine.filters import (
     Beliefs,
     Experiment,
-    ExtendedFilters,
-    LinearFilters,
-    PrintedUnscentedFilters,
+    LinearisedFilter,
+    PrintedUnscentedFilter,
     Steering,
-    UnscentedFilters,
     errors_squared,
     simulate_filters,
 )
@@ -51,9 +49,9 @@ def recorded(filters, steering=None, seed=1):
 def test_each_run_of_a_batch_is_the_single_filter_on_that_run():
     plant, flow, start, _, _ = pendulum()
     weights = {"alpha": 0.6, "beta": 1.5, "kappa": -1.0}
-    many = {"EKF": ExtendedFilters(flow, plant.output, Q, R, h_expand=plant.observe),
-            "stepped": ExtendedFilters(lambda x, u: flow(x, u), plant.output, Q, R),
-            "UKF": UnscentedFilters(flow, plant.output, Q, R, **weights)}
+    many = {"EKF": ExtendedKalmanFilter(flow, plant.output, Q, R, h_expand=plant.observe),
+            "stepped": ExtendedKalmanFilter(lambda x, u: flow(x, u), plant.output, Q, R),
+            "UKF": UnscentedKalmanFilter(flow, plant.output, Q, R, **weights)}
     ekf = ExtendedKalmanFilter(flow, plant.output, Q, R)
     single = {"EKF": ekf, "stepped": ekf, "UKF": UnscentedKalmanFilter(flow, plant.output, Q, R, **weights)}
     samples = recorded(many)
@@ -89,10 +87,10 @@ def on_linear(kinds, runs=5, steps=25, seed=0):
 
 
 KINDS = {
-    "linear": lambda f, h, Q, R: LinearFilters(f, h, Q, R, np.ones(4), np.ones(2)),
-    "extended": ExtendedFilters,
-    "unscented": UnscentedFilters,
-    "unscented, alpha 0.3": lambda *a: UnscentedFilters(*a, alpha=0.3),
+    "linear": lambda f, h, Q, R: LinearisedFilter(f, h, Q, R, np.ones(4), np.ones(2)),
+    "extended": ExtendedKalmanFilter,
+    "unscented": UnscentedKalmanFilter,
+    "unscented, alpha 0.3": lambda *a: UnscentedKalmanFilter(*a, alpha=0.3),
 }
 
 
@@ -110,23 +108,24 @@ def test_on_a_linear_plant_all_of_them_are_the_kalman_filter(seed):
 
 
 def test_the_printed_algorithm_is_not_the_kalman_filter_on_a_linear_plant():
-    """In a batch as alone: `step_without_redraw`; the gap to the right filter is no rounding."""
-    kf, samples = on_linear({"right": UnscentedFilters, "printed": PrintedUnscentedFilters})
-    alone = UnscentedKalmanFilter(lambda x, u: kf.A @ x + kf.B @ u, lambda x, u: kf.C @ x, kf.Q, kf.R)
+    """Each run takes C F P Fᵀ (C F P Fᵀ Cᵀ + R)⁻¹, Q left out, for its gain; the gap to the right filter is no rounding."""
+    kf, samples = on_linear({"right": UnscentedKalmanFilter, "printed": PrintedUnscentedFilter})
     first, second = samples[:2]
     for run in range(5):
         before = first.corrections["printed"].beliefs
-        step = alone.step_without_redraw(Belief(before.mean[:, run], before.covariance[run]), second.y[:, run], first.u[:, 0])
+        mean, moved = kf.A @ before.mean[:, run] + kf.B @ first.u[:, 0], kf.A @ before.covariance[run] @ kf.A.T
+        S = kf.C @ moved @ kf.C.T + kf.R
+        M = moved @ kf.C.T @ np.linalg.inv(S)
         after = second.corrections["printed"].beliefs
-        np.testing.assert_allclose(after.mean[:, run], step.mean, rtol=1e-9, atol=1e-10)
-        np.testing.assert_allclose(after.covariance[run], step.covariance, rtol=1e-9, atol=1e-10)
+        np.testing.assert_allclose(after.mean[:, run], mean + M @ (second.y[:, run] - kf.C @ mean), rtol=1e-9, atol=1e-10)
+        np.testing.assert_allclose(after.covariance[run], moved + kf.Q - M @ S @ M.T, rtol=1e-9, atol=1e-10)
     gaps = [np.abs(s.corrections["printed"].beliefs.mean - s.corrections["right"].beliefs.mean).max() for s in samples]
     assert gaps[0] < 1e-12 and min(gaps[1:]) > 0.05
 
 
 def test_steering_uses_the_named_estimate_and_its_limits():
     plant, flow, _, _, _ = pendulum()
-    filters = {"EKF": ExtendedFilters(flow, plant.output, Q, R), "UKF": UnscentedFilters(flow, plant.output, Q, R)}
+    filters = {"EKF": ExtendedKalmanFilter(flow, plant.output, Q, R), "UKF": UnscentedKalmanFilter(flow, plant.output, Q, R)}
     K = np.array([[-1.0, -30.0, -2.0, -8.0]])
     inputs = pendulum()[-1]
     samples = recorded(filters, Steering("UKF", K, np.array([3.0])))
@@ -138,7 +137,7 @@ def test_steering_uses_the_named_estimate_and_its_limits():
 
 def test_a_kick_reaches_the_plant_and_no_filter_is_told():
     plant, flow, start, x0, inputs = pendulum()
-    filters = {"EKF": ExtendedFilters(flow, plant.output, Q, R)}
+    filters = {"EKF": ExtendedKalmanFilter(flow, plant.output, Q, R)}
     both = [list(simulate_filters(Experiment(flow, plant.output, Q, R, x0, start, inputs, filters, None, kicks),
                                   np.random.default_rng(1)))
             for kicks in ((), ((4, np.array([0.0, 0.0, 0.0, 1.0])),))]
@@ -170,7 +169,7 @@ def test_a_filter_that_loses_its_numbers_is_given_up_and_said_to_be():
     rng = np.random.default_rng(0)
     e = Experiment(lambda x, u: 0.5 * x, lambda x, u: x, np.eye(1), np.eye(1), rng.standard_normal((1, 8)),
                    Beliefs.alike([0.0], [[1.0]], 8), np.zeros((20, 0)),
-                   {"bad": UnscentedFilters(explode, lambda x, u: x, 0.01 * np.eye(1), np.eye(1), alpha=0.2)})
+                   {"bad": UnscentedKalmanFilter(explode, lambda x, u: x, 0.01 * np.eye(1), np.eye(1), alpha=0.2)})
     samples = list(simulate_filters(e, rng))
     assert len(samples) == 20 and not samples[0].lost["bad"].any() and samples[-1].lost["bad"].any()
     for s in samples:
@@ -180,7 +179,7 @@ def test_a_filter_that_loses_its_numbers_is_given_up_and_said_to_be():
 
 
 def test_semidefinite_beliefs_have_sigma_points():
-    ukf = UnscentedFilters(lambda x, u: x, lambda x, u: x[:1], np.zeros((2, 2)), np.array([[1.0]]))
+    ukf = UnscentedKalmanFilter(lambda x, u: x, lambda x, u: x[:1], np.zeros((2, 2)), np.array([[1.0]]))
     after = ukf.predict(Beliefs.alike([1.0, 2.0], np.diag([1.0, 0.0]), 3), np.zeros((0, 1)))
     np.testing.assert_allclose(after.covariance, np.repeat(np.diag([1.0, 0.0])[None], 3, axis=0), atol=1e-11)
 
@@ -189,7 +188,7 @@ def test_semidefinite_beliefs_have_sigma_points():
 def test_growth_model_gives_the_mean_squares_of_the_toolbox(alpha, kappa, low, high):
     """Hartikainen, Solin and Särkkä: 87.9242 for their unscented filter (α = ½, β = 2, κ = 2), 72.3755 for the cubature one."""
     beta = 2.0 if alpha < 1 else 0.0
-    ukf = UnscentedFilters(growth.step, growth.seen, np.eye(1), np.eye(1), alpha, beta, kappa)
+    ukf = UnscentedKalmanFilter(growth.step, growth.seen, np.eye(1), np.eye(1), alpha, beta, kappa)
     for seed in range(3):
         assert low < growth_errors(ukf, seed)[0] < high
 
@@ -210,8 +209,8 @@ def growth_errors(filter_, seed, runs=100, steps=500):
 
 
 def test_growth_model_makes_the_extended_filter_overconfident_for_every_seed_and_not_the_unscented():
-    ekf = ExtendedFilters(growth.step, growth.seen, np.eye(1), np.eye(1), growth.step_expanded, growth.seen_expanded)
-    ukf = UnscentedFilters(growth.step, growth.seen, np.eye(1), np.eye(1))
+    ekf = ExtendedKalmanFilter(growth.step, growth.seen, np.eye(1), np.eye(1), growth.step_expanded, growth.seen_expanded)
+    ukf = UnscentedKalmanFilter(growth.step, growth.seen, np.eye(1), np.eye(1))
     for seed in range(5):
         high = chi2_band(1, count=100 * 500)[1]
         assert growth_errors(ekf, seed)[1] > 30 * high
@@ -219,12 +218,12 @@ def test_growth_model_makes_the_extended_filter_overconfident_for_every_seed_and
 
 
 @pytest.mark.parametrize("call, sentence", [
-    (lambda: UnscentedFilters(np.sin, np.sin, np.eye(2), np.eye(1), alpha=1e-3), "between 0.1 and 1"),
-    (lambda: UnscentedFilters(np.sin, np.sin, np.eye(2), np.eye(1), kappa=-2.0), "larger than"),
-    (lambda: UnscentedFilters(np.sin, np.sin, -np.eye(2), np.eye(1)), "negative eigenvalue"),
-    (lambda: ExtendedFilters(np.sin, np.sin, np.eye(2), np.eye(2)).predict(Beliefs.alike([0.0], [[1.0]], 2), np.zeros((0, 1))),
+    (lambda: UnscentedKalmanFilter(np.sin, np.sin, np.eye(2), np.eye(1), alpha=1e-3), "between 0.1 and 1"),
+    (lambda: UnscentedKalmanFilter(np.sin, np.sin, np.eye(2), np.eye(1), kappa=-2.0), "larger than"),
+    (lambda: UnscentedKalmanFilter(np.sin, np.sin, -np.eye(2), np.eye(1)), "negative eigenvalue"),
+    (lambda: ExtendedKalmanFilter(np.sin, np.sin, np.eye(2), np.eye(2)).predict(Beliefs.alike([0.0], [[1.0]], 2), np.zeros((0, 1))),
      "1 states but Q is 2×2"),
-    (lambda: ExtendedFilters(np.sin, np.sin, np.eye(2), np.eye(2)).predicted(
+    (lambda: ExtendedKalmanFilter(np.sin, np.sin, np.eye(2), np.eye(2)).predicted(
         Beliefs.alike([0.0, 0.0], np.eye(2), 1), np.zeros((2, 1, 1))), "call predict"),
     (lambda: next(simulate_filters(Experiment(np.sin, np.sin, np.eye(1), np.eye(1), np.zeros((1, 3)),
                                               Beliefs.alike([0.0], [[1.0]], 2),
@@ -243,7 +242,7 @@ def test_a_run_is_not_touched_by_the_breakdown_of_another():
     """One covariance without a Cholesky factor changed the sigma points of all runs beside it."""
     rng = np.random.default_rng(2)
     P = np.array([[2.0, 0.9, 0.3], [0.9, 1.0, 0.1], [0.3, 0.1, 0.5]])
-    ukf = UnscentedFilters(lambda x, u: np.sin(x) + x**3, lambda x, u: x[:1]**2, 0.01 * np.eye(3), np.eye(1))
+    ukf = UnscentedKalmanFilter(lambda x, u: np.sin(x) + x**3, lambda x, u: x[:1]**2, 0.01 * np.eye(3), np.eye(1))
     mean = rng.standard_normal((3, 2))
     alone = ukf.predict(Beliefs(mean[:, :1], P[None]), np.zeros((0, 1)))
     for broken in (np.diag([1.0, 1.0, 0.0]), np.diag([1.0, -1e-3, 1.0]), np.full((3, 3), np.nan)):
@@ -252,11 +251,11 @@ def test_a_run_is_not_touched_by_the_breakdown_of_another():
         np.testing.assert_allclose(beside.covariance[0], alone.covariance[0], rtol=1e-12)
 
 
-@pytest.mark.parametrize("kind", [ExtendedFilters, UnscentedFilters])
+@pytest.mark.parametrize("kind", [ExtendedKalmanFilter, UnscentedKalmanFilter])
 def test_measurements_that_fit_neither_h_nor_R_are_told_in_a_sentence(kind):
     start = Beliefs.alike([0.0, 0.0], np.eye(2), 3)
-    for rows, R in ((2, np.eye(1)), (1, np.eye(2))):
-        with pytest.raises(ShapeError, match="a row for each output of h"):
+    for rows, R, words in ((2, np.eye(1), "a row for each output of h"), (1, np.eye(2), "h must return 2 rows")):
+        with pytest.raises(ShapeError, match=words):
             kind(lambda x, u: x, lambda x, u: x[:1], np.eye(2), R).correct(start, np.zeros((rows, 3)), np.zeros((0, 1)))
 
 

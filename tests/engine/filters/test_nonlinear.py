@@ -7,7 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.engine import Belief, EngineError, ExtendedKalmanFilter, KalmanFilter, ShapeError, UnscentedKalmanFilter, nees
-from app.engine.systems import each_column, jacobian
+from app.engine.filters import Beliefs, PrintedUnscentedFilter
+from app.engine.systems import each_column, slopes
 
 
 def linear(seed, n=4, m=2, p=2):
@@ -50,7 +51,8 @@ def test_without_the_redraw_the_printed_algorithm_is_not_the_kalman_filter():
     right = kalman.update(kalman.predict(start), [1.0])
     assert ukf.update(ukf.predict(start), [1.0]).mean.item() == pytest.approx(right.mean.item(), rel=1e-14)
     assert right.mean.item() == pytest.approx(4 / 5, rel=1e-14)  # P⁻ = 0.25·4 + 3 = 4
-    printed = ukf.step_without_redraw(start, [1.0])
+    as_printed = PrintedUnscentedFilter(ukf.f, ukf.h, ukf.Q, ukf.R)
+    printed = as_printed.correct(as_printed.predict(Beliefs.alike([0.0], [[4.0]], 1)), np.ones((1, 1))).beliefs
     assert printed.mean.item() == pytest.approx(1 / 2, rel=1e-14)  # P_xy = 1, S = 1 + 1
     assert printed.covariance.item() == pytest.approx(4 - 0.5, rel=1e-14)  # it also believes 3.5 instead of 0.8
 
@@ -61,7 +63,8 @@ def test_complex_step_is_exact_to_rounding(a, b, u):
     def f(x, u):
         return np.stack([np.sin(x[0]) * np.exp(x[1] / 3) + u[0] * x[0], x[1] ** 3 / (2 + np.cos(x[0]))])
 
-    value, slope = jacobian(f, np.array([a, b]), np.array([u]), "f", 2)
+    values, each = slopes(f, np.array([[a], [b]]), np.array([[u]]), name="f", rows=2)
+    value, slope = values[:, 0], each[0]
     with mpmath.workdps(40):
         def exact(i):
             def g(x, y):
@@ -75,24 +78,24 @@ def test_complex_step_is_exact_to_rounding(a, b, u):
                 assert slope[i, j] == pytest.approx(true, rel=1e-13, abs=1e-13)
 
 
-def test_given_jacobians_and_the_complex_step_agree():
+def test_given_slopes_and_the_complex_step_agree():
     def f(x, u):
         return np.stack([x[0] + 0.1 * x[1], x[1] - 0.1 * np.sin(x[0]) + 0.1 * u[0]])
 
-    def F(x, u):
-        return np.array([[1, 0.1], [-0.1 * np.cos(x[0]), 1]])
+    def f_expand(x, u):
+        return f(x, u), np.array([[[1, 0.1], [-0.1 * np.cos(angle), 1]] for angle in x[0]])
 
     def h(x, u):
         return x[:1] ** 2
 
-    def H(x, u):
-        return np.array([[2 * x[0], 0.0]])
+    def h_expand(x, u):
+        return h(x, u), np.array([[[2 * position, 0.0]] for position in x[0]])
 
     Q, R = 1e-3 * np.eye(2), np.array([[0.1]])
     rng = np.random.default_rng(0)
     y, u, start = rng.standard_normal((30, 1)), rng.standard_normal((30, 1)), Belief([0.5, 0.1], 0.1 * np.eye(2))
     by_step = ExtendedKalmanFilter(f, h, Q, R).run(start, y, u)
-    by_hand = ExtendedKalmanFilter(f, h, Q, R, F, H).run(start, y, u)
+    by_hand = ExtendedKalmanFilter(f, h, Q, R, f_expand, h_expand).run(start, y, u)
     np.testing.assert_allclose(by_step.means, by_hand.means, rtol=1e-12, atol=1e-13)
     np.testing.assert_allclose(by_step.covariances, by_hand.covariances, rtol=1e-11, atol=1e-14)
 
@@ -103,7 +106,7 @@ def test_given_jacobians_and_the_complex_step_agree():
     lambda x, u: x.astype(float),
 ])
 def test_a_map_that_loses_the_complex_step_is_refused_not_believed(wrong):
-    with pytest.raises(EngineError, match="give its Jacobian"):
+    with pytest.raises(EngineError, match="give its slope"):
         ExtendedKalmanFilter(wrong, lambda x, u: x, np.eye(2), np.eye(2)).predict(Belief(np.ones(2), np.eye(2)))
 
 
@@ -169,7 +172,7 @@ def test_semidefinite_beliefs_have_sigma_points():
      "f must return 2 rows"),
     (lambda: UnscentedKalmanFilter(lambda x, u: x / 0.0 * 0, np.sin, np.eye(1), np.eye(1)).predict(Belief([0], [[1]])),
      "left the region"),
-    (lambda: ExtendedKalmanFilter(lambda x, u: x, lambda x, u: x, np.eye(2), np.eye(2), lambda x, u: np.eye(3))
+    (lambda: ExtendedKalmanFilter(lambda x, u: x, lambda x, u: x, np.eye(2), np.eye(2), lambda x, u: (x, np.eye(3)[None]))
      .predict(Belief([0, 0], np.eye(2))), "Jacobian of f must be 2×2"),
     (lambda: ExtendedKalmanFilter(lambda x, u: x, lambda x, u: x, np.eye(2), np.eye(2)).update(
         Belief([0, 0], np.eye(2)), [1.0]), "y must hold 2"),
