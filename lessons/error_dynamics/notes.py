@@ -13,22 +13,22 @@ import numpy as np
 from app.engine import Plant
 from app.lesson.figures import Figure, PlaneFigure, Point, TableFigure
 from app.plants import spring_damper
-from app.text.words import Text
+from app.text import text
 
 PLANT = spring_damper.MODEL.plant
 TARGET = (-1.0, -1.0)
 RIGHT_GAIN = np.array([[1.5], [-0.75]])
 PRINTED_GAIN = np.array([[2.5], [-1.25]])
 PRINTED_MATRIX = np.array([[-2.5, 1.0], [-0.25, -0.5]])
-NOTES_TAB = Text("Notes", "讲义")
+NOTES_TAB = text("Notes")
 NONE, POLYNOMIAL, FIRST, SECOND, GAIN, MATRIX = "none", "polynomial", "first", "second", "gain", "matrix"
 LINES = (
-    (NONE, Text("none yet", "暂未选定")),
-    (POLYNOMIAL, Text("the polynomial", "特征多项式")),
-    (FIRST, Text("the first matching equation", "第一个匹配方程")),
-    (SECOND, Text("the second matching equation", "第二个匹配方程")),
-    (GAIN, Text("the gain", "增益")),
-    (MATRIX, Text("the matrix A − LC", "矩阵 A − LC")),
+    (NONE, text("none yet")),
+    (POLYNOMIAL, text("the polynomial")),
+    (FIRST, text("the first matching equation")),
+    (SECOND, text("the second matching equation")),
+    (GAIN, text("the gain")),
+    (MATRIX, text("the matrix A − LC")),
 )
 PRINTED = MappingProxyType({
     POLYNOMIAL: "λ² + (l₁ + 0.5)λ + 1 + 0.5 l₁ + l₂",
@@ -75,30 +75,27 @@ def _page(line: str, L: np.ndarray) -> TableFigure:
         MATRIX: f"[{_plain(A[0, 0])}, 1; {_plain(A[1, 0])}, −0.5]",
     }
     names = dict(LINES)
-    rows = tuple((Text(f"▸ {names[k].en}", f"▸ {names[k].zh}") if k == line else names[k], PRINTED[k], yours[k])
+    rows = tuple((text("▸ {names}", names=names[k]) if k == line else names[k], PRINTED[k], yours[k])
                  for k in PRINTED)
-    return TableFigure("page", Text("the page of the notes, line by line", "讲义的这一页，逐行对照"),
-                       (Text("line", "行"), Text("printed", "讲义所印"), Text("with your L", "代入现在的 L")), rows,
-                       tab=NOTES_TAB, caption=Text(
-                           "The last column puts the present gain into each line; the polynomial there is that of A − LC "
-                           "itself.",
-                           "最后一列把现在的增益代入每一行；其中的多项式由 A − LC 本身算出。"))
+    return TableFigure("page", text("the page of the notes, line by line"),
+                       (text("line"), text("printed"), text("with your L")), rows,
+                       tab=NOTES_TAB, caption=text("The last column puts the present gain into each line; the "
+                                                   "polynomial there is that of A − LC itself."))
 
 
 def _poles(line: str, L: np.ndarray) -> PlaneFigure:
-    found = taken_at_its_word(line, L)
+    poles = taken_at_its_word(line, L)
     points = (*(Point(p, 0.0, "reference", "circle") for p in TARGET),
-              *(Point(float(p.real), float(p.imag), "estimate") for p in found))
-    words = _words(found)
-    met = bool(np.all(np.abs(found - np.array(TARGET)) < 1e-6))
+              *(Point(float(p.real), float(p.imag), "estimate") for p in poles))
+    words = _words(poles)
+    met = bool(np.all(np.abs(poles - np.array(TARGET)) < 1e-6))
     name = dict(LINES)[line]
-    whose = (Text("With your L", "用现在的 L") if line in (NONE, POLYNOMIAL) else
-             Text(f"Taken at its word, {name.en} leads to poles", f"照字面采用{name.zh}，极点"))
-    verb = Text(" the poles are", "，极点") if line in (NONE, POLYNOMIAL) else Text("", "")
-    end = Text(", as asked.", "，正合要求。") if met else Text("; asked were −1 and −1.", "；要求的是 −1 和 −1。")
-    return PlaneFigure("word", Text("poles if the line is taken at its word", "照字面采用该行得到的极点"), (), points, "Re s",
+    found = (text("With your L the poles are {words}", words=words) if line in (NONE, POLYNOMIAL) else
+             text("Taken at its word, {name} leads to poles {words}", name=name, words=words))
+    said = text("{found}, as asked.", found=found) if met else text("{found}; asked were −1 and −1.", found=found)
+    return PlaneFigure("word", text("poles if the line is taken at its word"), (), points, "Re s",
                        "Im s", (-4.0, 1.0), (-2.0, 2.0), unstable=True, tab=NOTES_TAB,
-                       caption=Text(f"{whose.en}{verb.en} {words}{end.en}", f"{whose.zh}{verb.zh}为 {words}{end.zh}"))
+                       caption=said)
 
 
 def _words(poles: np.ndarray) -> str:

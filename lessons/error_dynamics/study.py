@@ -12,7 +12,7 @@ from app.engine.simulation import Run
 from app.engine.systems import sorted_poles
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Model
-from app.text.words import Text, same
+from app.text import Text, same, text
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.figures import settle_time
@@ -84,7 +84,7 @@ def gain(design: Design) -> np.ndarray:
 BLOCK = Setting(
     MODEL, HORIZON, DT, lambda design: PRINTED_MODEL if design["method"] == PRINTED else PLANT, gain,
     lambda design: (design["guess_q"], design["guess_v"]), ((same("e₁"), "m"), (same("e₂"), "m/s")),
-    Text("the block's own poles  eig(A)", "滑块自身的极点  eig(A)"), notes=True)
+    text("the block's own poles  eig(A)"), notes=True)
 
 
 def compute(here: Setting, design: Design) -> Outcome[Study]:
@@ -100,9 +100,9 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
     poles = poles_of(error) if plant.n == 2 else sorted_poles(error)
     metrics = _metrics(run, quiet) | {"slowest_observer": float(np.max(np.real(poles)))}
     checks = (
-        Check("independent", Text("the error does not depend on the input", "误差与输入无关"),
+        Check("independent", text("the error does not depend on the input"),
               left_alone(metrics), metrics["error_moved"]),
-        Check("observer", Text("the error dies out by itself", "误差会自行消失"), metrics["slowest_observer"] < 0,
+        Check("observer", text("the error dies out by itself"), metrics["slowest_observer"] < 0,
               metrics["slowest_observer"]),
     )
     return Outcome(design, {"L": L}, {"observer": poles, "plant": plant.poles}, metrics, checks, run,
@@ -128,7 +128,7 @@ def _boards(here: Setting, design: Design, poles: np.ndarray, error: np.ndarray)
     return (
         Board("plant", here.whose, listed(own), side="left", re_low=window.re_low, re_high=window.re_high,
               im_high=window.im_high),
-        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), shown, "observer_poles",
+        Board("observer", text("observer poles  eig(A − LC)"), shown, "observer_poles",
               bolts(here.model.observer, window), role="estimate", side="right", re_low=window.re_low, re_high=window.re_high,
               im_high=window.im_high, also=(("method", POLES),), landscape=error),
     )
@@ -146,15 +146,15 @@ def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -
 
 def _live(m: dict[str, float]) -> Text:
     if m["state_moved"] <= NOTHING:
-        return Text("No input acts: plant and error are left to themselves.", "没有输入：对象和误差都各行其是。")
+        return text("No input acts: plant and error are left to themselves.")
     moved = f"{m['state_moved']:.2g}"
     if not left_alone(m):
-        return Text(f"The input moves the state by up to {moved} and the error by up to {m['error_moved']:.2g}: the "
+        return text("The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the "
                     "error is not left alone.",
-                    f"输入使状态最多改变 {moved}，使误差最多改变 {m['error_moved']:.2g}：误差受到了干扰。")
-    return Text(f"The input moves the state by up to {moved} and the error by {m['error_moved']:.0e}: rounding, nothing "
+                    moved=moved, error_moved=m["error_moved"])
+    return text("The input moves the state by up to {moved} and the error by {error_moved:.0e}: rounding, nothing "
                 "else.",
-                f"输入使状态最多改变 {moved}，使误差改变 {m['error_moved']:.0e}：只是舍入误差。")
+                moved=moved, error_moved=m["error_moved"])
 
 
 def left_alone(m: Mapping[str, float]) -> bool:

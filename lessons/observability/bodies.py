@@ -30,7 +30,7 @@ from app.plants.body import (
 )
 from app.plants.deck_body import deck_body
 from app.plants.platform import Parameters
-from app.text.words import Text
+from app.text import Text, text
 
 CLOUD, MIDDLE = 0.3, (0.0, -0.1, 3.2)  # stage units per typical size, and where the cloud hangs
 LEAST = 0.025  # an ellipsoid is never drawn thinner
@@ -110,8 +110,7 @@ def _deck() -> Body:
         (*parts, Part("sensor across", Box((0.3, 0.3, 0.16)), STEEL), Part("needle across", Rod(0.045), METAL),
          *CLOUD_PARTS),
         _deck_pose, lambda x, u, gain: base.arrows(x[:6], u, gain), lambda x, gain: base.anchors(x[:6], gain), base.gain,
-        Text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow",
-             "蓝色为开启的传感器；上方是目前数据所允许的状态（x 向右，z 向上，θ 向后）"))
+        text("Sensors that are on are blue; above, the states (x right, z up, θ away) that the data so far allow"))
 
 
 def columns_body(count: int, label: Text) -> Body:
@@ -150,8 +149,7 @@ def columns_body(count: int, label: Text) -> Body:
     return Body(tuple(parts), pose, arrows, anchors, 1.0, label)
 
 
-COLUMNS_CAPTION = Text("One column per state; above, the states that the data so far allow, and the direction of C",
-                       "每个柱子是一个状态；上方是目前数据所允许的状态，以及 C 的方向")
+COLUMNS_CAPTION = text("One column per state; above, the states that the data so far allow, and the direction of C")
 DECK_BODY = _deck()
 
 

@@ -18,7 +18,7 @@ from app.engine import Plant, observability
 from app.engine.structure import Observability, observability_gramian
 from app.lesson.lesson import Design
 from app.plants.platform import DECK, Parameters
-from app.text.words import Text
+from app.text import Text, text
 
 NOTES_A = np.array([[1.0, 2.0], [3.0, 4.0]])
 READING = 0.018  # m/s, a typical reading of the deck's sensors
@@ -70,14 +70,14 @@ _RATE = 8.0  # rad/s, typical of the deck: turns sizes of positions into those o
 _SIZES = (0.002, 0.002, 0.01)
 _MANY = tuple(f"x{i + 1}" for i in range(20))
 CASES: Mapping[str, Case] = MappingProxyType({case.id: case for case in (
-    Case("deck", Text("platform deck with sensors to move", "可移动传感器的平台"), ("x", "z", "θ", "vx", "vz", "ω"),
+    Case("deck", text("platform deck with sensors to move"), ("x", "z", "θ", "vx", "vz", "ω"),
          (*_SIZES, *(_RATE * s for s in _SIZES)), (0.75, 0.8, -0.6, 0.0, 0.3, 0.4), DECK.horizon, 120, (0, 2, 1), (2, 1),
          ("mm", "mm", "mrad", "mm/s", "mm/s", "mrad/s"), 1e3),
-    Case("notes", Text("the notes' A = [1 2; 3 4]", "讲义的 A = [1 2; 3 4]"), ("x1", "x2"), (1.0, 1.0), (0.7, -0.5), 1.0,
+    Case("notes", text("the notes' A = [1 2; 3 4]"), ("x1", "x2"), (1.0, 1.0), (0.7, -0.5), 1.0,
          120, (0, None, 1), (0, 1), ("", "")),
-    Case("pair", Text("two modes almost alike", "两个几乎相同的模态"), ("x1", "x2"), (1.0, 1.0), (0.7, -0.5), 4.0, 120,
+    Case("pair", text("two modes almost alike"), ("x1", "x2"), (1.0, 1.0), (0.7, -0.5), 4.0, 120,
          (0, None, 1), (0, 1), ("", "")),
-    Case("many", Text("modes −1, −2, … −n, one sensor", "模态 −1, −2, … −n，单个传感器"), _MANY, (1.0,) * 20,
+    Case("many", text("modes −1, −2, … −n, one sensor"), _MANY, (1.0,) * 20,
          tuple(0.7 * (-1.0) ** i for i in range(20)), 4.0, 60, (0, 2, 1), (0, 1), ("",) * 20),
 )})
 
@@ -155,7 +155,7 @@ def unit(case: Case, i: int) -> Text | str:
     name, measure = label(case, i), case.units[i]
     if not measure:
         return name
-    return f"{name} [{measure}]" if isinstance(name, str) else Text("{} [{}]", "{} [{}]").format(name, measure)
+    return f"{name} [{measure}]" if isinstance(name, str) else text("{name} [{measure}]", name=name, measure=measure)
 
 
 def shown(case: Case, values: np.ndarray, indices: tuple[int, ...]) -> np.ndarray:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.text.words import Text
+from app.text import Text, same, text
 
 from .cases import Sensed
 
 DET, GRAMIAN, RANK, PBH = "det", "gramian", "rank", "pbh"
 CRITERIA = (
-    (DET, Text("det(C e^{At}) ≠ 0 at every t", "任意 t 有 det(C e^{At}) ≠ 0")),
-    (RANK, Text("rank(O) = n", "O 的秩为 n")),
-    (GRAMIAN, Text("∫ e^{Aᵀt}CᵀC e^{At} dt > 0", "∫ e^{Aᵀt}CᵀC e^{At} dt > 0")),
-    (PBH, Text("rank [A − λI; C] = n at every λ", "任意 λ，[A − λI; C] 的秩为 n")),
+    (DET, text("det(C e^{At}) ≠ 0 at every t")),
+    (RANK, text("rank(O) = n")),
+    (GRAMIAN, same("∫ e^{Aᵀt}CᵀC e^{At} dt > 0")),
+    (PBH, text("rank [A − λI; C] = n at every λ")),
 )
 
 

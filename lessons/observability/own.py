@@ -11,7 +11,7 @@ from app.lesson.knobs import Knob, KnobError, Number, Switch
 from app.lesson.lesson import Design, Lesson, Outcome, Stage
 from app.plants import Model
 from app.plants.names import called
-from app.text.words import Text
+from app.text import text
 
 from ..toolkit.gains import sizes
 from .bodies import body_of
@@ -31,8 +31,8 @@ def case_of(model: Model) -> Case:
     """The plant before its sensors. Raises KnobError for a single state, which no ellipse can show."""
     plant, n = model.plant, model.plant.n
     if n < 2:
-        raise KnobError(Text("With a single state there is nothing to tell apart; this lesson needs two states at least.",
-                             "只有一个状态时无可区分；本课至少需要两个状态。"))
+        raise KnobError(text("With a single state there is nothing to tell apart; this lesson needs two states at "
+                             "least."))
     fastest = float(np.real(plant.poles).max())
     horizon = min(model.horizon, GROWTH / fastest) if fastest > 0 else model.horizon
     scale = tuple(abs(v) or 1.0 for v in model.x0)
@@ -46,11 +46,10 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     """A switch for each output, rows of O, and what the lesson asks everywhere."""
     names = model.plant.output_names[:SWITCHES]
     return (
-        *(Switch(f"on{i}", "", Text("sensor {}", "传感器 {}").format(called(model.plant, name)), default=True,
-                 hint=Text("On or off.", "开或关。")) for i, name in enumerate(names)),
-        Number("rows", "k", Text("block rows of O", "O 的块行数"), low=1, high=model.plant.n, default=1, scale="integer",
-               hint=Text("One step adds the next row C Aᵏ, that is, one more derivative of y.",
-                         "每加一步就多一行 C Aᵏ，也就是多用 y 的一阶导数。")),
+        *(Switch(f"on{i}", "", text("sensor {plant}", plant=called(model.plant, name)), default=True,
+                 hint=text("On or off.")) for i, name in enumerate(names)),
+        Number("rows", "k", text("block rows of O"), low=1, high=model.plant.n, default=1, scale="integer",
+               hint=text("One step adds the next row C Aᵏ, that is, one more derivative of y.")),
         *(knob for knob in KNOBS if knob.name in SHARED),
     )
 

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from app.engine.structure import Mode
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.latex import matrix, number, pole_words
 from .bodies import body_of
@@ -113,10 +113,10 @@ def metrics_of(found: Study) -> dict[str, float]:
 def checks_of(m: dict[str, float]) -> tuple[Check, ...]:
     """What the rank says, and what the distances and the data say."""
     return (
-        Check("rank", Text("rank(O) = n at this tolerance", "在此容差下 rank(O) = n"), m["rank"] == m["states"], m["rank"]),
-        Check("seen", Text("every mode leaves a trace", "每个模态都留下痕迹"), m["hidden"] == 0, m["weakest"]),
-        Check("clear", Text("no mode is nearly hidden", "没有几乎隐藏的模态"), m["weakest"] >= NEAR, m["weakest"]),
-        Check("known", Text("every direction of x(0) known to a tenth", "x(0) 的每个方向都确定到十分之一"),
+        Check("rank", text("rank(O) = n at this tolerance"), m["rank"] == m["states"], m["rank"]),
+        Check("seen", text("every mode leaves a trace"), m["hidden"] == 0, m["weakest"]),
+        Check("clear", text("no mode is nearly hidden"), m["weakest"] >= NEAR, m["weakest"]),
+        Check("known", text("every direction of x(0) known to a tenth"),
               m["known"] == m["states"], m["known"]),
     )
 
@@ -141,15 +141,17 @@ def live_of(found: Study, m: dict[str, float]) -> Text:
     verdict, d = judged(found), f"{m['weakest']:.2g}"
     if verdict == "hidden":
         poles = pole_words([p for p in found.sensed.seen.unobservable if p.imag >= 0])
-        return Text(f"Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.",
-                    f"不能观：{poles} 在 y 中不留痕迹。确定到十分之一的方向：{known}/{n}。")
+        return text("Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.",
+                    poles=poles, known=known, n=n)
     if verdict == "near":
         mode = pole_words([complex(found.weakest.pole.real, abs(found.weakest.pole.imag))])
-        return Text(f"Nearly unobservable: the mode {mode} is {d} away from being hidden, while rank(O) = {rank} of {n}.",
-                    f"接近不能观：模态 {mode} 离隐藏只有 {d}，而 rank(O) = {rank}/{n}。")
+        return text("Nearly unobservable: the mode {mode} is {d} away from being hidden, while rank(O) = {rank} "
+                    "of {n}.",
+                    mode=mode, d=d, rank=rank, n=n)
     if verdict == "unresolved":
-        return Text(f"No mode is hidden (nearest: {d}), yet this run fixes only {known} of {n} directions to a tenth; "
-                    f"rank(O) = {rank}.", f"没有隐藏模态（最近距离 {d}），但本次运行只把 {n} 个方向中的 {known} 个确定到十分之一；"
-                                          f"rank(O) = {rank}。")
-    return Text(f"Observable: the nearest mode is {d} from being hidden, and all {n} directions are known to a tenth.",
-                f"能观：最近的模态离隐藏 {d}，{n} 个方向全部确定到十分之一。")
+        return text("No mode is hidden (nearest: {d}), yet this run fixes only {known} of {n} directions to a "
+                    "tenth; rank(O) = {rank}.",
+                    d=d, known=known, n=n, rank=rank)
+    return text("Observable: the nearest mode is {d} from being hidden, and all {n} directions are known to a "
+                "tenth.",
+                d=d, n=n)

@@ -12,7 +12,7 @@ from app.engine import Scenario
 from app.engine.simulation import simulate_recovery
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .knobs import HORIZON
 from .study import (
@@ -74,8 +74,8 @@ def survey(scenario: Scenario, known: Starts | None) -> Iterator[tuple[float, St
 def find_starts(outcome: Outcome[Study]) -> Iterator[tuple[float, Starts | None]]:
     """The map of the design's gains, limit and feed, pass by pass; it goes on from what the outcome shows of it."""
     if max(slowest(outcome, name) for name in ("controller", "observer")) >= 0:
-        raise KnobError(Text("A pole is not in the left half plane, so no start comes home; drag it to the left first.",
-                             "有极点不在左半平面，没有初态能恢复；请先把它拖到左边。"))
+        raise KnobError(text("A pole is not in the left half plane, so no start comes home; drag it to the left "
+                             "first."))
     scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
     for fraction, starts in survey(scenario, outcome.study.starts):
         yield fraction, starts if starts.done > 0 else None
@@ -90,8 +90,8 @@ def with_starts(outcome: Outcome[Study], starts: Starts) -> Outcome[Study]:
 def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, Any]:
     """A click on the map: the start of the nearest cell, without a kick, so that it runs as the map says."""
     if not (np.isfinite(x) and np.isfinite(y)):
-        raise KnobError(Text("That click is not on the map.", "点击不在地图之内。"))
+        raise KnobError(text("That click is not on the map."))
     return {"angle0": float(GRID[nearest(x)]), "error0": float(GRID[nearest(y)]), "kick": -1.0}
 
 
-JOB = Job(Text("Map the starts that come home", "计算能恢复的初态地图"), find_starts, key=depends, shown=with_starts)
+JOB = Job(text("Map the starts that come home"), find_starts, key=depends, shown=with_starts)

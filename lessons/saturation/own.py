@@ -16,7 +16,7 @@ from app.lesson.figures import Curve, Figure, MapFigure
 from app.lesson.knobs import Choice, Knob, KnobError, Number
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome
 from app.plants import Model
-from app.text.words import Text
+from app.text import Text, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.figures import error_figure, input_figure, state_figures, within
@@ -45,17 +45,17 @@ class OwnStudy:
 def own_knobs(model: Model) -> tuple[Knob, ...]:
     """The lesson's knobs in the plant's own measures."""
     return (
-        Choice("fed", "", Text("the observer is told", "送给观测器的是"), default=COMMANDED,
-               options=((COMMANDED, Text("the commanded input", "指令输入")), (APPLIED, Text("the applied input", "实际输入"))),
-               hint=Text("What the controller asked for, or what was really given.", "控制器所要的，或实际给出的。")),
-        Number("u_max", r"u_{\max}", Text("limit of every input", "各输入的限幅"), model.input_unit, low=0.02 * model.u_max,
+        Choice("fed", "", text("the observer is told"), default=COMMANDED,
+               options=((COMMANDED, text("the commanded input")), (APPLIED, text("the applied input"))),
+               hint=text("What the controller asked for, or what was really given.")),
+        Number("u_max", r"u_{\max}", text("limit of every input"), model.input_unit, low=0.02 * model.u_max,
                high=20 * model.u_max, default=model.u_max, scale="log",
-               hint=Text("The largest input that is given, either way.", "两个方向上所能给出的最大输入。")),
-        Number("start", r"x(0)", Text("start, times its usual size", "初态（常用初态的倍数）"), low=-3.0, high=3.0, default=1.0, step=0.05,
-               hint=Text("How far off rest the plant starts.", "对象起始时偏离静止多远。")),
-        Number("error0", r"e(0)", Text("error of its estimate, likewise", "估计误差（同样单位）"), low=-3.0, high=3.0,
+               hint=text("The largest input that is given, either way.")),
+        Number("start", r"x(0)", text("start, times its usual size"), low=-3.0, high=3.0, default=1.0, step=0.05,
+               hint=text("How far off rest the plant starts.")),
+        Number("error0", r"e(0)", text("error of its estimate, likewise"), low=-3.0, high=3.0,
                default=1.0, step=0.05,
-               hint=Text("The observer believes the start minus this much of it.", "观测器以为的初态，是真实初态减去这么多倍。")),
+               hint=text("The observer believes the start minus this much of it.")),
         *(replace(knob, when=None) for knob in pole_knobs(model)),
         *run_knobs(model.horizon),
     )
@@ -86,7 +86,7 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
     scenario = scenario_of(model, design, K, L)
     run, ideal = simulate(scenario), simulate(replace(scenario, state_feedback=True))
     if min(len(run.t), len(ideal.t)) < 2:
-        raise KnobError(Text("Under this limit the plant runs away at once; raise it.", "在这一限幅下对象立即发散；请放宽限幅。"))
+        raise KnobError(text("Under this limit the plant runs away at once; raise it."))
     inside = plant.A - L @ plant.C if design["fed"] == APPLIED else plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
     poles = {name: sorted_poles(M) for name, M in (
         ("controller", plant.A - plant.B @ K), ("observer", plant.A - L @ plant.C), ("clipped", inside))}
@@ -96,10 +96,10 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
                "clipped_for": model.dt * float(clipped.sum()), "clipped_rate": float(np.real(poles["clipped"]).max()),
                "largest_asked": float(np.abs(run.u_asked).max())}
     checks = (
-        Check("autonomous", Text("the error lives by itself, ė = (A − LC)e", "误差独自演化，ė = (A − LC)e"), meter < 1e-8, meter),
-        Check("windup", Text("the compensator is stable while the input is clipped", "输入被限幅时补偿器自身稳定"),
+        Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), meter < 1e-8, meter),
+        Check("windup", text("the compensator is stable while the input is clipped"),
               metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
-        Check("home", Text("this start comes home", "这一初态能恢复"), home(model, run), metrics["comes_home"]))
+        Check("home", text("this start comes home"), home(model, run), metrics["comes_home"]))
     formulas = (Formula("error", r"\dot e = (A-LC)\,e" if design["fed"] == APPLIED else
                         r"\dot e = (A-LC)\,e + B\,(\mathrm{sat}\,u - u)"),
                 Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T)))
@@ -109,12 +109,11 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
 
 
 def _live(design: Design, m: Mapping[str, float]) -> Text:
-    end = Text("This start comes home.", "这一初态能恢复。") if m["comes_home"] else Text("This start does not come home.",
-                                                                                  "这一初态不能恢复。")
-    limit = Text(f" An input is clipped for {m['clipped_for']:.3g} s.", f" 输入被限幅共 {m['clipped_for']:.3g} s。")
-    wall = (Text(" The error obeys A − LC all the same.", " 误差依然服从 A − LC。") if m["separation_meter"] < 1e-8 else
-            Text(f" Separation meter {amount(m['separation_meter'])}.", f" 分离度量 {amount(m['separation_meter'])}。"))
-    return Text(end.en + limit.en + wall.en, end.zh + limit.zh + wall.zh)
+    end = text("This start comes home.") if m["comes_home"] else text("This start does not come home.")
+    limit = text("An input is clipped for {clipped_for:.3g} s.", clipped_for=m["clipped_for"])
+    wall = (text("The error obeys A − LC all the same.") if m["separation_meter"] < 1e-8 else
+            text("Separation meter {separation_meter}.", separation_meter=amount(m["separation_meter"])))
+    return joined(end, limit, wall)
 
 
 def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
@@ -123,7 +122,7 @@ def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
     assert run is not None
     first, *rest = state_figures(model, run, 2)
     count = min(len(run.t), len(story.known.t))
-    known = Curve(Text("had x been known", "若 x 已知"), model.watched[0].of(story.known.x[:count]), "reference", "dot", 1.6)
+    known = Curve(text("had x been known"), model.watched[0].of(story.known.x[:count]), "reference", "dot", 1.6)
     first = replace(first, t=run.t[:count], curves=(*(replace(c, y=c.y[:count]) for c in first.curves), known))
     lines = (first, *rest, error_figure(run, autonomous_error(run)), within(input_figure(run, model, limit), 8 * limit * model.input_scale))
     return (*lines, _map(outcome))
@@ -134,13 +133,11 @@ def _map(outcome: Outcome[OwnStudy]) -> MapFigure:
     story, design = outcome.study, outcome.design
     values = np.full((len(GRID), len(GRID)), UNKNOWN) if story.values is None else story.values
     done = float(np.mean(values != UNKNOWN))
-    said = (Text("Not computed for this design yet: press the button under the knobs.",
-                 "当前设计尚未计算：请按旋钮下方的按钮。") if done == 0 else
-            Text(f"{100 * np.mean(values == 0) / done:.1f} % of the starts known so far come home. The circle runs now; "
-                 "click another start.",
-                 f"已知的初态中有 {100 * np.mean(values == 0) / done:.1f} % 能恢复。圆圈是正在运行的初态；点击别处即可运行。"))
-    return MapFigure("starts", Text("starts that come home", "能恢复的初态"), GRID, GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
-                     (design["start"], design["error0"]), said, Text("Map", "地图"))
+    said = (text("Not computed for this design yet: press the button under the knobs.") if done == 0 else
+            text("{values:.1f} % of the starts known so far come home. The circle runs now; click another start.",
+                 values=100 * np.mean(values == 0) / done))
+    return MapFigure("starts", text("starts that come home"), GRID, GRID, values, CATEGORIES[:2], "x(0)", "e(0)",
+                     (design["start"], design["error0"]), said, text("Map"))
 
 
 def turned(model: Model, scenario: Scenario) -> Scenario:
@@ -161,9 +158,8 @@ def find_starts(model: Model, outcome: Outcome[OwnStudy]) -> Iterator[tuple[floa
     """The job: which starts come home, some rows of errors at a time; the loop is odd, so half of them are mirrored."""
     worst = max(float(np.real(outcome.poles[name]).max()) for name in ("controller", "observer"))
     if worst >= 0:
-        raise KnobError(Text("A pole is not in the left half plane, so no start comes home for good; drag it to the left if it "
-                             "can be moved.",
-                             "有极点不在左半平面，没有初态能最终恢复；若它能移动，请先拖到左边。"))
+        raise KnobError(text("A pole is not in the left half plane, so no start comes home for good; drag it to "
+                             "the left if it can be moved."))
     scenario = turned(model, scenario_of(model, outcome.design, outcome.gains["K"], outcome.gains["L"]))
     values, known = np.full((len(GRID), len(GRID)), UNKNOWN), None
     up = np.flatnonzero(GRID >= 0)
@@ -189,7 +185,7 @@ def with_map(outcome: Outcome[OwnStudy], values: np.ndarray) -> Outcome[OwnStudy
 def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, Any]:
     """A click on the map: the start of the nearest cell, without a kick."""
     if not (np.isfinite(x) and np.isfinite(y)):
-        raise KnobError(Text("That click is not on the map.", "点击不在地图之内。"))
+        raise KnobError(text("That click is not on the map."))
     cell = {name: float(GRID[int(np.argmin(np.abs(GRID - value)))]) for name, value in (("start", x), ("error0", y))}
     return {**cell, "kick": -1.0}
 
@@ -197,5 +193,5 @@ def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, Any]:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks speak of the pole and stay with it."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(Text("Map the starts that come home", "计算能恢复的初态地图"), partial(find_starts, model), depends, with_map),
+                   job=Job(text("Map the starts that come home"), partial(find_starts, model), depends, with_map),
                    pick=pick)

@@ -11,7 +11,7 @@ import numpy as np
 from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
 from app.engine.simulation import Run, separation_meter
 from app.lesson.lesson import Check, Design, Formula, Outcome
-from app.text.words import Text
+from app.text import Text, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
@@ -124,10 +124,10 @@ def compute(design: Design) -> Outcome[Study]:
     }
     story = Study(shown, autonomous_error(shown), known.x, stopped, None)
     checks = (
-        Check("autonomous", Text("the error lives by itself, ė = (A − LC)e", "误差独自演化，ė = (A − LC)e"), meter < EXACT, meter),
-        Check("windup", Text("the compensator is stable while the force is clipped", "力被限幅时补偿器自身稳定"),
+        Check("autonomous", text("the error lives by itself, ė = (A − LC)e"), meter < EXACT, meter),
+        Check("windup", text("the compensator is stable while the force is clipped"),
               metrics["clipped_rate"] < 0, metrics["clipped_rate"]),
-        Check("home", Text("this start comes home", "这一初态能恢复"), comes_home(run), float(np.linalg.norm(run.x[-1]))),
+        Check("home", text("this start comes home"), comes_home(run), float(np.linalg.norm(run.x[-1]))),
     )
     boards = pole_boards(MODEL, design, poles["controller"], poles["observer"])
     return Outcome(design, {"K": K, "L": L}, poles, metrics, checks, seen, boards, stage(MODEL, shown),
@@ -150,8 +150,7 @@ def _formulas(design: Design, K: np.ndarray, L: np.ndarray, metrics: Mapping[str
         Formula("error", r"\dot e = (A-LC)\,e" if told else r"\dot e = (A-LC)\,e + B\,(\mathrm{sat}\,u - u)"),
         Formula("clipped", r"\dot{\hat x} = (A-LC)\,\hat x \pm B\,u_{\max} + L\,y" if told else
                 r"\dot{\hat x} = (A-BK-LC)\,\hat x + L\,y",
-                Text(f"The compensator while the force is clipped: rightmost eigenvalue {rate:.3g}.",
-                     f"力被限幅时的补偿器：最右特征值 {rate:.3g}。")),
+                text("The compensator while the force is clipped: rightmost eigenvalue {rate:.3g}.", rate=rate)),
         Formula("K", rf"K = {matrix(K)}"),
         Formula("L", rf"L^{{\mathsf T}} = {matrix(L.T)}"),
     )
@@ -160,14 +159,13 @@ def _formulas(design: Design, K: np.ndarray, L: np.ndarray, metrics: Mapping[str
 def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -> Text:
     meter, clipped = metrics["separation_meter"], metrics["clipped_for"]
     home = bool(metrics["comes_home"])
-    end = (Text("The pole comes home.", "摆杆恢复直立。") if home else
-           Text("The pole does not come home.", "摆杆没有恢复。") if stopped is None else
-           Text(f"The pole falls: past 45° at {stopped:.2f} s.", f"摆杆倒下：{stopped:.2f} s 时越过 45°。"))
-    limit = Text(f" The force is clipped for {clipped:.2f} s.", f" 力被限幅共 {clipped:.2f} s。")
-    wall = (Text(" The error obeys A − LC all the same.", " 误差依然服从 A − LC。") if meter < EXACT else
-            Text(f" Separation meter {amount(meter)}: what the motor did not give drives the error.",
-                 f" 分离度量 {amount(meter)}：电机没有给出的那部分力在驱动误差。"))
-    return Text(end.en + limit.en + wall.en, end.zh + limit.zh + wall.zh)
+    end = (text("The pole comes home.") if home else
+           text("The pole does not come home.") if stopped is None else
+           text("The pole falls: past 45° at {stopped:.2f} s.", stopped=stopped))
+    limit = text("The force is clipped for {clipped:.2f} s.", clipped=clipped)
+    wall = (text("The error obeys A − LC all the same.") if meter < EXACT else
+            text("Separation meter {meter}: what the motor did not give drives the error.", meter=amount(meter)))
+    return joined(end, limit, wall)
 
 
 def march(scenario: Scenario) -> Run:

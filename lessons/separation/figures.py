@@ -10,13 +10,13 @@ from app.engine.systems import amplitude_response
 from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
 from app.lesson.lesson import Outcome
 from app.plants.names import called
-from app.text.words import Text
+from app.text import text
 
 from ..toolkit.figures import error_figure, input_figure, state_figures
 from .study import Setting
 
-SPECTRUM_TAB = Text("Poles", "极点")
-FREQUENCY_TAB = Text("Frequency", "频率")
+SPECTRUM_TAB = text("Poles")
+FREQUENCY_TAB = text("Frequency")
 
 
 def figures(here: Setting, outcome: Outcome[ClosedLoop]) -> tuple[Figure, ...]:
@@ -42,13 +42,13 @@ def _isolation(here: Setting, outcome: Outcome[ClosedLoop]) -> FrequencyFigure:
     peak = 20 * np.log10(float(bare.max()) / float(whole.max()))
     return FrequencyFigure(
         "isolation", here.heading[0], here.frequencies,
-        (Curve(Text("no control", "无控制"), bare, "muted"),
-         Curve(Text("by the state", "状态反馈"), state, "plant", "dash"),
-         Curve(Text("by the estimate", "估计反馈"), whole, "estimate")), here.heading[1], tab=FREQUENCY_TAB,
-        caption=Text(f"Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the "
-                     "observer's share.",
-                     f"按估计控制使峰值降低 {peak:.1f} dB；与虚线之间的差距来自观测器。") if peak > 0 else
-        Text(f"Steering by the estimate raises the peak by {-peak:.1f} dB.", f"按估计控制使峰值升高 {-peak:.1f} dB。"))
+        (Curve(text("no control"), bare, "muted"),
+         Curve(text("by the state"), state, "plant", "dash"),
+         Curve(text("by the estimate"), whole, "estimate")), here.heading[1], tab=FREQUENCY_TAB,
+        caption=text("Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is "
+                     "the observer's share.",
+                     peak=peak) if peak > 0 else
+        text("Steering by the estimate raises the peak by {peak:.1f} dB.", peak=-peak))
 
 
 def _spectrum(outcome: Outcome[ClosedLoop]) -> PlaneFigure:
@@ -59,12 +59,12 @@ def _spectrum(outcome: Outcome[ClosedLoop]) -> PlaneFigure:
     low = min(-1.0, *(p.x for p in points))
     high = max(2.0, *(abs(p.y) for p in points))
     return PlaneFigure(
-        "spectrum", Text("spectrum of the whole loop", "整个闭环的谱"), (), points, "Re s", "Im s",
+        "spectrum", text("spectrum of the whole loop"), (), points, "Re s", "Im s",
         (1.1 * max(low, -60.0), max(3.0, 1.1 * min(60.0, max(p.x for p in points)))),
         (-1.1 * min(high, 60.0), 1.1 * min(high, 60.0)), unstable=True, tab=SPECTRUM_TAB,
-        caption=Text(f"Crosses: chosen on the boards. Circles: poles of the {len(outcome.poles['loop'])}-state loop. Green dots: "
-                     "the compensator's own.",
-                     f"叉号：板上选定的极点。圆圈：{len(outcome.poles['loop'])} 阶闭环的极点。绿点：补偿器自身的极点。"))
+        caption=text("Crosses: chosen on the boards. Circles: poles of the {count}-state loop. Green dots: the "
+                     "compensator's own.",
+                     count=len(outcome.poles["loop"])))
 
 
 def _blocks(loop: ClosedLoop, plant: Plant) -> MatrixFigure:
@@ -73,9 +73,8 @@ def _blocks(loop: ClosedLoop, plant: Plant) -> MatrixFigure:
     corner = float(np.max(np.abs(loop.A_xe[n:, :n])))
     zero = corner < 1e-9 * float(np.max(np.abs(loop.A_xe)))
     return MatrixFigure(
-        "blocks", Text("the loop in (x, e) coordinates", "(x, e) 坐标下的闭环矩阵"), loop.A_xe, tuple(names), tuple(names),
+        "blocks", text("the loop in (x, e) coordinates"), loop.A_xe, tuple(names), tuple(names),
         (n,), tab=SPECTRUM_TAB,
-        caption=Text("The lower left block is zero: the error drives the state, never the other way round.",
-                     "左下块为零：误差驱动状态，状态从不驱动误差。") if zero else
-        Text(f"The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.",
-             f"左下块不再为零（最大元素 {corner:.2g}）：状态反过来驱动误差。"))
+        caption=text("The lower left block is zero: the error drives the state, never the other way round.") if zero else
+        text("The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.",
+             corner=corner))

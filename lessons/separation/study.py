@@ -13,7 +13,7 @@ from app.engine.feedback import ClosedLoop
 from app.engine.simulation import separation_meter
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants import Model, platform
-from app.text.words import Text
+from app.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
@@ -52,7 +52,7 @@ DECK = Setting(
     lambda design: design["delay"] / 1000,
     lambda design: None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt,
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
-    (Text("from ground height to velocity VL", "地面高度到速度 VL 的增益"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))
+    (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))
 EXACT = 1e-9  # union of spectra: agreement asked of them
 
 
@@ -75,9 +75,9 @@ def compute(here: Setting, design: Design) -> Outcome[ClosedLoop]:
     }
     same_union = loop.union_error <= EXACT or loop.polynomial_error <= EXACT
     checks = (
-        Check("union", Text("the 2n poles are the union of both sets", "2n 个极点正是两组极点的并集"), same_union,
+        Check("union", text("the 2n poles are the union of both sets"), same_union,
               loop.union_error),
-        Check("compensator", Text("the compensator itself is stable", "补偿器自身稳定"), loop.compensator_stable,
+        Check("compensator", text("the compensator itself is stable"), loop.compensator_stable,
               float(max(loop.compensator_poles.real))),
     )
     return Outcome(
@@ -99,14 +99,13 @@ def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
 
 
 def _live(loop: ClosedLoop, meter: float) -> Text:
-    union = (Text(f"The {len(loop.poles)} poles of the loop are the union of both boards to about {tiny(loop.union_error)}.",
-                  f"闭环的 {len(loop.poles)} 个极点就是两块板上极点的并集，误差约 {tiny(loop.union_error)}。")
+    union = (text("The {count} poles of the loop are the union of both boards to about {union_error}.",
+                  count=len(loop.poles), union_error=tiny(loop.union_error))
              if loop.union_error < 1e-6 else
-             Text(f"The {len(loop.poles)} poles of the loop differ from the boards by {100 * loop.union_error:.1f} %.",
-                  f"闭环的 {len(loop.poles)} 个极点与两块板上的极点相差 {100 * loop.union_error:.1f} %。"))
-    wall = (Text(" Separation meter: 0.", " 分离度量：0。") if meter < 1e-8 else
-            Text(f" Separation meter: {meter:.2g}; the error no longer lives by itself.",
-                 f" 分离度量：{meter:.2g}；误差不再独自演化。"))
-    stable = (Text("", "") if loop.compensator_stable else
-              Text(" The compensator by itself is unstable.", " 补偿器自身是不稳定的。"))
-    return Text(union.en + wall.en + stable.en, union.zh + wall.zh + stable.zh)
+             text("The {count} poles of the loop differ from the boards by {union_error:.1f} %.",
+                  count=len(loop.poles), union_error=100 * loop.union_error))
+    wall = (text("Separation meter: 0.") if meter < 1e-8 else
+            text("Separation meter: {meter:.2g}; the error no longer lives by itself.", meter=meter))
+    stable = (NO_WORDS if loop.compensator_stable else
+              text("The compensator by itself is unstable."))
+    return joined(union, wall, stable)

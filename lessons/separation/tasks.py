@@ -8,7 +8,7 @@ import numpy as np
 
 from app.engine.feedback import ClosedLoop
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 
 def _pairs(*upper: complex) -> tuple[complex, ...]:
@@ -25,32 +25,33 @@ def fast_observer(outcome: Outcome[ClosedLoop]) -> Verdict:
     m = outcome.metrics
     ratio = m["slowest_observer"] / m["slowest_controller"]
     if m["slowest_controller"] >= 0 or m["slowest_observer"] >= 0:
-        return Verdict(False, Text("A pole is not in the left half plane.", "有极点不在左半平面。"))
+        return Verdict(False, text("A pole is not in the left half plane."))
     if ratio >= 3:
-        return Verdict(True, Text(f"The slowest observer pole is {ratio:.1f} times as fast as the slowest controller pole.",
-                                  f"最慢观测器极点的实部是最慢控制器极点的 {ratio:.1f} 倍。"))
-    return Verdict(False, Text(f"The ratio of the slowest poles is {ratio:.1f}; it should be at least 3.",
-                               f"两组最慢极点之比为 {ratio:.1f}，应不小于 3。"))
+        return Verdict(True, text("The slowest observer pole is {ratio:.1f} times as fast as the slowest "
+                                  "controller pole.",
+                                  ratio=ratio))
+    return Verdict(False, text("The ratio of the slowest poles is {ratio:.1f}; it should be at least 3.",
+                               ratio=ratio))
 
 
 def _break_the_wall(outcome: Outcome[ClosedLoop]) -> Verdict:
     meter, stable = outcome.metrics["separation_meter"], outcome.metrics["slowest_loop"] < 0
     if meter >= 0.1 and stable:
-        return Verdict(True, Text(f"The meter reads {meter:.2f} and the loop is still stable.",
-                                  f"度量为 {meter:.2f}，闭环仍然稳定。"))
+        return Verdict(True, text("The meter reads {meter:.2f} and the loop is still stable.", meter=meter))
     if not stable:
-        return Verdict(False, Text("The loop has become unstable; go back a little.", "闭环已经不稳定，请退回一些。"))
-    return Verdict(False, Text(f"The meter reads {meter:.2g}; bring it to 0.1.", f"度量为 {meter:.2g}，请使它达到 0.1。"))
+        return Verdict(False, text("The loop has become unstable; go back a little."))
+    return Verdict(False, text("The meter reads {meter:.2g}; bring it to 0.1.", meter=meter))
 
 
 def _unstable_compensator(outcome: Outcome[ClosedLoop]) -> Verdict:
     own = float(np.max(np.real(outcome.poles["compensator"])))
     if own > 0 and outcome.metrics["slowest_loop"] < 0:
-        return Verdict(True, Text(f"The compensator has a pole with real part {own:+.3g}, and the loop is stable all the same.",
-                                  f"补偿器有实部为 {own:+.3g} 的极点，而闭环依然稳定。"))
-    return Verdict(False, Text(f"The compensator's rightmost pole is {own:.3g}; it must cross into the right half plane "
-                               "while the loop stays stable.",
-                               f"补偿器最右极点为 {own:.3g}；要让它进入右半平面而闭环保持稳定。"))
+        return Verdict(True, text("The compensator has a pole with real part {own:+.3g}, and the loop is stable "
+                                  "all the same.",
+                                  own=own))
+    return Verdict(False, text("The compensator's rightmost pole is {own:.3g}; it must cross into the right half "
+                               "plane while the loop stays stable.",
+                               own=own))
 
 
 def exam(seed: int) -> ExamItem:

@@ -15,7 +15,7 @@ from app.lesson.knobs import Knob, Number, Poles
 from app.lesson.lesson import Board, Design, Formula, Lesson, Outcome
 from app.plants import Model, Signal
 from app.plants.names import called
-from app.text.words import Text
+from app.text import NO_WORDS, Text, joined, same, text
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.figures import TIME_TAB
@@ -43,25 +43,23 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     """Trust, poles, first guess, a wrong model, an input and noise."""
     window = model.observer_window
     return (
-        Number("trust", r"\theta", Text("trust in the sensors θ", "对传感器的信任 θ"), low=0.0, high=MOST_TRUST, default=1.0,
-               step=0.01, hint=Text("The gain is θ times the one for the poles below; θ = 0 is the open-loop copy.",
-                                    "实际增益是下面极点所对应增益的 θ 倍；θ = 0 就是开环副本。")),
-        Poles("observer_poles", "q", Text("Observer poles at θ = 1", "θ = 1 时的观测器极点"), "rad/s",
+        Number("trust", r"\theta", text("trust in the sensors θ"), low=0.0, high=MOST_TRUST, default=1.0,
+               step=0.01, hint=text("The gain is θ times the one for the poles below; θ = 0 is the open-loop copy.")),
+        Poles("observer_poles", "q", text("Observer poles at θ = 1"), "rad/s",
               default=model.observer_poles, re_low=window.re_low, re_high=window.re_high, im_high=window.im_high,
               role="estimate", hidden=not model.observer_poles,
-              hint=Text("The error dies as fast as the rightmost of these.", "误差消失的快慢由最右边的极点决定。")),
-        Number("guess", r"\gamma", Text("first guess, share of the true start", "初始猜测占真实初态的比例"), low=-1.0, high=2.0,
-               default=0.0, step=0.05, hint=Text("0: copy and observer start at rest; 1: exactly where the plant is.",
-                                                 "0：副本和观测器从零开始；1：与对象初态完全相同。")),
-        Number("mismatch", r"\delta", Text("the plant is faster than its model by", "对象比模型快"), "%", low=-50.0, high=50.0,
-               default=0.0, step=1.0, hint=Text("A and B of what really moves are this much larger than what both believe.",
-                                                "真实对象的 A、B 比副本和观测器所用的模型大这么多。")),
-        Number("push", "u", Text("input, on and off", "输入（时有时无）"), model.input_unit, low=0.0, high=5 * model.u_max,
-               default=model.u_max, hint=Text("The first input is on for one half of each period; all three are told.",
-                                              "第一个输入在每个周期的一半时间内接通，三者都知道。")),
-        Number("noise", r"\sigma", Text("sensor noise", "传感器噪声"), "%", low=0.0, high=20.0, default=0.0, step=0.5,
-               hint=Text("Standard deviation of a sample, as a share of the outputs at the start.",
-                         "单个采样值的标准差，以初始输出为单位。")),
+              hint=text("The error dies as fast as the rightmost of these.")),
+        Number("guess", r"\gamma", text("first guess, share of the true start"), low=-1.0, high=2.0,
+               default=0.0, step=0.05, hint=text("0: copy and observer start at rest; 1: exactly where the plant "
+                                                 "is.")),
+        Number("mismatch", r"\delta", text("the plant is faster than its model by"), "%", low=-50.0, high=50.0,
+               default=0.0, step=1.0, hint=text("A and B of what really moves are this much larger than what both "
+                                                "believe.")),
+        Number("push", "u", text("input, on and off"), model.input_unit, low=0.0, high=5 * model.u_max,
+               default=model.u_max, hint=text("The first input is on for one half of each period; all three are "
+                                              "told.")),
+        Number("noise", r"\sigma", text("sensor noise"), "%", low=0.0, high=20.0, default=0.0, step=0.5,
+               hint=text("Standard deviation of a sample, as a share of the outputs at the start.")),
         *run_knobs(model.horizon),
     )
 
@@ -96,7 +94,7 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
 
 def _secret(model: Model) -> Signal:
     """The first watched signal that is no output, else the first output."""
-    return next((s for s in model.watched if s.name.en.startswith("state")), model.watched[0])
+    return next((s for s in model.watched if s.name("en").startswith("state")), model.watched[0])
 
 
 def _late(values: np.ndarray) -> float:
@@ -113,24 +111,20 @@ def _boards(model: Model, design: Design, poles: np.ndarray, L: np.ndarray) -> t
     by_hand = design["trust"] == 1.0
     whole = len(poles) == len(model.observer_poles)
     return (
-        Board("copy", Text("the copy's poles  eig(A)", "开环副本的极点  eig(A)"), listed(plant.poles), role="second",
+        Board("copy", text("the copy's poles  eig(A)"), listed(plant.poles), role="second",
               side="left", re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
-        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
+        Board("observer", text("observer poles  eig(A − LC)"),
               design["observer_poles"] if by_hand else listed(poles), "observer_poles" if by_hand or whole else None,
               bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
               re_high=window.re_high, im_high=window.im_high, also=(("trust", 1.0),), landscape=plant.A - L @ plant.C),
     )
 
 
-def _rate(value: float) -> str:
-    return f"{value:+.3g}".replace("-", "−")
-
-
 def _live(m: dict[str, float]) -> Text:
-    ours, theirs = _rate(m["slowest_observer"]), _rate(m["slowest_copy"])
-    doubt = (Text(" The observer's error grows.", " 观测器误差在增长。") if m["slowest_observer"] >= 0 else Text("", ""))
-    return Text(f"Slowest modes of the error: copy {theirs}, observer {ours} per second.{doubt.en}",
-                f"误差最慢的模态：副本 {theirs}，观测器 {ours}（每秒）。{doubt.zh}")
+    ours, theirs = m["slowest_observer"], m["slowest_copy"]
+    doubt = (text("The observer's error grows.") if m["slowest_observer"] >= 0 else NO_WORDS)
+    return joined(text("Slowest modes of the error: copy {theirs:+.3g}, observer {ours:+.3g} per second.",
+                       theirs=theirs, ours=ours), doubt)
 
 
 def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
@@ -147,10 +141,10 @@ def _signal(name: str, signal: Signal, run: Run, copy: Run) -> TimeFigure:
     true, guess, other = signal.of(run.x)[:last], signal.of(run.xhat)[:last], signal.of(copy.xhat)[:last]
     return TimeFigure(name, signal.name, run.t[:last], (Curve(TRUE, true), Curve(COPY, other, "second", "dot"),
                                                         Curve(OBSERVER, guess, "estimate", "dash")), f"[{signal.unit}]", tab=TIME_TAB,
-                      caption=Text(f"At the end of the run the observer is off by {abs(true[-1] - guess[-1]):.2g}, the copy by "
-                                   f"{abs(true[-1] - other[-1]):.2g} {signal.unit}.",
-                                   f"运行末刻，观测器偏差 {abs(true[-1] - guess[-1]):.2g}，开环副本偏差 "
-                                   f"{abs(true[-1] - other[-1]):.2g} {signal.unit}。"))
+                      caption=text("At the end of the run the observer is off by {true:.2g}, the copy by "
+                                   "{true2:.2g} {unit}.",
+                                   true=abs(true[-1] - guess[-1]), true2=abs(true[-1] - other[-1]),
+                                   unit=signal.unit))
 
 
 def _energy(run: Run, copy: Run) -> TimeFigure:
@@ -158,15 +152,15 @@ def _energy(run: Run, copy: Run) -> TimeFigure:
     last = min(len(run.t), len(copy.t))
     curves = tuple(Curve(name, np.linalg.norm(values[:last], axis=1), role, dash) for name, values, role, dash in (  # type: ignore[arg-type]
         (TRUE, run.x, "plant", "solid"), (COPY, copy.xhat, "second", "dot"), (OBSERVER, run.xhat, "estimate", "dash")))
-    return TimeFigure("case", Text("size of the whole state", "整个状态的大小"), run.t[:last], curves, "‖x‖", tab=TIME_TAB,
-                      caption=Text("Every state of this plant is measured.", "该对象的每个状态都有测量。"))
+    return TimeFigure("case", text("size of the whole state"), run.t[:last], curves, "‖x‖", tab=TIME_TAB,
+                      caption=text("Every state of this plant is measured."))
 
 
 def _input(model: Model, run: Run) -> TimeFigure:
-    return TimeFigure("power", Text("first input, known to all three", "第一个输入，三者都知道"), run.t,
-                      (Curve(Text("input", "输入"), run.u_applied[:, 0], "force"),), f"[{model.input_unit}]", tab=TIME_TAB,
-                      window=(0.0, model.u_max), caption=Text(f"On at {np.max(run.u_applied):.3g} {model.input_unit}, then off.",
-                                                              f"接通时为 {np.max(run.u_applied):.3g} {model.input_unit}，其余为零。"))
+    return TimeFigure("power", text("first input, known to all three"), run.t,
+                      (Curve(text("input"), run.u_applied[:, 0], "force"),), f"[{model.input_unit}]", tab=TIME_TAB,
+                      window=(0.0, model.u_max), caption=text(
+                          "On at {u_applied:.3g} {input_unit}, then off.", u_applied=np.max(run.u_applied), input_unit=model.input_unit))
 
 
 def _errors(outcome: Outcome[OwnStudy], run: Run) -> TimeFigure:
@@ -174,11 +168,11 @@ def _errors(outcome: Outcome[OwnStudy], run: Run) -> TimeFigure:
     last = min(len(run.t), len(copy.t))
     ours, theirs = (np.linalg.norm(r.e[:last], axis=1) for r in (run, copy))
     below = np.flatnonzero(ours > KNOWN * max(float(ours[0]), 1e-300))
-    said = (Text("The observer's error is not below a twentieth of its start at the end.", "末刻观测器误差仍未降到初值的二十分之一以下。")
+    said = (text("The observer's error is not below a twentieth of its start at the end.")
             if len(below) and below[-1] == last - 1 else
-            Text(f"The observer's error is below a twentieth of its start after {run.t[below[-1] + 1] if len(below) else 0:.3g} s.",
-                 f"{run.t[below[-1] + 1] if len(below) else 0:.3g} s 之后观测器误差小于初值的二十分之一。"))
-    return TimeFigure("error", Text("size of the error", "误差的大小"), run.t[:last],
+            text("The observer's error is below a twentieth of its start after {t:.3g} s.",
+                 t=run.t[below[-1] + 1] if len(below) else 0))
+    return TimeFigure("error", text("size of the error"), run.t[:last],
                       (Curve(COPY, theirs, "second", "dot"), Curve(OBSERVER, ours, "error")), "‖e‖", log=True, tab=ERROR_TAB,
                       caption=said)
 
@@ -186,10 +180,11 @@ def _errors(outcome: Outcome[OwnStudy], run: Run) -> TimeFigure:
 def _heard(model: Model, run: Run) -> TimeFigure:
     heard = (run.y - run.yhat)[:, 0]
     name = called(model.plant, model.plant.output_names[0])
-    return TimeFigure("innovation", Text("what the observer hears: y − ŷ", "观测器听到的：y − ŷ"), run.t,
-                      (Curve(Text("y − ŷ", "y − ŷ"), heard, "error"),), f"[{model.plant.unit(name.en)}]", tab=ERROR_TAB,
-                      caption=Text(f"Sensor {name.en} minus its prediction; up to {_late(heard):.2g} in the last tenth of the run.",
-                                   f"传感器 {name.zh} 的读数减预测；最后十分之一时间内最多 {_late(heard):.2g}。"))
+    return TimeFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
+                      (Curve(same("y − ŷ"), heard, "error"),), f"[{model.plant.unit(model.plant.output_names[0])}]", tab=ERROR_TAB,
+                      caption=text("Sensor {name} minus its prediction; up to {heard:.2g} in the last tenth of "
+                                   "the run.",
+                                   name=name, heard=_late(heard)))
 
 
 def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
@@ -201,15 +196,15 @@ def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
     stable = np.all(np.real(outcome.study.poles) < 0, axis=1)
     trusts = np.linspace(0.0, MOST_TRUST, len(stable))
     shaky = np.flatnonzero(~stable)
-    need = (Text("Every trust up to 2 is forgiven here.", "这里从 0 到 2 的每个 θ 都行。") if not len(shaky) else
-            Text("No trust up to 2 makes every mode stable.", "直到 2 为止，没有一个 θ 使所有模态稳定。") if len(shaky) == len(stable) else
-            Text(f"Of the trusts tried, those from {trusts[shaky[0]]:.2g} to {trusts[shaky[-1]]:.2g} are not all stable.",
-                 f"所试的 θ 中，从 {trusts[shaky[0]]:.2g} 到 {trusts[shaky[-1]]:.2g} 并非都稳定。"))
+    need = (text("Every trust up to 2 is forgiven here.") if not len(shaky) else
+            text("No trust up to 2 makes every mode stable.") if len(shaky) == len(stable) else
+            text("Of the trusts tried, those from {trusts:.2g} to {trusts2:.2g} are not all stable.",
+                 trusts=trusts[shaky[0]], trusts2=trusts[shaky[-1]]))
     high = max(window.re_high, 0.3 * -window.re_low)
-    return PlaneFigure("locus", Text("poles of A − θL₁C as trust grows", "A − θL₁C 的极点随 θ 的变化"), (), tuple(points),
+    return PlaneFigure("locus", text("poles of A − θL₁C as trust grows"), (), tuple(points),
                        "Re s", "Im s", (window.re_low, high), (-window.im_high, window.im_high), unstable=True, tab=TRUST_TAB,
-                       caption=Text(f"Circles: θ = 0, the copy. Crosses: θ = {outcome.design['trust']:g} now. {need.en}",
-                                    f"圆圈：θ = 0，即开环副本。叉号：现在的 θ = {outcome.design['trust']:g}。{need.zh}"))
+                       caption=text("Circles: θ = 0, the copy. Crosses: θ = {trust:g} now. {need}",
+                                    trust=outcome.design["trust"], need=need))
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:

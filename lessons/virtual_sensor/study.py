@@ -11,7 +11,7 @@ from app.engine import Plant, Scenario, observer_gain, simulate
 from app.engine.simulation import Run
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import MODELS, chip
-from app.text.words import Text
+from app.text import NO_WORDS, Text, joined, text
 
 from ..toolkit.boards import listed, stage
 from ..toolkit.knobs import kicks
@@ -102,8 +102,8 @@ def compute(design: Design) -> Outcome[Study]:
 def checks_of(metrics: dict[str, float]) -> tuple[Check, Check]:
     """Whether the error of the observer and that of the copy die out."""
     observer, copy = metrics["slowest_observer"], metrics["slowest_copy"]
-    return (Check("observer", Text("the observer forgets its wrong start", "观测器能忘掉错误的初值"), observer < 0, observer),
-            Check("copy", Text("the copy forgets its wrong start", "开环副本能忘掉错误的初值"), copy < 0, copy))
+    return (Check("observer", text("the observer forgets its wrong start"), observer < 0, observer),
+            Check("copy", text("the copy forgets its wrong start"), copy < 0, copy))
 
 
 def _metrics(run: Run, copy: Run) -> dict[str, float]:
@@ -128,9 +128,9 @@ def _boards(design: Design, poles: np.ndarray, own: np.ndarray, error: np.ndarra
     shown = listed(poles)
     by_hand = design["observer_poles"] if design["trust"] == 1.0 else shown
     return (
-        Board("copy", Text("the copy's poles  eig(A)", "开环副本的极点  eig(A)"), listed(own), role="second",
+        Board("copy", text("the copy's poles  eig(A)"), listed(own), role="second",
               side="left", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high),
-        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), by_hand, "observer_poles",
+        Board("observer", text("observer poles  eig(A − LC)"), by_hand, "observer_poles",
               role="estimate", side="right", re_low=WINDOW.re_low, re_high=WINDOW.re_high, im_high=WINDOW.im_high,
               also=(("trust", 1.0),), landscape=error),
     )
@@ -146,12 +146,10 @@ def _formulas(belief: Plant, L: np.ndarray, trust: float) -> tuple[Formula, ...]
 
 def _live(m: dict[str, float], run: Run, copy: Run) -> Text:
     true, guess, other = (float(v) for v in (run.x[-1, 0], run.xhat[-1, 0], copy.xhat[len(run.t) - 1, 0]))
-    doubt = (Text(" The observer's error grows: L is too small for this chip.", " 观测器误差在增长：对这块芯片来说 L 太小。")
-             if m["slowest_observer"] >= 0 else Text("", ""))
-    return Text(f"At the end the core is {_kelvin(true)} above ambient; the observer says {_kelvin(guess)}, the copy "
-                f"{_kelvin(other)}.{doubt.en}",
-                f"末刻内核比环境高 {_kelvin(true)}；观测器说 {_kelvin(guess)}，开环副本说 {_kelvin(other)}。{doubt.zh}")
+    doubt = (text("The observer's error grows: L is too small for this chip.")
+             if m["slowest_observer"] >= 0 else NO_WORDS)
+    end = text("At the end the core is {true:.1f} K above ambient; the observer says {guess:.1f} K, the copy {other:.1f} K.",
+               true=true, guess=guess, other=other)
+    return joined(end, doubt)
 
 
-def _kelvin(value: float) -> str:
-    return f"{value:.1f} K".replace("-", "−")
