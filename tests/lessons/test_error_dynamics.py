@@ -155,5 +155,5 @@ def test_the_exam_answer_puts_both_poles_where_asked(seed):
 
 
 def test_a_hand_beyond_the_limits_is_refused_with_a_sentence():
-    with pytest.raises(KnobError, match="values within -2 … 2"):
+    with pytest.raises(KnobError, match="values within −2 … 2"):
         outcome(input="hand", hand=((1.0, 5.0),))
