@@ -171,6 +171,8 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["run", "separation", "--figure", "x.gif"], ".png, .svg, .pdf"),
     (["run", "separation", "--csv", "no-such-folder/x.csv"], "cannot be written"),
     (["list", "extra"], "extra"),
+    (["status", "127.0.0.1:8080"], "is no address"),
+    (["serve", "--data-dir", "a\0b"], "cannot hold the log"),
     (["--port", "abc"], "not a port"),
     (["serve", "--port", "65536"], "not a port"),
     (["serve", "--port", "٣"], "not a port"),
@@ -351,6 +353,30 @@ def test_an_address_that_others_reach_says_what_that_means() -> None:
         assert "0.0.0.0 can be reached by other machines" in told and "without a password" in told
         with urllib.request.urlopen(url.replace("localhost", "127.0.0.1"), timeout=20) as page:
             assert page.status == 200
+
+
+def test_status_tells_of_a_running_server_and_is_status_1_where_there_is_none(capsys) -> None:
+    with started("--port", "0", "--max-sessions", "7") as (_, url):
+        assert main(["status", url]) == 0
+        assert re.fullmatch(r"Observer Lab \S+: 0 of 7 tabs open, up \d+ s\n", capsys.readouterr().out)
+        assert main(["status", url + "/", "--json"]) == 0
+        health = json.loads(capsys.readouterr().out)
+        assert health["status"] == "ok" and health["tabs"] == 0 and health["most_tabs"] == 7
+    assert main(["status", url]) == 1
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith(f"observer-lab: no Observer Lab answers at {url} (") and len(err.splitlines()) == 1
+
+
+def test_the_log_is_lines_of_json_on_stderr_and_in_the_data_folder(tmp_path: Path) -> None:
+    kept = tmp_path / "kept"
+    with started("--port", "0", "--log-json", "--data-dir", str(kept)) as (server, url):
+        pass
+    assert server.stderr is not None
+    told, written = server.stderr.read(), (kept / "observer-lab.log").read_text(encoding="utf-8")
+    assert told == written
+    records = [json.loads(line) for line in written.splitlines()]
+    assert [record["what"] for record in records] == [f"serving {url}", "stopped"]
+    assert all(set(record) == {"time", "level", "where", "what"} and record["level"] == "info" for record in records)
 
 
 def test_an_ipv6_address_is_printed_in_brackets() -> None:

@@ -84,6 +84,7 @@ def test_the_page_is_served_where_nothing_but_the_wheel_is_installed(bin: Path, 
         address = server.stdout.readline().strip()
         with urllib.request.urlopen(address, timeout=60) as page:
             assert page.status == 200 and b"observer lab" in page.read().lower()
+        assert f"Observer Lab {PROJECT['version']}: 0 of 200 tabs" in told(bin / "observer-lab", "status", address, cwd=tmp_path)
     finally:
         server.send_signal(signal.SIGTERM)
         assert server.wait(60) == 0

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import signal
 import sys
 from dataclasses import dataclass
 
 from ..text.languages import languages
 from .options import PLANT_HELP, CommandError, cause, host_name, whole
+
+log = logging.getLogger(__name__)
 
 HELP = "serve the lessons to browsers (default)"
 
@@ -32,6 +35,8 @@ class ServeRequest:
     plant: str | None = None
     names: tuple[str, ...] = ()
     public: bool = False
+    log_json: bool = False
+    data_dir: str | None = None
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,13 +51,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
+    parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
+    parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
     parser.add_argument("--max-sessions", type=count, default=200, metavar="N", help="most tabs (default %(default)s)")
 
 
 def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
-                              options.plant, tuple(options.names), options.public))
+                              options.plant, tuple(options.names), options.public, options.log_json, options.data_dir))
 
 
 def serve(request: ServeRequest) -> int:
@@ -72,7 +79,12 @@ def _serve(request: ServeRequest) -> None:
     from lessons import LESSONS, OPENING
 
     from .inputs import find_lesson, fitted, plant_in
+    from .logs import set_up
 
+    try:
+        set_up(request.log_json, request.data_dir)
+    except (OSError, ValueError) as problem:
+        raise CommandError(f"{str(request.data_dir)[:80]} cannot hold the log ({cause(problem)}); choose another folder.") from problem
     plant = "" if request.plant is None else plant_in(request.plant)
     opening = find_lesson(request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING))
     fitted(opening, plant)
@@ -92,9 +104,11 @@ def _serve(request: ServeRequest) -> None:
     try:
         if public:
             print(OPEN_TO_ALL.format(host=request.host), file=sys.stderr)
+        log.info("serving %s", server.url)
         print(server.url, flush=True)
         server.wait()
     finally:
         for ending in ENDINGS:
             signal.signal(ending, signal.SIG_IGN)  # it is ending already
         server.stop()
+        log.info("stopped")

@@ -8,9 +8,10 @@ from __future__ import annotations
 import asyncio
 import gzip
 import hashlib
+import json
 import logging
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
 from typing import Any
@@ -25,6 +26,7 @@ PART = 512 * 1024  # bytes of one part of an upload, as viser's page cuts it
 LARGEST = PART + 64 * 1024  # bytes of one message
 STALLED = 30.0  # s in which a connection must take something of what waits for it
 WHERE = ("/", "/index.html")  # the page; a proxy may show us its second name
+HEALTH = "/health"
 STARTING = Refusal(503, "The server is starting; try again.")
 
 
@@ -96,8 +98,11 @@ class Connection(ServerConnection):
 
 
 def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[Refusal], None],
-            ready: Callable[[], bool]) -> Callable[..., Any]:
-    """`serve` on a socket that listens already; whom the gate refuses gets an answer and no connection."""
+            ready: Callable[[], bool], health: Callable[[], Mapping[str, object]]) -> Callable[..., Any]:
+    """`serve` on a socket that listens already; whom the gate refuses gets an answer and no connection.
+
+    Who asks for HEALTH gets what `health` gives, as JSON.
+    """
     def ask(connection: ServerConnection, request: Request) -> Response | None:
         refusal = gate.refusal(request.headers)
         if refusal is not None:
@@ -105,7 +110,11 @@ def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[
             return _plain(refusal.status, refusal.words)
         if not ready():
             return _plain(STARTING.status, STARTING.words)
-        return None if is_socket(request.headers) else page.answer(request)
+        if is_socket(request.headers):
+            return None
+        if request.path.partition("?")[0] == HEALTH:
+            return _answer(200, json.dumps(health()), "application/json")
+        return page.answer(request)
 
     def server(handler: Any, host: str, port: int, **options: Any) -> Any:
         options |= {"max_size": LARGEST, "create_connection": Connection, "process_request": ask, "logger": log}
@@ -114,7 +123,11 @@ def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[
 
 
 def _plain(status: int, words: str) -> Response:
+    return _answer(status, words, "text/plain; charset=utf-8")
+
+
+def _answer(status: int, words: str, kind: str) -> Response:
     body = f"{words}\n".encode()
-    headers = Headers({"Content-Type": "text/plain; charset=utf-8", "Content-Length": str(len(body)),
+    headers = Headers({"Content-Type": kind, "Cache-Control": "no-store", "Content-Length": str(len(body)),
                        "X-Content-Type-Options": "nosniff"})
     return Response(status, HTTPStatus(status).phrase, headers, body)

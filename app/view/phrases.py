@@ -55,5 +55,6 @@ EXAMPLE = text("example: {name}")
 UPLOAD = text("Upload a plant (.json, .mat)")
 UPLOAD_HINT = text("Your own A, B, C and D, up to 30 states and 1 MB: JSON as the command line writes it, or "
                    "MATLAB's save -v7.")
+STOPPED = text("The server has stopped. This tab keeps your designs; reload it when the server is back.")
 NONSENSE = text("The browser sent a value that this widget cannot take; nothing was changed.")
 TOO_LARGE = text("The file is larger than 1 MB, or is not for this button; a plant with 30 states needs far less.")

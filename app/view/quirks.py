@@ -6,7 +6,7 @@ import re
 import secrets
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -40,7 +40,8 @@ def page_of_our_own() -> str:
     return text.replace("<title>Viser</title>", ours, 1)
 
 
-def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None]) -> viser.ViserServer:
+def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None],
+                health: Callable[[], Mapping[str, object]]) -> viser.ViserServer:
     """viser's server on a socket that listens, behind a gate, with our own page.
 
     viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB, serves the page that it is
@@ -48,7 +49,7 @@ def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal]
     """
     ready = threading.Event()
     host, port = listener.getsockname()[:2]
-    serve = guarded(listener, Page.of(page_of_our_own()), gate, refused, ready.is_set)
+    serve = guarded(listener, Page.of(page_of_our_own()), gate, refused, ready.is_set, health)
     with OPENING, mock.patch.object(websockets.asyncio.server, "serve", serve), mock.patch("rich.print"):
         server = viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
     close_shared_doors(server)

@@ -24,6 +24,7 @@ from .panel import Panel
 from .stage import PHONE, StageView, aspect_of
 from .style import sheet
 from .transport import Transport
+from .version import version
 
 Post = Callable[[Edit], int]
 LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
@@ -174,7 +175,7 @@ class Screen:
         rows = "".join(f"<tr><td><kbd>{html.escape(c.key)}</kbd></td><td>{html.escape(c.label(language))}</td></tr>"
                        for c in SHORTCUTS)
         with modal:
-            gui.add_html(f'<table class="ol-table ol-keys">{rows}</table>')
+            gui.add_html(f'<table class="ol-table ol-keys">{rows}</table><p class="ol-note">{quirks.NAME} {version()}</p>')
             button = gui.add_button(phrases.CLOSE(language))
 
         @button.on_click

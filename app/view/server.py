@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+import threading
+import time
 from collections.abc import Iterable, Mapping
 
 import viser
@@ -15,9 +17,12 @@ from .address import is_public, listen, url
 from .gate import Gate, Refusal
 from .plants import MOST_BYTES
 from .screen import Screen
+from .version import version
 
 log = logging.getLogger(__name__)
 
+STOPPING = 5.0  # s within which a server has stopped, whatever its tabs are doing
+FAREWELL = 0.5  # s in which the last word goes out
 TOLD = 20  # different refusals that are written down: a name is enough to help, and a flood is none
 
 
@@ -31,9 +36,11 @@ class LabServer:
         self._lessons = lessons
         self._lesson, self._language, self._max, self._plant = lesson, language, max_sessions, plant
         self._sessions: dict[int, Session] = {}
+        self._screens: dict[int, Screen] = {}
+        self._born = time.monotonic()
         self._host, self._refused = host, set[Refusal]()
         gate = Gate.of(host, is_public(host), names)
-        self._server = quirks.open_server(listen(host, port), gate, self._write_down)
+        self._server = quirks.open_server(listen(host, port), gate, self._write_down, self.health)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
 
@@ -46,6 +53,11 @@ class LabServer:
     def sessions(self) -> Mapping[int, Session]:
         """The open tabs' sessions."""
         return self._sessions
+
+    def health(self) -> Mapping[str, object]:
+        """What `GET /health` answers: nothing of any person."""
+        return {"status": "ok", "version": version(), "tabs": len(self._sessions), "most_tabs": self._max,
+                "seconds": round(time.monotonic() - self._born, 1)}
 
     def _write_down(self, refusal: Refusal) -> None:
         if refusal not in self._refused and len(self._refused) < TOLD:
@@ -62,10 +74,11 @@ class LabServer:
         screen.attach(session.post)
         quirks.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         quirks.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
-        self._sessions[client.client_id] = session
+        self._sessions[client.client_id], self._screens[client.client_id] = session, screen
         session.start()
 
     async def _leave(self, client: viser.ClientHandle) -> None:
+        self._screens.pop(client.client_id, None)
         session = self._sessions.pop(client.client_id, None)
         if session is not None:
             session.close()
@@ -75,7 +88,16 @@ class LabServer:
         self._server.sleep_forever()
 
     def stop(self) -> None:
-        """Close every session and the server."""
+        """Tell the tabs, close every session and the server; at most STOPPING seconds."""
+        ending = threading.Thread(target=self._end, name="observer-lab end", daemon=True)
+        ending.start()
+        ending.join(STOPPING)
+
+    def _end(self) -> None:
         for session in list(self._sessions.values()):
             session.close()
+        for screen in list(self._screens.values()):
+            screen.say(phrases.STOPPED, True)
+        if self._screens:
+            time.sleep(FAREWELL)
         self._server.stop()

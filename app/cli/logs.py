@@ -1,0 +1,39 @@
+"""Where the server writes down what happens: the terminal, and a file that rotates where a folder is given."""
+
+from __future__ import annotations
+
+import json
+import logging
+import logging.handlers
+import time
+from pathlib import Path
+
+FILE, LONGEST, KEPT = "observer-lab.log", 1_000_000, 5  # bytes of a file, and files
+PLAIN = "%(asctime)s %(levelname)s %(name)s: %(message)s"
+
+
+class OneLineOfJson(logging.Formatter):
+    """A record as one line: time in UTC, level, where, what, and the traceback if there is one."""
+
+    converter = staticmethod(time.gmtime)
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line."""
+        line = {"time": self.formatTime(record, "%Y-%m-%dT%H:%M:%SZ"), "level": record.levelname.lower(),
+                "where": record.name, "what": record.getMessage()}
+        if record.exc_info:
+            line["trace"] = self.formatException(record.exc_info)
+        return json.dumps(line, ensure_ascii=False)
+
+
+def set_up(as_json: bool, folder: str | None) -> None:
+    """Write warnings, and what the command itself says, to stderr and to FILE in `folder`. Raises OSError where that fails."""
+    handlers: list[logging.Handler] = [logging.StreamHandler()]
+    if folder is not None:
+        Path(folder).mkdir(parents=True, exist_ok=True)
+        handlers.append(logging.handlers.RotatingFileHandler(Path(folder) / FILE, maxBytes=LONGEST, backupCount=KEPT,
+                                                             encoding="utf-8"))
+    for handler in handlers:
+        handler.setFormatter(OneLineOfJson() if as_json else logging.Formatter(PLAIN))
+    logging.basicConfig(level=logging.WARNING, handlers=handlers, force=True)
+    logging.getLogger("app.cli").setLevel(logging.INFO)
