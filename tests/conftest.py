@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 
 import pytest
@@ -16,3 +17,25 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if item.path.relative_to(HERE).parts[0] in SLOW:
             item.add_marker(pytest.mark.slow)
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(NoWarnings(), "no warnings")
+
+
+class NoWarnings:
+    """A run that left a warning has not passed: one of another thread or of another worker cannot fail its own test."""
+
+    def __init__(self) -> None:
+        self.heard: list[str] = []
+
+    def pytest_warning_recorded(self, warning_message: warnings.WarningMessage) -> None:
+        self.heard.append(str(warning_message.message))
+
+    def pytest_sessionfinish(self, session: pytest.Session) -> None:
+        if self.heard and session.exitstatus == pytest.ExitCode.OK:
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+    def pytest_terminal_summary(self, terminalreporter: pytest.TerminalReporter) -> None:
+        if self.heard:
+            terminalreporter.write_line(f"{len(self.heard)} warnings: a run with a warning has not passed", red=True)

@@ -104,6 +104,22 @@ def accept_values_only(client: viser.ClientHandle, refused: Callable[[], object]
     connection.register_handler(_messages.GuiUpdateMessage, guarded)
 
 
+def may_leave(client: viser.ClientHandle) -> None:
+    """Let a tab leave in the middle of an answer: what is written to it after that is dropped.
+
+    viser keeps it in a queue that nobody reads any more, and warns of the first message. No order of ending things could
+    avoid that: a browser goes without asking, and its answer is written on another thread.
+    """
+    buffer = client._websock_connection.get_message_buffer()
+    push, buffer._warned_push_after_done = buffer.push, True
+
+    def push_to_who_is_there(message: _messages.Message) -> None:
+        if not buffer.done:
+            push(message)
+
+    buffer.push = push_to_who_is_there  # type: ignore[method-assign]
+
+
 def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused: Callable[[], object]) -> None:
     """Let a browser send files to upload buttons alone, one at a time, and none beyond `most_bytes`.
 

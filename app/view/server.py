@@ -72,6 +72,7 @@ class LabServer:
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant)
         screen.attach(session.post)
+        quirks.may_leave(client)
         quirks.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         quirks.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
         self._sessions[client.client_id], self._screens[client.client_id] = session, screen

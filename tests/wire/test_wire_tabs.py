@@ -10,6 +10,7 @@ import pytest
 from client import WireTab, empty, eventually
 
 from app.tab.session import Session
+from app.view.screen import Screen
 from app.view.server import LabServer
 from lessons import LESSONS
 
@@ -187,6 +188,22 @@ def test_a_tab_that_leaves_takes_its_session_and_thread_with_it(enter: Enter, se
         tab.close()
     empty(server)
     eventually(lambda: workers() <= before, "the end of the threads")  # one of an earlier test may end meanwhile
+
+
+def test_what_is_written_to_a_tab_that_has_left_is_dropped_without_a_word(enter: Enter, newest: Newest, server: LabServer,
+                                                                          recwarn: pytest.WarningsRecorder) -> None:
+    tab = enter()
+    client, picture = next(iter(server._server.get_clients().values())), newest().picture
+    assert picture is not None
+    screen = Screen(client)
+    tab.close()
+    empty(server)
+    waiting = client._websock_connection.get_message_buffer().message_from_id
+    before = len(waiting)
+    screen.build(picture)
+    screen.show(picture)
+    screen.remember("nobody reads this")
+    assert not recwarn.list and len(waiting) <= before
 
 
 def test_a_connection_that_never_looks_costs_no_session(enter: Enter, server: LabServer) -> None:

@@ -35,7 +35,7 @@ def exact(numerator: list[str], denominator: list[str], omega: float) -> complex
     with mpmath.workdps(50):
         s = mpmath.mpc(0, omega)
         return complex(mpmath.polyval([mpmath.mpf(c) for c in numerator[::-1]], s, asc=True)
-                       / mpmath.polyval([mpmath.mpf(c) for c in denominator], s))
+                       / mpmath.polyval([mpmath.mpf(c) for c in denominator[::-1]], s, asc=True))
 
 
 def test_roots_of_a_graded_polynomial_are_those_of_fifty_digits() -> None:
