@@ -5,34 +5,33 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import Plant, autonomous_error
-from app.engine.feedback import ClosedLoop
 from app.engine.systems import amplitude_response
 from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
 from app.lesson.lesson import Outcome
 from app.plants.names import called
-from app.text import text
+from app.text import Text, joined, text
 
 from ..toolkit.figures import error_figure, input_figure, state_figures
-from .study import Setting
+from .study import Setting, Study
 
 SPECTRUM_TAB = text("Poles")
 FREQUENCY_TAB = text("Frequency")
 
 
-def figures(here: Setting, outcome: Outcome[ClosedLoop]) -> tuple[Figure, ...]:
+def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Signals, error and input over time; the spectrum and the block-triangular matrix."""
-    run, loop, model = outcome.run, outcome.study, here.model
+    run, model = outcome.run, here.model
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
     return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit),
-            _spectrum(outcome), _blocks(loop, model.plant), _isolation(here, outcome))
+            _spectrum(outcome), _blocks(outcome.study, model.plant), _isolation(here, outcome))
 
 
-def _isolation(here: Setting, outcome: Outcome[ClosedLoop]) -> FrequencyFigure:
+def _isolation(here: Setting, outcome: Outcome[Study]) -> FrequencyFigure:
     """From a disturbance to an output: untouched, steered by the state, steered by the estimate."""
     truth = here.truth(outcome.design)
     A, B, C = truth.A, truth.B, here.heard
-    K, n, loop = outcome.gains["K"], truth.n, outcome.study
+    K, n, loop = outcome.gains["K"], truth.n, outcome.study.loop
     zg, w = here.ground, 2 * np.pi * here.frequencies
 
     def gain(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> np.ndarray:
@@ -45,13 +44,24 @@ def _isolation(here: Setting, outcome: Outcome[ClosedLoop]) -> FrequencyFigure:
         (Curve(text("no control"), bare, "muted"),
          Curve(text("by the state"), state, "plant", "dash"),
          Curve(text("by the estimate"), whole, "estimate")), here.heading[1], tab=FREQUENCY_TAB,
-        caption=text("Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is "
-                     "the observer's share.",
-                     peak=peak) if peak > 0 else
-        text("Steering by the estimate raises the peak by {peak:.1f} dB.", peak=-peak))
+        caption=_peak_words(outcome.study, truth, peak))
 
 
-def _spectrum(outcome: Outcome[ClosedLoop]) -> PlaneFigure:
+def _peak_words(study: Study, truth: Plant, peak: float) -> Text:
+    """What steering by the estimate does to the peak, where there is a loop that settles and a peak to compare with."""
+    if float(np.max(study.loop.poles.real)) >= 0:
+        return text("This loop is unstable: it settles to no response, and its curve says nothing.")
+    if not study.whole:
+        return study.left_out()
+    if float(np.max(np.real(truth.poles))) >= 0:
+        return text("Without control the plant does not settle, so there is no peak to compare with.")
+    if peak < 0:
+        return text("Steering by the estimate raises the peak by {peak:.1f} dB.", peak=-peak)
+    return text("Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the observer's share.",
+                peak=peak)
+
+
+def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
     groups = (("controller", "plant", "cross"), ("observer", "estimate", "cross"), ("loop", "reference", "circle"),
               ("compensator", "force", "dot"))
     points = tuple(Point(float(p.real), float(p.imag), role, mark)  # type: ignore[arg-type]
@@ -62,19 +72,18 @@ def _spectrum(outcome: Outcome[ClosedLoop]) -> PlaneFigure:
         "spectrum", text("spectrum of the whole loop"), (), points, "Re s", "Im s",
         (1.1 * max(low, -60.0), max(3.0, 1.1 * min(60.0, max(p.x for p in points)))),
         (-1.1 * min(high, 60.0), 1.1 * min(high, 60.0)), unstable=True, tab=SPECTRUM_TAB,
-        caption=text("Crosses: chosen on the boards. Circles: poles of the {count}-state loop. Green dots: the "
-                     "compensator's own.",
-                     count=len(outcome.poles["loop"])))
+        caption=joined(text("Crosses: chosen on the boards. Circles: poles of the {count}-state loop. Green dots: the "
+                            "compensator's own.", count=len(outcome.poles["loop"])), outcome.study.left_out()))
 
 
-def _blocks(loop: ClosedLoop, plant: Plant) -> MatrixFigure:
+def _blocks(study: Study, plant: Plant) -> MatrixFigure:
+    loop = study.loop
     n = loop.A_xe.shape[0] // 2
     names = [*(called(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n))]
     corner = float(np.max(np.abs(loop.A_xe[n:, :n])))
     zero = corner < 1e-9 * float(np.max(np.abs(loop.A_xe)))
-    return MatrixFigure(
-        "blocks", text("the loop in (x, e) coordinates"), loop.A_xe, tuple(names), tuple(names),
-        (n,), tab=SPECTRUM_TAB,
-        caption=text("The lower left block is zero: the error drives the state, never the other way round.") if zero else
-        text("The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.",
-             corner=corner))
+    said = (text("The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.", corner=corner)
+            if not zero else text("The lower left block is zero: the error drives the state, never the other way round.")
+            if study.whole else text("The lower left block of this matrix is zero."))
+    return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, tuple(names), tuple(names), (n,),
+                        tab=SPECTRUM_TAB, caption=joined(said, study.left_out()))

@@ -18,7 +18,7 @@ KNOBS = (
            hint=text("The force arrives later than the observer is told.")),
     Switch("limited", "", text("limit the coils"),
            hint=text("Clip every coil; the observer is still told the force that was asked for.")),
-    Number("u_max", r"u_{\max}", text("coil limit"), "N", low=0.2, high=4.0, default=1.0, step=0.1,
+    Number("u_max", r"u_{\max}", text("coil limit"), "N", low=0.2, high=4.0, default=0.5, step=0.1,
            hint=text("The largest force that a coil can give."), when=("limited", (True,))),
     Number("noise", r"\sigma_v", text("sensor noise"), "mm/s", low=0.0, high=5.0, default=0.0, step=0.1,
            hint=text("Standard deviation of each velocity sample; the noise itself is drawn from the seed.")),

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.engine import Plant, Scenario, closed_loop, simulate
 from app.engine.feedback import ClosedLoop
-from app.engine.simulation import separation_meter
+from app.engine.simulation import Run, separation_meter
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants import Model, platform
 from app.text import NO_WORDS, Text, joined, text
@@ -54,9 +54,30 @@ DECK = Setting(
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
     (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))
 EXACT = 1e-9  # union of spectra: agreement asked of them
+SETTLED = 0.5  # of a run's largest state: a run that is smaller in its last tenth dies down
 
 
-def compute(here: Setting, design: Design) -> Outcome[ClosedLoop]:
+@dataclass(frozen=True, eq=False)
+class Study:
+    """The loop without delay and clipping, and what of the two it leaves out: the delay in s, whether an input was clipped."""
+
+    loop: ClosedLoop
+    delay: float
+    clipped: bool
+
+    @property
+    def whole(self) -> bool:
+        """Whether the loop's matrix is all there is: nothing late, nothing clipped."""
+        return self.delay == 0 and not self.clipped
+
+    def left_out(self) -> Text:
+        """What boards, matrix and curves know nothing of; no words if there is nothing."""
+        late = text("Boards, matrix and curves leave the delay of {delay:.3g} s out.", delay=self.delay)
+        cut = text("Boards, matrix and curves leave the clipping out.")
+        return joined(late if self.delay else NO_WORDS, cut if self.clipped else NO_WORDS)
+
+
+def compute(here: Setting, design: Design) -> Outcome[Study]:
     """Gains on the believed plant, the 2n-pole loop on the true one, one run."""
     model, truth, belief = here.model, here.truth(design), here.belief(design)
     K, L = gains(design, belief, model)
@@ -67,16 +88,16 @@ def compute(here: Setting, design: Design) -> Outcome[ClosedLoop]:
         u_min=None if limit is None else -limit, u_max=limit, fed="commanded", delay=here.delay(design),
         impulses=kicks(design, model), seed=int(design["seed"]), V=here.noise(design)))
     meter = separation_meter(run)
+    study = Study(loop, here.delay(design), limit is not None and bool(np.any(np.abs(run.u_asked) > limit * (1 + 1e-9))))
     slow, fast = float(max(loop.controller_poles.real)), float(max(loop.observer_poles.real))
     metrics = {
         "union_error": loop.union_error, "separation_meter": meter, "slowest_controller": slow,
         "slowest_observer": fast, "largest_input": float(np.max(np.abs(run.u_asked))),
-        "slowest_loop": float(max(loop.poles.real)),
+        "slowest_loop": float(max(loop.poles.real)), "dies_down": float(_dies_down(run)),
     }
     same_union = loop.union_error <= EXACT or loop.polynomial_error <= EXACT
     checks = (
-        Check("union", text("the 2n poles are the union of both sets"), same_union,
-              loop.union_error),
+        Check("union", text("the 2n poles are the union of both sets"), same_union and study.whole, loop.union_error),
         Check("compensator", text("the compensator itself is stable"), loop.compensator_stable,
               float(max(loop.compensator_poles.real))),
     )
@@ -86,7 +107,13 @@ def compute(here: Setting, design: Design) -> Outcome[ClosedLoop]:
          "compensator": loop.compensator_poles},
         metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles,
                                           belief.A - L @ belief.C),
-        stage(model, run), _formulas(K, L), _live(loop, meter), loop)
+        stage(model, run), _formulas(K, L), _live(study, meter), study)
+
+
+def _dies_down(run: Run) -> bool:
+    """Whether the run went to its end and was smaller there than at its largest."""
+    size = np.linalg.norm(run.x, axis=1)
+    return run.diverged_at is None and float(size[-max(len(size) // 10, 1):].max()) <= SETTLED * float(size.max())
 
 
 def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
@@ -98,8 +125,10 @@ def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
     )
 
 
-def _live(loop: ClosedLoop, meter: float) -> Text:
-    union = (text("The {count} poles of the loop are the union of both boards to about {union_error}.",
+def _live(study: Study, meter: float) -> Text:
+    loop = study.loop
+    union = (study.left_out() if not study.whole else
+             text("The {count} poles of the loop are the union of both boards to about {union_error}.",
                   count=len(loop.poles), union_error=tiny(loop.union_error))
              if loop.union_error < 1e-6 else
              text("The {count} poles of the loop differ from the boards by {union_error:.1f} %.",

@@ -6,9 +6,11 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine.feedback import ClosedLoop
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text import text
+
+from .knobs import KNOBS
+from .study import Study
 
 
 def _pairs(*upper: complex) -> tuple[complex, ...]:
@@ -16,11 +18,12 @@ def _pairs(*upper: complex) -> tuple[complex, ...]:
 
 
 FAST = tuple(complex(3.2 * p.real, p.imag) for p in (-4 + 5j, -4 - 5j, -5 + 6j, -5 - 6j, -6 + 7j, -6 - 7j))
+UNTOUCHED = MappingProxyType({k.name: k.check(k.default) for k in KNOBS if k.name in ("method", "controller_poles", "observer_poles")})
 EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
          "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
 
 
-def fast_observer(outcome: Outcome[ClosedLoop]) -> Verdict:
+def fast_observer(outcome: Outcome[Study]) -> Verdict:
     """The slowest observer pole at least three times as fast as the slowest controller pole."""
     m = outcome.metrics
     ratio = m["slowest_observer"] / m["slowest_controller"]
@@ -34,16 +37,20 @@ def fast_observer(outcome: Outcome[ClosedLoop]) -> Verdict:
                                ratio=ratio))
 
 
-def _break_the_wall(outcome: Outcome[ClosedLoop]) -> Verdict:
-    meter, stable = outcome.metrics["separation_meter"], outcome.metrics["slowest_loop"] < 0
+def _break_the_wall(outcome: Outcome[Study]) -> Verdict:
+    """The meter at a tenth and a run that dies down, with every pole where the lesson put it."""
+    if any(outcome.design[name] != value for name, value in UNTOUCHED.items()):
+        return Verdict(False, text("Leave the poles of both boards where the lesson put them; Reset brings them back."))
+    meter = outcome.metrics["separation_meter"]
+    stable = outcome.metrics["slowest_loop"] < 0 and bool(outcome.metrics["dies_down"])
     if meter >= 0.1 and stable:
         return Verdict(True, text("The meter reads {meter:.2f} and the loop is still stable.", meter=meter))
     if not stable:
-        return Verdict(False, text("The loop has become unstable; go back a little."))
+        return Verdict(False, text("The run does not die down; go back a little."))
     return Verdict(False, text("The meter reads {meter:.2g}; bring it to 0.1.", meter=meter))
 
 
-def _unstable_compensator(outcome: Outcome[ClosedLoop]) -> Verdict:
+def _unstable_compensator(outcome: Outcome[Study]) -> Verdict:
     own = float(np.max(np.real(outcome.poles["compensator"])))
     if own > 0 and outcome.metrics["slowest_loop"] < 0:
         return Verdict(True, text("The compensator has a pole with real part {own:+.3g}, and the loop is stable "

@@ -1,0 +1,75 @@
+"""Lesson 4: what is claimed of the loop holds of the run, with delay, clipping and unstable poles as without."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from app.lesson.figures import Figure
+from app.lesson.lesson import Outcome
+from lessons.separation.lesson import LESSON
+from lessons.separation.study import Study
+
+UNSTABLE = (1.0, -4 - 5j, -4 + 5j, -5.0, -6 - 7j, -6 + 7j)
+LATE, CUT = ({}, {"delay": 6.0}, {"delay": 60.0}), ({}, {"limited": True, "u_max": 0.2}, {"limited": True, "u_max": 4.0})
+OTHER = ({}, {"stiffness_error": 20.0}, {"controller_poles": UNSTABLE}, {"observer_poles": UNSTABLE})
+DESIGNS = [{**a, **b, **c} for a, b, c in product(LATE, CUT, OTHER)]
+
+
+def outcome(**changes: Any) -> Outcome[Study]:
+    return LESSON.compute(LESSON.apply(LESSON.start(), changes))
+
+
+def figure(o: Outcome[Study], name: str) -> Figure:
+    return next(f for f in LESSON.figures(o) if f.id == name)
+
+
+def solved(task: str, **changes: Any) -> bool:
+    return next(t for t in LESSON.tasks if t.id == task).check(outcome(**changes)).solved
+
+
+def runs_as_its_matrix(o: Outcome[Study]) -> bool:
+    """Whether each step of the run is that of the loop's matrix of 2n states."""
+    z = np.hstack([o.run.x, o.run.xhat])
+    step = expm(o.study.loop.A_xxhat * o.run.scenario.dt)
+    return bool(np.abs(z[1:] - z[:-1] @ step.T).max() < 1e-6 * np.abs(z).max())
+
+
+@pytest.mark.parametrize("changes", DESIGNS, ids=str)
+def test_poles_are_claimed_of_a_loop_that_has_them(changes: dict[str, Any]) -> None:
+    o = outcome(**changes)
+    said = [o.live("en"), *(figure(o, name).caption("en") for name in ("blocks", "isolation"))]
+    claims = ("poles of the loop are the union", "poles of the loop differ", "never the other way round",
+              "lowers the peak", "raises the peak")
+    claimed = any(claim in words for claim in claims for words in said)
+    linear = runs_as_its_matrix(o)
+    assert linear == o.study.whole
+    assert linear or not claimed
+    assert linear or all("leave the" in words or "unstable" in words for words in said)
+    assert o.checks[0].holds == (linear and "stiffness_error" not in changes)
+
+
+@pytest.mark.parametrize("changes", DESIGNS, ids=str)
+def test_a_peak_is_compared_only_where_the_loop_settles(changes: dict[str, Any]) -> None:
+    o = outcome(**changes)
+    words = figure(o, "isolation").caption("en")
+    settles = float(np.max(o.study.loop.poles.real)) < 0
+    assert settles or ("unstable" in words and "dB" not in words)
+    assert not (settles and o.study.whole) or "dB" in words
+
+
+def test_a_wall_that_is_broken_keeps_its_poles_and_its_run_dies_down() -> None:
+    assert solved("break-the-wall", stiffness_error=15.0)
+    assert not solved("break-the-wall", stiffness_error=15.0, observer_poles=tuple(p - 1 for p in LESSON.start()["observer_poles"]))
+    quick = tuple(complex(max(3 * p.real, -16.0), p.imag) for p in LESSON.start()["controller_poles"])
+    late = outcome(delay=60.0, controller_poles=quick)
+    size = np.linalg.norm(late.run.x, axis=1)
+    assert late.metrics["slowest_loop"] < 0 and size[-1] > size[0] and not late.metrics["dies_down"]
+
+
+def test_the_limit_clips_as_soon_as_it_is_switched_on() -> None:
+    assert outcome(limited=True).study.clipped and outcome(limited=True).metrics["separation_meter"] > 1e-3
