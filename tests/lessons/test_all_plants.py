@@ -17,7 +17,7 @@ from app.cli.entry import main
 from app.engine import EngineError, Plant, from_json, load_plant, to_json, to_mat
 from app.lesson.knobs import KnobError, Poles
 from app.lesson.lesson import Lesson
-from app.plants.examples import EXAMPLES, FOLDER, example
+from app.plants.examples import DATA, EXAMPLES, example
 from app.plants.own import canonical, own_model, plant_of
 from app.tab.state import read_design, write_design
 from app.view.prose import mathml
@@ -246,7 +246,7 @@ def test_a_state_file_with_a_torn_plant_is_refused(plant: object) -> None:
 
 
 def test_run_takes_a_plant_from_json_from_mat_and_by_name(capsys, tmp_path: Path) -> None:
-    plant = load_plant(FOLDER / "motor.json")
+    plant = load_plant(DATA / "motor.json")
     to_mat(plant, tmp_path / "motor.mat")
     (tmp_path / "motor.json").write_text(to_json(plant), encoding="utf-8")
     found = []
@@ -285,11 +285,11 @@ def test_a_lesson_that_takes_no_plant_and_two_sources_of_one_are_status_2(capsys
 
 @examples
 def test_the_example_files_are_small_name_their_source_and_lose_nothing(name: str) -> None:
-    file = FOLDER / EXAMPLES[name].file
+    file = DATA / EXAMPLES[name].file
     assert file.stat().st_size < 5000
     plant = load_plant(file)
     assert plant.name and set(dict(plant.units)) >= set(plant.state_names) | set(plant.input_names) | set(plant.output_names)
-    said = (FOLDER / "README.md").read_text(encoding="utf-8")
+    said = (DATA / "README.md").read_text(encoding="utf-8")
     assert file.name in said
     if file.suffix == ".json":
         assert len(json.loads(file.read_text(encoding="utf-8"))["source"]) > 60

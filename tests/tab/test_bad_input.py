@@ -91,7 +91,7 @@ def test_a_bad_value_does_not_take_a_good_one_of_another_knob_with_it(tab: Tab) 
     Seek("soon"), Seek([1.0]), OpenLesson("nowhere"), OpenLesson(None), OpenLesson(["toy"]), CheckTask("nothing"),
     CheckTask(None), ShowHint("nothing"), ShowHint(None), ShowSolution("nothing"), AnswerExam("a lot"), AnswerExam(None),
     DrawByHand("gain", 1.0), ChoosePlant("nowhere"), UploadPlant("a.json", None), Refuse(Text("No.", "不行。")),
-], ids=repr)
+], ids=lambda command: type(command).__name__)
 def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, command: Command) -> None:
     before = tab.picture.state
     tab.do(command)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import pytest
 from client import WireTab
 
-from app.plants.examples import FOLDER, example
+from app.plants.examples import DATA, example
 from app.tab.session import Session
 from app.view.plants import MOST_BYTES
 from app.view.server import LabServer
@@ -15,7 +15,7 @@ from app.view.server import LabServer
 UPLOAD, MISMATCH, STIFFNESS = "Upload a plant (.json, .mat)", "the plant is faster than its model by [%]", "stiffness believed wrong by [%]"
 Enter = Callable[..., WireTab]
 Newest = Callable[[], Session]
-MOTOR = (FOLDER / "motor.json").read_bytes()
+MOTOR = (DATA / "motor.json").read_bytes()
 
 
 def send_file(tab: WireTab, name: str, data: bytes, uuid: str | None = None, size: int | None = None, parts: int = 1) -> None:
@@ -47,7 +47,7 @@ def test_an_uploaded_plant_changes_knobs_curves_and_stage(enter: Enter, newest: 
 
 def test_a_mat_file_is_taken_too_and_the_dropdown_leads_back(enter: Enter, newest: Newest) -> None:
     tab = enter()
-    send_file(tab, "beam.mat", (FOLDER / "beam.mat").read_bytes())
+    send_file(tab, "beam.mat", (DATA / "beam.mat").read_bytes())
     tab.until(lambda: shows(newest(), example("beam")) and tab.has(MISMATCH), "the beam")
     tab.settle()
     tab.update("plant", value="the lesson's own")
