@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from ..engine import EngineError, Plant
-from ..engine.systems.errors import phrase
+from ..engine.systems import phrase
 from ..text import Text, text
 from .chain_body import chain_body
 from .model import Model, Signal, Window

@@ -54,6 +54,9 @@ def lqr(A: object, B: object, Q: object, R: object, *, N: object | None = None) 
     S ≥ 0 solves AᵀS + SA − (SB + N)R⁻¹(BᵀS + Nᵀ) + Q = 0. Shapes: A n×n, B n×m, Q n×n symmetric and positive
     semidefinite, R m×m symmetric and positive definite, N n×m. Raises ShapeError, EngineError for bad weights,
     RiccatiError where no stabilising gain exists.
+
+    >>> np.round(lqr([[0, 1], [0, 0]], [[0], [1]], np.eye(2), [[1]]).gain, 4)
+    array([[1.    , 1.7321]])
     """
     problem = _regulator(A, B, Q, R, N)
     return _solved(problem, 0.0, _CONTROL)
@@ -63,6 +66,9 @@ def dlqr(A: object, B: object, Q: object, R: object, *, N: object | None = None)
     """K = (R + BᵀSB)⁻¹(BᵀSA + Nᵀ) minimising Σ xᵀQx + 2xᵀNu + uᵀRu for x⁺ = Ax + Bu, u = −Kx.
 
     S solves S = AᵀSA − (AᵀSB + N)(R + BᵀSB)⁻¹(BᵀSA + Nᵀ) + Q; A may be singular. Shapes and errors as `lqr`.
+
+    >>> np.round(dlqr([[1]], [[1]], [[1]], [[1]]).gain, 4)
+    array([[0.618]])
     """
     problem = _regulator(A, B, Q, R, N)
     return _solved(problem, 1.0, _CONTROL)
@@ -73,6 +79,9 @@ def lqe(A: object, G: object, C: object, W: object, V: object) -> Optimal:
 
     P ≥ 0 solves AP + PAᵀ − PCᵀV⁻¹CP + GWGᵀ = 0. Shapes: A n×n, G n×q, C p×n, W q×q ≥ 0, V p×p > 0. L depends on the
     ratio of W and V alone. Raises as `lqr` does.
+
+    >>> np.round(lqe([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[1]], [[1]]).gain.T, 4)
+    array([[1.4142, 1.    ]])
     """
     dual = _solved(_estimator(A, G, C, W, V), 0.0, _ESTIMATION)
     return Optimal(_frozen(dual.gain.T), dual.solution, dual.poles, dual.residual)
@@ -82,6 +91,9 @@ def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilte
     """Steady Kalman filter of x⁺ = Ax + Gw, y = Cx + v with covariances W, V: both the gain L = A·M and M.
 
     P = APAᵀ − APCᵀ(CPCᵀ + V)⁻¹CPAᵀ + GWGᵀ and M = PCᵀ(CPCᵀ + V)⁻¹. Shapes and errors as `lqe`.
+
+    >>> np.round(dlqe([[1]], [[1]], [[1]], [[1]], [[1]]).gain, 4)
+    array([[0.618]])
     """
     problem = _estimator(A, G, C, W, V)
     dual = _solved(problem, 1.0, _ESTIMATION)

@@ -49,6 +49,9 @@ def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
     used to make the eigenvectors well conditioned (start: Kautsky, Nichols and Van Dooren 1985). Uncontrollable
     modes must be among the poles. Raises PoleError with the reason where no gain exists, ShapeError where shapes
     disagree.
+
+    >>> np.round(place([[0, 1], [0, 0]], [[0], [1]], [-1, -2]).gain, 6)
+    array([[2., 3.]])
     """
     matrices = _checked_pair(A, B, "A", "B")
     return _place(*matrices, poles, _Wording(phrase("uncontrollable"), "K"))
@@ -58,6 +61,9 @@ def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
     """Observer gain L (n×p) with eig(A − LC) = poles, by duality: L = place(Aᵀ, Cᵀ, poles).gainᵀ.
 
     A is n×n, C p×n. Raises as `place` does, with unobservable in place of uncontrollable.
+
+    >>> np.round(observer_gain([[0, 1], [0, 0]], [[1, 0]], [-1, -2]).gain.T, 6)
+    array([[3., 2.]])
     """
     C = as_matrix(C, "C")
     A_dual, C_dual = _checked_pair(as_matrix(A, "A").T, C.T, "Aᵀ", "Cᵀ")

@@ -61,6 +61,9 @@ def compensator(plant: Plant, K: object, L: object) -> Plant:
     """The compensator from y to u: x̂̇ = (A − BK − LC + LDK) x̂ + L y, u = −K x̂.
 
     K is m×n, L n×p. The plant's period travels along. Raises ShapeError where the gains do not fit the plant.
+
+    >>> compensator(Plant([[0]], [[1]], [[1]]), [[1]], [[2]]).A
+    array([[-3.]])
     """
     K, L = _gains(plant, K, L)
     A = plant.A - plant.B @ K - L @ plant.C + L @ plant.D @ K
@@ -74,6 +77,9 @@ def closed_loop(plant: Plant, K: object, L: object, *, model: Plant | None = Non
 
     ẋ = A x − B K x̂ and x̂̇ = L C x + (Aₘ − BₘK − LCₘ + L(Dₘ − D)K) x̂, with m for the model. Raises ShapeError where
     the gains do not fit, or the model has other numbers of states, inputs, outputs or another period than the plant.
+
+    >>> np.round(closed_loop(Plant([[0]], [[1]], [[1]]), [[1]], [[2]]).poles.real, 6)
+    array([-2., -1.])
     """
     K, L = _gains(plant, K, L)
     believed = plant if model is None else _same_shape(plant, model)

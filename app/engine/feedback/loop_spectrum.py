@@ -195,6 +195,10 @@ def noisy_loop(plant: Plant, controller: Plant | None, G: object, W: object, *, 
 
     G n×q, W q×q and V p×p intensities (a number is that number times I; covariances of a sample where plant and
     controller are sampled). Raises ShapeError, EngineError where the parts do not fit or the loop is ill-posed.
+
+    >>> plant = Plant([[0]], [[1]], [[1]])
+    >>> noisy_loop(plant, compensator(plant, [[1]], [[2]]), [[1]], [[1]], V=[[1]]).stable
+    True
     """
     G = as_matrix(G, "G")
     n, m, p = plant.n, plant.m, plant.p

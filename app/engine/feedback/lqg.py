@@ -45,6 +45,9 @@ def lqg(plant: Plant, Q: object, R: object, W: object, V: object, *, G: object |
     default B. K depends on Q, R alone, L on W, V alone: separation. Platform report (003), equations (71)–(74), (79),
     (86)–(89). Raises ShapeError, EngineError for bad weights or a sampled plant, RiccatiError where no stabilising gain
     exists.
+
+    >>> np.round(lqg(Plant([[0]], [[1]], [[1]]), [[1]], [[1]], [[1]], [[1]]).regulator.gain, 6)
+    array([[1.]])
     """
     if plant.dt:
         raise EngineError("This is for a continuous plant; design a sampled loop with sampled_lqg.")

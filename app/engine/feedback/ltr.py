@@ -42,6 +42,9 @@ def recover(plant: Plant, K: object, W: object, V: object, q: float, *, G: objec
 
     K (m×n) is a state feedback, usually of `lqr`; W, V intensities (a number is that number times I), G n×q_w, default
     B. q = 0 is plain LQG. Doyle and Stein (1979). Raises ShapeError, EngineError, RiccatiError.
+
+    >>> recover(Plant([[-1]], [[1]], [[1]]), [[1]], [[1]], [[1]], 100.0).minimum_phase
+    True
     """
     K = as_matrix(K, "K")
     _check(plant, q)

@@ -19,7 +19,6 @@ REFINED = 3  # highest grid points around which a peak is looked for
 SPLIT = np.linspace(0.0, 1.0, 17)  # how an interval is divided at each round of a search
 ENDLESS = 1e6  # a gain factor that counts as infinite, its inverse as none; S is known to about 1e-9
 PEAK_ROUNDS, ROOT_ROUNDS = 7, 12
-
 Response = Callable[[np.ndarray], np.ndarray]
 
 
@@ -144,6 +143,9 @@ def loop_margins(plant: Plant, controller: Plant | object) -> LoopMargins:
     `controller` is a Plant from y to u or a constant matrix m×p. The loop is swept from ω = 0 to ∞ (to π/dt if
     sampled), denser around lightly damped poles; crossings are located by Im S_ii = 0 (phase −π or 0) and
     Re S_ii = ½ (gain one), peaks refined between grid points. Raises ShapeError, EngineError where the two do not fit.
+
+    >>> loop_margins(Plant([[0]], [[1]], [[1]]), compensator(Plant([[0]], [[1]], [[1]]), [[1]], [[2]])).stable
+    True
     """
     return LoopMargins(sensitivity(plant, controller), plant.input_names + plant.output_names)
 

@@ -106,6 +106,10 @@ def sensitivity(plant: Plant, controller: Plant | object) -> Sensitivity:
 
     Raises ShapeError where the two do not fit, EngineError where they have different periods or the loop is ill-posed
     (I − D_k D singular).
+
+    >>> plant = Plant([[0]], [[1]], [[1]])
+    >>> np.all(sensitivity(plant, compensator(plant, [[1]], [[2]])).poles.real < 0)
+    np.True_
     """
     built = controller if isinstance(controller, Plant) else _static(plant, as_matrix(controller, phrase("The controller")))
     if (built.m, built.p) != (plant.p, plant.m):

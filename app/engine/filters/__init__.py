@@ -2,17 +2,7 @@
 
 from .adc import AdcNoise, with_coloured_noise
 from .belief import Belief, Beliefs, Correction, Corrections, RootBelief
-from .consistency import (
-    InnovationTest,
-    SquaredError,
-    Whiteness,
-    chi2_band,
-    independent_errors,
-    innovation_test,
-    nees,
-    nis,
-    whiteness,
-)
+from .consistency import InnovationTest, Whiteness, innovation_test, whiteness
 from .extended import ExtendedKalmanFilter, LinearisedFilter
 from .filter_trial import FilterTrial, simulate_filter
 from .kalman import KalmanFilter, correct, joseph, predict, short_form
@@ -21,6 +11,7 @@ from .many_runs import Experiment, Sample, Steering, errors_squared, simulate_fi
 from .nonlinear import NonlinearFilter
 from .sigma_points import sigma_weights
 from .square_root import SquareRootFilter
+from .squared_error import SquaredError, chi2_band, independent_errors, nees, nis
 from .track import Schedule, Track, as_record, means_along
 from .trade_off import ErrorParts, Ladder, error_parts, growing_error, noise_ladder
 from .unscented import PrintedUnscentedFilter, UnscentedKalmanFilter

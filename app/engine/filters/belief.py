@@ -17,6 +17,9 @@ class Belief:
     """A Gaussian belief about the state: mean x̂ (n,), covariance P (n×n) of x − x̂; read-only arrays.
 
     Raises ShapeError where the two do not fit, EngineError where an entry is not finite.
+
+    >>> Belief([0, 0], np.diag([4, 9])).deviation
+    array([2., 3.])
     """
 
     mean: np.ndarray

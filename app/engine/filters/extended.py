@@ -28,6 +28,10 @@ class ExtendedKalmanFilter(NonlinearFilter):
     `f_expand` and `h_expand` map columns x (n, N), u to values (·, N) and slopes (N, ·, n). Left out, a `Flow` gives its
     own, and any other map is differentiated by a complex step, exact to rounding for maps that are analytic (no |x|, no
     comparisons). Joseph's form. Report, appendix B.1.
+
+    >>> ekf = ExtendedKalmanFilter(lambda x, u: np.sin(x), lambda x, u: x, np.eye(1), np.eye(1))
+    >>> ekf.update(ekf.predict(Belief([0], [[1]])), [3.0]).mean
+    array([2.])
     """
 
     f_expand: Expansion | None = None

@@ -18,6 +18,9 @@ def predict(A: np.ndarray, Q: np.ndarray, mean: np.ndarray, P: np.ndarray) -> tu
     """The belief N(x̂, P) about x one step later, about A x + w with w ~ N(0, Q): mean (n,) and covariance n×n.
 
     A x + w − A x̂ = A e + w with e = x − x̂ and w independent, so E x⁺ = A x̂ and P⁺ = E (A e + w)(A e + w)ᵀ = A P Aᵀ + Q.
+
+    >>> predict(np.array([[2.0]]), np.eye(1), np.array([1.0]), np.eye(1))
+    (array([2.]), array([[5.]]))
     """
     return A @ mean, ahead(A, Q, P)
 
@@ -27,6 +30,9 @@ def correct(C: np.ndarray, R: np.ndarray, mean: np.ndarray, P: np.ndarray, y: np
 
     (x, y) is Gaussian with cov(x, y) = P Cᵀ and var y = S = C P Cᵀ + R, so E(x | y) = x̂ + M (y − C x̂) with M = P Cᵀ S⁻¹,
     and what is left, x − E(x | y) = (I − M C) e − M v, has the covariance (I − M C) P (I − M C)ᵀ + M R Mᵀ.
+
+    >>> correct(np.eye(1), np.eye(1), np.array([0.0]), np.eye(1), np.array([2.0]))
+    (array([1.]), array([[0.5]]))
     """
     _, M = gain(P, C, R)
     return mean + M @ (y - C @ mean), joseph(P, C, R, M)
@@ -84,6 +90,10 @@ class KalmanFilter(LinearFilter):
 
     Report on the platform, equations (53)–(59). Where R is many orders below C P Cᵀ and sensors nearly agree, use
     `SquareRootFilter`.
+
+    >>> kf = KalmanFilter([[1]], [[0]], [[1]], 1.0, 1.0)
+    >>> np.round(kf.run(Belief([0], [[1]]), [1.0, 1.0, 1.0]).means[:, 0], 4)
+    array([0.5   , 0.8   , 0.9231])
     """
 
     def spread(self, belief: Belief) -> np.ndarray:

@@ -28,6 +28,10 @@ class SquareRootFilter(LinearFilter):
     Measurement: [R^½ C U; 0 U] Θ = [S^½ 0; K̄ U⁺] with Θ orthogonal, M = K̄ S^{−½}; time: [A U Q^½] Θ = [U⁺ 0]. S is
     never formed, so R may be 1e-18 of C P Cᵀ while sensors nearly agree, where P − M C P and Joseph's form both fail.
     Array algorithms after Morf and Kailath (1975).
+
+    >>> kf = SquareRootFilter([[1]], [[0]], [[1]], 1.0, 1.0)
+    >>> np.round(kf.run(Belief([0], [[1]]), [1.0, 1.0, 1.0]).means[:, 0], 4)
+    array([0.5   , 0.8   , 0.9231])
     """
 
     @cached_property

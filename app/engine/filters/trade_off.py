@@ -48,6 +48,10 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
 
     L n×p, G n×q, W q×q and V p×p intensities (covariances of a sample where dt > 0; a number is that number times I).
     Raises ShapeError, EngineError where the error does not settle.
+
+    >>> parts = error_parts(Plant([[0]], [[1]], [[1]]), [[1]], [[1]], [[1]], [[1]])
+    >>> parts.total
+    array([[1.]])
     """
     L, G = _gain(plant, L), as_matrix(G, "G")
     if G.shape[0] != plant.n:

@@ -25,6 +25,10 @@ class UnscentedKalmanFilter(NonlinearFilter):
     is ≥ 0, so that P stays positive; α below 0.1 is refused, its weights of n/α² only magnify rounding. Where P has lost
     its Cholesky factor, its correlation eigenvalues are raised to 1e-12 for the points.
     Julier and Uhlmann (1997); report, appendix B.2.
+
+    >>> ukf = UnscentedKalmanFilter(lambda x, u: x**2, lambda x, u: x, np.eye(1), np.eye(1))
+    >>> ukf.predict(Belief([1], [[1]])).mean.round(12)  # m² + P
+    array([2.])
     """
 
     alpha: float = 1.0

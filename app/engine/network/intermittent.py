@@ -199,6 +199,9 @@ def critical_loss(A: object, C: object) -> CriticalLoss:
     it is found by bisection on `lossy_growth`. critical = lost also where (A, C) is not degenerate (Mo and Sinopoli): the
     unstable modes of each modulus are seen apart in one reading, as where no two moduli agree. Raises EngineError where an
     unstable mode is hidden.
+
+    >>> round(critical_loss([[1.25]], [[1]]).critical, 4)  # 1/a²
+    0.64
     """
     A, C = _pair(A, C)
     Au, Cu = _unstable(A, C)

@@ -35,6 +35,10 @@ class NetworkScenario:
     or are taken for fresh ("arrival"). `ahead`: the controller predicts the state this many samples on, with the
     inputs asked for that are still under way. `jumps` (N, n) are added to x between samples, unknown to the observer.
     Streams of noise, of losses on each link and of the start come from `seed` separately.
+
+    >>> plant = Plant([[1.1]], [[1]], [[1]], dt=1.0)
+    >>> NetworkScenario(plant, [[0.5]], [[1]], [[1]], [[1]], [0.0], 20, Link(loss=0.2)).steps
+    20
     """
 
     plant: Plant
@@ -138,7 +142,13 @@ class NetworkRun:
 
 
 def simulate_network(s: NetworkScenario) -> NetworkRun:
-    """Run the loop. Ends early, `diverged_at` set, where a state passes 1e9 times its start (or 1)."""
+    """Run the loop. Ends early, `diverged_at` set, where a state passes 1e9 times its start (or 1).
+
+    >>> plant = Plant([[1.1]], [[1]], [[1]], dt=1.0)
+    >>> run = simulate_network(NetworkScenario(plant, [[0.5]], [[1]], [[1]], [[1]], [0.0], 20, Link(loss=0.2)))
+    >>> run.e.shape
+    (20, 1)
+    """
     d = _draw(s)
     plan = _plan(s, d.sensed, s.order)
     applied = _applied(s, d.acted)

@@ -19,6 +19,9 @@ class Link:
     """What happens to packets: each is lost with probability `loss`, and arrives `delay` + 0 … `jitter` samples late.
 
     Losses are independent, every extra delay up to `jitter` is equally likely, so packets may overtake each other.
+
+    >>> Link(loss=0.2).loss
+    0.2
     """
 
     loss: float = 0.0

@@ -29,6 +29,9 @@ class BilinearPlant:
 
     A, F n×n, B n×1, C m×n with independent rows and m < n. Raises ShapeError where shapes disagree, EngineError
     where rows of C depend on each other or every state is measured.
+
+    >>> BilinearPlant(np.diag([-1, -2]), [[1], [1]], np.eye(2), [[1, 0]]).C
+    array([[1., 0.]])
     """
 
     A: np.ndarray
@@ -200,6 +203,10 @@ def bilinear_functional_observer(
     K C̄ᴿ has rank. The record tells all eight steps also where no observer exists. Raises ShapeError for shapes that
     disagree, EngineError where C or K leave nothing to do, PoleError for a request that no real gain can meet.
     Source: Avtometriya 53 (2017) no. 4, equations (4)–(24); sign of the error ε = ĝ − g as there.
+
+    >>> A, F = [[-1, 1], [0, -2]], [[0.1, 0], [0, 0]]
+    >>> bilinear_functional_observer(A, [[0], [1]], F, [[1, 0]], [[0, 1]], -5).solved
+    True
     """
     plant = BilinearPlant(*(as_matrix(M, k) for M, k in ((A, "A"), (B, "B"), (F, "F"), (C, "C"))))
     wanted = as_matrix(K, "K")

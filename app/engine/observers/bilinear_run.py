@@ -53,6 +53,12 @@ def simulate_bilinear(
     computed at once and then chained; the method keeps every linear relation that the exact flow keeps, hence the
     decay of the error also where u jumps. x0 (n,), z0 (q,); horizon and dt in s. Raises ShapeError for starts of the
     wrong length, EngineError for a grid or an input that is not finite or has too many steps.
+
+    >>> A, F = [[-1, 1], [0, -2]], [[0.1, 0], [0, 0]]
+    >>> found = bilinear_functional_observer(A, [[0], [1]], F, [[1, 0]], [[0, 1]], -5)
+    >>> run = simulate_bilinear(found.plant, found.without_derivative, found.K, np.sin, [1, 1], [0.0], horizon=3.0)
+    >>> run.x.shape
+    (1501, 2)
     """
     x0, z0 = (as_matrix(v, name).ravel() for v, name in ((x0, "x0"), (z0, "z0")))
     if x0.size != plant.n or z0.size != form.A.shape[0]:

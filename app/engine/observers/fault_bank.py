@@ -70,6 +70,10 @@ def residual_generator(model: LinearFilter, *, name: str = "", outputs: Sequence
     uncorrelated, and the modes that Nᵀ C does not see are left out, so that a residual exists even where no observer of the
     whole state does. Without E it is the Kalman filter itself. Raises EngineError where C E loses rank or nothing is left
     to compare, ShapeError.
+
+    >>> model = KalmanFilter(np.diag([0.5, 0.8]), np.ones((2, 1)), np.eye(2), np.eye(2), np.eye(2))
+    >>> residual_generator(model, name="sensor 1", outputs=[0]).name
+    'sensor 1'
     """
     n, p = model.n, len(model.C)
     chosen = list(range(p)) if outputs is None else [int(i) for i in outputs]

@@ -93,6 +93,10 @@ def functional_observer(
     Raises PoleError for poles that are wrong in number, unpaired or unstable; EngineError where the plant hides a mode
     or no such observer exists; ShapeError for shapes.
     Source: Duan, Li, Zhou (1993), (7)–(13), where u = +K x.
+
+    >>> plant = Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
+    >>> functional_observer(plant, [[1, 1]], 1, poles=[-5]).F
+    array([[-5.]])
     """
     wanted = check_functional(plant, K)
     if not 1 <= int(order) <= plant.n:

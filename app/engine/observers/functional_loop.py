@@ -163,6 +163,12 @@ def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], 
     input by Gauss–Legendre quadrature of five nodes within each step: exact to rounding where v is smooth over a step.
     A plant with dt > 0 runs on its own period. Cut off where a state passes 1e12.
     Raises ShapeError and EngineError for shapes, grids and inputs that do not fit.
+
+    >>> plant = Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
+    >>> o = functional_observer(plant, [[1, 1]], 1, poles=[-5])
+    >>> run = simulate_functional(o, None, x0=[1, 0], horizon=4.0)
+    >>> bool(abs(run.e_u[-1, 0]) < 1e-6)
+    True
     """
     o, p = observer, observer.plant
     loop = perturbed_loop(o, dA=dA, dB=dB, dC=dC)

@@ -67,6 +67,10 @@ def rlo(plant: Plant, K: object, *, wrong: Perturbations | None = None, norm: An
     times the spectral radius (0.05 … 0.6 for dt > 0). `max_order`: default n − rank C. `measure`: minimise this instead of
     J. Raises EngineError where no order will do or the request makes no sense.
     Source: Duan, Li, Zhou (1993), algorithm RLO, remarks 2 and 3 (there u = +K x).
+
+    >>> plant = Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])
+    >>> rlo(plant, [[1, 1]], max_order=1).observer.order
+    1
     """
     *_, (_, result) = rlo_steps(plant, K, wrong=wrong, norm=norm, region=region, max_order=max_order, measure=measure,
                                 seed=seed, worst_condition=worst_condition)

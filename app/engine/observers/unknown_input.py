@@ -118,6 +118,11 @@ def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) ->
     F = A − H C A − K1 C, T = I − H C, K = K1 + F H; `poles` are those that can be chosen: n less the number of
     invariant zeros of (A, E, C), which stay. Raises EngineError where a condition of `decoupling` fails, PoleError for
     another number of poles. Chen and Patton (1999), section 3.2.
+
+    >>> plant = Plant(np.diag([-1, -2]), np.ones((2, 1)), np.eye(2))
+    >>> unknown_input_observer(plant, [[1], [0]], [-3, -4]).T @ [[1], [0]]
+    array([[0.],
+           [0.]])
     """
     known = decoupling(plant, E)
     if not known.exists or known.H is None or known.T is None or known.A1 is None or known.zeros is None:

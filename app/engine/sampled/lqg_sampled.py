@@ -160,6 +160,10 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
 
     Plant, cost and noise are sampled exactly (Van Loan), R = V/dt; K from the discrete Riccati equation. Weights and
     intensities as in `lqg`. Platform report (003), equations (53)–(59) and section 5.3.2. Raises as `lqg` does.
+
+    >>> design = sampled_lqg(Plant([[0]], [[1]], [[1]]), [[1]], [[1]], [[1]], [[1]], 0.1)
+    >>> design.filter.dt
+    0.1
     """
     if plant.dt:
         raise EngineError("The plant is sampled already; give the continuous one.")

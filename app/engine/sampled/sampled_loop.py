@@ -144,6 +144,11 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     intensity of the sensors' noise, V/dt its covariance at a sample. `disturbances` (n×d): how known disturbances enter
     the plant's ẋ, the ground's columns of B by default. `outputs` (q×n): rows that are recorded of the plant's state, C
     by default. Raises ShapeError, EngineError, one sentence each.
+
+    >>> from app.engine.sampled import sampled_controller
+    >>> plant = Plant([[0]], [[1]], [[1]])
+    >>> sampled_loop(plant, sampled_controller(compensator(plant, [[1]], [[3]]), 0.1), [0]).dt
+    0.1
     """
     chosen = [int(i) for i in controls]
     if len(set(chosen)) < len(chosen) or not all(0 <= i < plant.m for i in chosen):

@@ -59,12 +59,17 @@ class ResponseMeasures:
 
 
 def simulate_trial(loop: SampledLoop, steps: int, *, seed: int | None = None, start: object | None = None,
-              disturbance: object | None = None, kicks: tuple[tuple[int, object], ...] = ()) -> Trial:
+                   disturbance: object | None = None, kicks: tuple[tuple[int, object], ...] = ()) -> Trial:
     """`steps` samples from the state `start` (N,), by default rest, with the noise of a seed (None: none).
 
     disturbance (n_t, d): the known disturbances, held over each sample. kicks: (sample, jump of the plant's state (n,)).
     Linear stretches run in parallel blocks and are exact; a loop that clips or rounds goes sample by sample where it
     must. Loops with the same plant feel the same noise from the same seed. Raises ShapeError, EngineError.
+
+    >>> from app.engine.sampled import sampled_controller
+    >>> loop = sampled_loop(P := Plant([[0]], [[1]], [[1]]), sampled_controller(compensator(P, [[1]], [[3]]), 0.1), [0])
+    >>> bool(abs(simulate_trial(loop, 200, start=np.eye(loop.n)[0]).x[-1, 0]) < 1e-6)
+    True
     """
     kicks = tuple((k, _jump(loop, jump)) for k, jump in kicks)
     if steps < 1 or steps * loop.n > MOST_NUMBERS:
@@ -229,8 +234,7 @@ def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray,
         return k
     N, p, m = loop.n, len(loop.Y), loop.U.shape[1]
     unit, limit = loop.hardware.step or 1.0, loop.hardware.limit
-    rounds, clips = loop.hardware.step > 0, bool(np.isfinite(limit))
-    now, product = np.empty(N + p + m), np.empty(N + p + m)
+    rounds, clips, now, product = loop.hardware.step > 0, bool(np.isfinite(limit)), np.empty(N + p + m), np.empty(N + p + m)
     now[:N] = w[k]
     state, read, asked = now[:N], now[N:N + p], now[N + p:]
     noise = v[k:last + 1] / unit
@@ -284,8 +288,7 @@ def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, 
     if y.ndim != 1 or not y.size or t.shape != y.shape or u.ndim != 2 or len(u) != len(y) \
             or not all(np.isfinite(value).all() for value in (t, y, u)):
         raise ShapeError("A response needs finite t and y (n_t,) and u (n_t, m), at least one sample; they are "
-                         "{t_shape}, {y_shape} and {u_shape}.",
-                         t_shape=t.shape, y_shape=y.shape, u_shape=u.shape)
+                         "{t_shape}, {y_shape} and {u_shape}.", t_shape=t.shape, y_shape=y.shape, u_shape=u.shape)
     gap = y - final
     outside = np.flatnonzero(~(np.abs(gap) <= band))
     side = float(np.sign(gap[outside[0]])) if len(outside) else float(np.sign(gap[np.argmax(np.abs(gap))]))

@@ -88,6 +88,9 @@ class Scenario:
     controller run once every dt with a held input. A plant with dt > 0 takes W, V as covariances of a sample.
     Everything but reference, W, V and G is an array (or a Plant) after construction.
     Raises ShapeError or EngineError, one sentence each.
+
+    >>> Scenario(Plant([[0]], [[1]], [[1]]), [[1]], [[2]], x0=[1.0], horizon=2.0).horizon
+    2.0
     """
 
     plant: Plant

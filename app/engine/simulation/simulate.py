@@ -24,6 +24,10 @@ def simulate(scenario: Scenario) -> Run:
     input as straight lines between grid points. Noise w has the exact covariance over a step (Van Loan), v is held
     over a step with covariance V/dt. Ends early, `diverged_at` set, where a state passes 1e9 times its start (or 1).
     Raises EngineError where the scenario cannot be simulated.
+
+    >>> run = simulate(Scenario(Plant([[0]], [[1]], [[1]]), [[1]], [[2]], x0=[1.0], horizon=2.0, dt=0.01))
+    >>> np.allclose(run.e[:, 0], np.exp(-2 * run.t))
+    True
     """
     s = scenario
     loop = loop_of(s)
@@ -74,6 +78,10 @@ def autonomous_error(run: Run) -> np.ndarray:
 
     Without noise and impulses this is expm((A − L C) t) e(0); impulses and the run's own noise are followed, since
     they do not break the separation. Aₘ, Cₘ are the designer's. Raises EngineError where e does not exist.
+
+    >>> run = simulate(Scenario(Plant([[0]], [[1]], [[1]]), [[1]], [[2]], x0=[1.0], horizon=2.0, dt=0.01))
+    >>> np.allclose(autonomous_error(run), run.e)
+    True
     """
     s, n = run.scenario, run.scenario.plant.n
     if s.model.n != n:

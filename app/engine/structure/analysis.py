@@ -159,6 +159,9 @@ def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
     staircase at relative tolerance rtol (default 1e-10). Distances say how near the others are.
     Raises EngineError for rtol outside [0, 1) or when a power of A overflows.
     Source: Popov, Belevitch, Hautus (the PBH test).
+
+    >>> observability(Plant(np.diag([-1, -2]), np.ones((2, 1)), [[1, 0]])).rank
+    1
     """
     modes = _modes(plant.A, plant.C, plant.dt, rtol)
     return Observability(*_frozen(_powers(plant.A, plant.C)), sum(mode.visible for mode in modes), modes)
@@ -169,6 +172,9 @@ def controllability(plant: Plant, *, rtol: float | None = None) -> Controllabili
 
     matrix = [B, AB, …, Aⁿ⁻¹B] (n×nm); pole λ is out of reach when [A − λI, B] loses rank.
     Raises EngineError for rtol outside [0, 1) or when a power of A overflows.
+
+    >>> controllability(Plant(np.diag([-1, -2]), [[1], [0]], np.eye(2))).rank
+    1
     """
     modes = _modes(plant.A.T, plant.B.T, plant.dt, rtol)
     matrix, values = _frozen(_powers(plant.A.T, plant.B.T))

@@ -173,6 +173,9 @@ def kalman_decomposition(plant: Plant, *, rtol: float | None = None) -> KalmanDe
     within each block, and orthogonal throughout unless hidden and reachable subspaces meet obliquely.
     Raises EngineError for rtol outside [0, 1), or where the two subspaces cannot be told apart at rtol.
     Source: Kalman, "Mathematical description of linear dynamical systems" (1963), theorem 5.
+
+    >>> kalman_decomposition(Plant(np.diag([-1, -2]), [[1], [1]], [[1, 0]])).sizes
+    (1, 1, 0, 0)
     """
     T, sizes = _basis(plant, tolerance(rtol))
     A, B, C = np.linalg.solve(T, plant.A @ T), np.linalg.solve(T, plant.B), plant.C @ T

@@ -121,6 +121,9 @@ def gramians(plant: Plant) -> Gramians:
     With dt > 0: A Wc Aᵀ − Wc + B Bᵀ = 0 and Aᵀ Wo A − Wo + Cᵀ C = 0. Both n×n, symmetric, ⪰ 0 by construction.
     Raises EngineError when a pole is not stable.
     Source: Smith, "Matrix equation XA + BX = C" (1968), the doubling, here on square-root factors.
+
+    >>> gramians(Plant([[-1]], [[1]], [[1]])).observability
+    array([[0.5]])
     """
     _require_stable(plant, phrase("use observability_gramian or reachability_gramian with a finite horizon"))
     Rc, Ro = _factors(plant)
@@ -133,6 +136,9 @@ def hankel_singular_values(plant: Plant) -> np.ndarray:
     Square-root method: the singular values of RoᵀRc with Wc = RcRcᵀ, Wo = RoRoᵀ. Same whatever the coordinates.
     Raises EngineError when a pole is not stable; `split_stable` gives the part that has them.
     Source: Tombs and Postlethwaite, "Truncated balanced realization of a stable non-minimal system" (1987).
+
+    >>> hankel_singular_values(Plant([[-1]], [[1]], [[1]]))
+    array([0.5])
     """
     _require_stable(plant, phrase("take the Hankel values of split_stable(plant).stable"))
     Rc, Ro = _factors(plant)
@@ -183,6 +189,9 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     ‖G − G_r‖_∞ ≤ 2 Σ_{i>r} σᵢ. An unstable part is split off first, kept whole and counted in `order`.
     Raises EngineError when order is not a whole number between the unstable count and the minimal order.
     Source: Glover, "All optimal Hankel-norm approximations" (1984), theorem 9.6; Enns (1984) for the bound.
+
+    >>> balanced_truncation(Plant(np.diag([-1, -50]), [[1], [1]], [[1, 1]]), 1).plant.n
+    1
     """
     if isinstance(order, bool) or int(order) != order or not 0 <= order <= plant.n:
         raise EngineError("The order must be a whole number from 0 to {n}; it is {order}.", n=plant.n, order=order)

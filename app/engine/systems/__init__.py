@@ -2,7 +2,7 @@
 
 from .arrays import as_covariance, symmetric
 from .convert import from_control, from_json, from_mat, load_plant, read_plant, to_control, to_json, to_mat
-from .errors import EngineError, PoleError, RiccatiError, ShapeError
+from .errors import EngineError, PoleError, RiccatiError, ShapeError, phrase
 from .flow import Flow, NonlinearPlant
 from .jacobian import Map, each_column, slopes
 from .noise import process_noise, root, step_covariance
@@ -41,6 +41,7 @@ __all__ = [
     "match_poles",
     "modal_coordinates",
     "move_pole",
+    "phrase",
     "pole_text",
     "process_noise",
     "psd",

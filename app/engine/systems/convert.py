@@ -105,6 +105,9 @@ def to_json(plant: Plant) -> str:
 
     Keys: format, version, name, dt (s), A, B, C, D (lists of rows), states, inputs, outputs, units.
     Raises EngineError beyond 30 states or 16 inputs or outputs, or without states.
+
+    >>> from_json(to_json(Plant([[-1]], [[1]], [[1]]))).n
+    1
     """
     _bounded(plant)
     matrices = {key: getattr(plant, key).tolist() for key in _MATRICES}
@@ -134,6 +137,9 @@ def from_json(text: str) -> Plant:
 
     Raises EngineError for text above 1 MB, not JSON, of another format or version, or with anything but finite
     numbers in the matrices; ShapeError where the shapes disagree.
+
+    >>> from_json(to_json(Plant([[-1]], [[1]], [[1]]))).A
+    array([[-1.]])
     """
     data = _parse(text)
     if data.get("format", _FORMAT) != _FORMAT or data.get("version", 1) != 1:
@@ -147,6 +153,12 @@ def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
 
     In MATLAB: sys = ss(A, B, C, D, Ts), and jsondecode(labels) gives names and units.
     Raises EngineError beyond 30 states or 16 inputs or outputs, or without states.
+
+    >>> import io
+    >>> file = io.BytesIO()
+    >>> to_mat(Plant([[-1]], [[1]], [[1]]), file)
+    >>> from_mat(file.getvalue()).n
+    1
     """
     _bounded(plant)
     labels = json.dumps(_labels(plant))
@@ -181,6 +193,12 @@ def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
 
     Raises EngineError for files above 1 MB packed or unpacked, unreadable, of version 7.3, or with anything but
     full real matrices; ShapeError where the shapes disagree.
+
+    >>> import io
+    >>> file = io.BytesIO()
+    >>> to_mat(Plant([[-1]], [[1]], [[1]]), file)
+    >>> from_mat(file.getvalue()).A
+    array([[-1.]])
     """
     found = read_mat(_bytes_of(source), MAX_BYTES)
     period = [_full(found, key) for key in ("Ts", "dt") if key in found][:1] or [np.zeros((1, 1))]
@@ -192,7 +210,14 @@ def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
 
 
 def load_plant(path: str | os.PathLike[str]) -> Plant:
-    """A plant from a file, by its suffix: .json or .mat. Raises EngineError for any other, and as they do."""
+    """A plant from a file, by its suffix: .json or .mat. Raises EngineError for any other, and as they do.
+
+    >>> import pathlib, tempfile
+    >>> path = pathlib.Path(tempfile.mkdtemp()) / "plant.json"
+    >>> _ = path.write_text(to_json(Plant([[-1]], [[1]], [[1]])))
+    >>> load_plant(path).A
+    array([[-1.]])
+    """
     _known(Path(path).name)
     return read_plant(Path(path).name, _bytes_of(path))
 
@@ -221,6 +246,9 @@ def to_control(plant: Plant) -> control.StateSpace:
 
     A dot is not allowed in python-control's system names and becomes an underscore.
     Raises EngineError when two signals of one kind share a name, which python-control would merge.
+
+    >>> to_control(Plant([[-1]], [[1]], [[1]])).nstates
+    1
     """
     from control import StateSpace
 
@@ -239,6 +267,10 @@ def from_control(system: control.StateSpace) -> Plant:
     """The plant of a control.StateSpace; its default names (x[0], sys[3]) become the lab's own.
 
     Raises EngineError for anything but a StateSpace, for dt=True (period unknown), and beyond the bounds.
+
+    >>> import control
+    >>> from_control(control.ss([[-1]], [[1]], [[1]], [[0]])).A
+    array([[-1.]])
     """
     from control import StateSpace
 

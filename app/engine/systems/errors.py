@@ -28,7 +28,11 @@ def phrase(message: str, /, **values: object) -> Phrase:
 
 
 class EngineError(ValueError):
-    """Bad input to the engine; the message is a sentence fit to show to a student."""
+    """Bad input to the engine; the message is a sentence fit to show to a student.
+
+    >>> str(EngineError("The step must be positive; it is {dt}.", dt=-1))
+    'The step must be positive; it is -1.'
+    """
 
     def __init__(self, message: str, /, **values: object) -> None:
         if isinstance(message, Phrase):
@@ -49,12 +53,27 @@ def _again(kind: type[EngineError], message: str, values: dict[str, object]) -> 
 
 
 class ShapeError(EngineError):
-    """Matrices whose shapes do not agree."""
+    """Matrices whose shapes do not agree.
+
+    >>> Plant([[0, 1]], [[0], [1]], [[1, 0]])
+    Traceback (most recent call last):
+    app.engine.systems.errors.ShapeError: A must be square; it is 1×2.
+    """
 
 
 class PoleError(EngineError):
-    """A request for poles that no gain can meet."""
+    """A request for poles that no gain can meet.
+
+    >>> place([[0, 1], [0, 0]], [[0], [1]], [-1, -1 + 1j])
+    Traceback (most recent call last):
+    app.engine.systems.errors.PoleError: The complex pole -1 + 1j lacks its conjugate -1 - 1j: ...
+    """
 
 
 class RiccatiError(EngineError):
-    """A Riccati equation without a stabilising solution."""
+    """A Riccati equation without a stabilising solution.
+
+    >>> lqr([[1]], [[0]], [[1]], [[1]])
+    Traceback (most recent call last):
+    app.engine.systems.errors.RiccatiError: The mode at 1 is not stable and is uncontrollable: no K can stabilise it; change the plant.
+    """

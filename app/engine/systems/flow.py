@@ -76,6 +76,11 @@ class NonlinearPlant:
     """ẋ = rhs(x, u), y = output(x, u) of columns, with the slopes ∂ẋ/∂x (N, n, n) and ∂y/∂x (N, p, n) by hand.
 
     n states, m inputs, p outputs. Every function takes x (n, N) and u (m, N) or (m, 1), and complex states pass.
+
+    >>> still = NonlinearPlant(1, 0, 1, lambda x, u: -x, lambda x, u: -np.ones((x.shape[1], 1, 1)),
+    ...                        lambda x, u: x, lambda x, u: np.ones((x.shape[1], 1, 1)))
+    >>> still.flow(0.1)(np.ones((1, 1)), np.zeros((0, 1))).round(6)
+    array([[0.904838]])
     """
 
     n: int

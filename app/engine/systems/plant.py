@@ -44,6 +44,9 @@ class Plant:
 
     A is n×n, B n×m, C p×n, D p×m (zero if left out). `units` maps a signal name to its SI unit.
     Raises ShapeError where the shapes disagree, EngineError where an entry is not finite.
+
+    >>> Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]).n
+    2
     """
 
     A: np.ndarray

@@ -39,6 +39,10 @@ def psd(series: object, fs: float, *, segment: int | None = None, window: str = 
     Calibrated so that the area is the variance; white noise of variance σ² lies at 2σ²/fs. Segments of `segment`
     samples (default: an eighth of the record, at least 256 where there are as many) overlap by half, each without
     its mean. Raises EngineError for series shorter than 8 samples or not finite.
+
+    >>> noise = np.random.default_rng(0).standard_normal((100_000, 1))
+    >>> float(np.round(psd(noise, 100.0, segment=1000).density.mean(), 2))  # 2σ²/fs
+    0.02
     """
     data = np.asarray(series, dtype=float)
     if data.ndim not in (1, 2) or len(data) < 8:
@@ -75,6 +79,9 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
 
     By modal residues, H = Σ (C vᵢ)(wᵢ B)/(λ − λᵢ) + D; by solving at each frequency where the eigenvectors are ill
     conditioned. Exactly on a pole the response is not finite. Raises ShapeError where the matrices disagree.
+
+    >>> np.round(np.abs(frequency_response([[-1]], [[1]], [[1]], [[0]], [1.0])), 4)
+    array([[[0.7071]]])
     """
     a, b, c, d = (as_matrix(value, name) for value, name in ((A, "A"), (B, "B"), (C, "C"), (D, "D")))
     n = len(a)
