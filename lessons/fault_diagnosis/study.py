@@ -233,5 +233,6 @@ def _live(s: Study) -> Text:
     at = DT * (v.decided or 0)
     if place == NONE or not s.right:
         return text("{who} is accused at {at:.2f} s, wrongly.", who=v.who, at=at)
-    due = NO_WORDS if s.forecast.delay is None else text("The design promises it within {dt:.2f} s.", dt=DT * s.forecast.delay)
+    due = (NO_WORDS if s.forecast.delay is None else
+           text("Without a kick the design expects it after {expected:.2f} s.", expected=DT * s.forecast.delay))
     return joined(text("{who} is accused {delay:.2f} s after it failed, rightly.", who=v.who, delay=s.delay), due)

@@ -120,13 +120,13 @@ def _error(outcome: Outcome[Study]) -> FrequencyFigure:
 
 def _forms(outcome: Outcome[Study]) -> TableFigure:
     s = outcome.study.system
-    rows = tuple((f"σ{k + 1}".translate(SUBSCRIPTS), words, show(s.hankel[k], 4), show(value, 4))
-                 for (k, value), words in zip(closed_forms(s.parameters), (
-                     "kz/(√2 cz)", "2√2 kz μ²/(m² cp)", "√2 kx h μ² s² √(s²+h²)/(J² cp)"), strict=True))
+    rows = tuple((f"σ{2 * s.pair(kind) + 1}".translate(SUBSCRIPTS), words, show(s.hankel[2 * s.pair(kind)], 4), show(value, 4))
+                 for (kind, value), words in zip(closed_forms(s.parameters, s.unit), (
+                     "√2 Nz/(4 cz)", "√2 Nz μ²/(m² cp)", "√2 Nθ μ² s² √(s²+h²)/(J² cp)"), strict=True))
     return TableFigure(
         "forms", text("three values from the geometry"),
         (same("σ"), text_in("weak-states", "closed form"), text("exact"), text("form")), rows, tab=HANKEL_TAB,
-        caption=text("The stiffness kp of the servo is in none of them."))
+        caption=text("Nz and Nθ: what one unit of every input lifts and turns. The stiffness kp of the servo is in none of them."))
 
 
 # --- motions -----------------------------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine import Plant, lqg, noisy_loop
 from app.engine.feedback import Lqg, NoisyLoop
-from app.plants.platform_lqg import Weights, coils, ground
+from app.plants.platform_lqg import FIGURE_V, Weights, coils, ground
 from app.text import text
 
 from .system import STATES, System, model
@@ -73,7 +73,7 @@ class Compared:
 
 @lru_cache(maxsize=32)
 def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
-    weights = Weights(v0=v0)
+    weights = _weights(s, v0)
     small = model(s, order)
     Q = weights.Q(small) if pressed == OUTPUTS else EQUAL * np.eye(order)
     design = lqg(coils(small), Q, weights.R, weights.W, weights.V, G=ground(small))
@@ -87,9 +87,14 @@ def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
     return Loop(design, K, L, rightmost, loop.psd(s.frequencies), sum(spent), float(np.sqrt(spent[1] / weights.alpha_r)))
 
 
+def _weights(s: System, v0: float = FIGURE_V) -> Weights:
+    """The report's weights; the ground's intensity in the square of the unit in which it is counted."""
+    return Weights(v0=v0, beta_q=1 / s.unit**2)
+
+
 @lru_cache(maxsize=32)
 def _free(s: System) -> np.ndarray:
-    weights = Weights()
+    weights = _weights(s)
     return noisy_loop(coils(s.plant), None, ground(s.plant), weights.W).psd(s.frequencies)
 
 

@@ -15,7 +15,7 @@ from app.text import Text, text
 from ..toolkit.latex import number
 from .body import share, slower, swing
 from .regulator import Compared, compare
-from .system import STATES, Cut, Motion, System, closed_forms, cut, system
+from .system import AGAINST, STATES, TOGETHER, Cut, Motion, System, closed_forms, cut, system
 
 RELATIVE, ABSOLUTE = "relative", "absolute"
 MEASURES = ((RELATIVE, text("of the largest")), (ABSOLUTE, text("as they are")))
@@ -58,7 +58,7 @@ class Study:
 
 def compute(design: Design) -> Outcome[Study]:
     """Ranks, Hankel values, the truncation with its error, the motion on the stage, LQG on ten states and on fewer."""
-    s = system(Parameters(**{name: design[name] for name in ("s", "h", "a", "mu", "kp")}))
+    s = system(Parameters(**{name: design[name] for name in ("s", "h", "a", "mu", "kp")}), design["ground"])
     order = int(design["order"])
     study = Study(s, ranks(s, design["clock"]), cut(s, order), compare(s, order, design["v0"], design["pressed"]))
     motion = s.motions[int(design["pair"]) - 1]
@@ -95,16 +95,18 @@ def _checks(study: Study, m: dict[str, float]) -> tuple[Check, ...]:
 
 
 def _formulas(study: Study) -> tuple[Formula, ...]:
-    s, forms = study.system, closed_forms(study.system.parameters)
+    s, forms = study.system, dict(closed_forms(study.system.parameters, study.system.unit))
     bound = (rf"\|G-G_{{{study.cut.order}}}\|_\infty = {number(study.cut.peak)} \le 2\sum_{{i>{study.cut.order}}}\sigma_i = "
              rf"{number(study.cut.bound)}") if study.cut.order < STATES else r"G_{10} = G"
     return (
         Formula("hankel", r"\sigma_i = \sqrt{\lambda_i(W_c W_o)}"),
         Formula("bound", bound),
-        Formula("sigma7", rf"\sigma_7 \approx \frac{{2\sqrt2\, k_z\mu^2}}{{m^2 c_p}} = {number(forms[1][1])}, \quad \sigma_7 = "
-                          rf"{number(float(s.hankel[6]))}"),
-        Formula("sigma9", rf"\sigma_9 \approx \frac{{\sqrt2\, k_x h \mu^2 s^2\sqrt{{s^2+h^2}}}}{{J^2 c_p}} = {number(forms[2][1])}, "
-                          rf"\quad \sigma_9 = {number(float(s.hankel[8]))}"),
+        Formula("together", rf"\sigma \approx \frac{{\sqrt2\, N_z\mu^2}}{{m^2 c_p}} = {number(forms[TOGETHER])}, \quad "
+                            rf"\sigma_{{{2 * s.pair(TOGETHER) + 1}}} = {number(float(s.hankel[2 * s.pair(TOGETHER)]))}"),
+        Formula("against", rf"\sigma \approx \frac{{\sqrt2\, N_\theta \mu^2 s^2\sqrt{{s^2+h^2}}}}{{J^2 c_p}} = {number(forms[AGAINST])}, "
+                           rf"\quad \sigma_{{{2 * s.pair(AGAINST) + 1}}} = {number(float(s.hankel[2 * s.pair(AGAINST)]))}"),
+        Formula("pushes", r"N_z = \sqrt{2 + (2k_z g)^2}, \quad N_\theta = \sqrt{2b^2 + h^2 + (k_x h g)^2}",
+                text("what one unit of every input lifts and turns; g: the ground's unit")),
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from app.engine import Plant, balanced_truncation, frequency_response
 from app.engine.structure import Truncation
 from app.plants.platform import Parameters, plant
+from app.plants.platform_lqg import COILS
 from app.text import Text
 
 STATES = 10
@@ -51,12 +52,20 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class System:
-    """A platform, balanced: T and left take the ten states to balanced ones and back; hankel (10,), largest first."""
+    """A platform, balanced: T and left take the ten states to balanced ones and back; hankel (10,), largest first.
+
+    unit: metres of ground motion that count as one at the plant's last two inputs; its coils count newtons.
+    """
 
     parameters: Parameters
+    unit: float
     plant: Plant
     balanced: Truncation
     motions: tuple[Motion, ...]
+
+    def pair(self, kind: int) -> int:
+        """Which pair of Hankel values, counted from 0, is this kind of motion's."""
+        return [m.kind for m in self.motions].index(kind)
 
     @property
     def hankel(self) -> np.ndarray:
@@ -88,10 +97,11 @@ class Cut:
 
 
 @lru_cache(maxsize=32)
-def system(parameters: Parameters) -> System:
-    """The plant of these parameters, balanced."""
+def system(parameters: Parameters, unit: float = 1.0) -> System:
+    """The plant of these parameters, the ground counted in units of `unit` m, balanced."""
     P = plant(parameters)
-    return System(parameters, P, balanced_truncation(P, STATES), _motions(parameters, P))
+    P = replace(P, B=P.B * np.append(np.ones(COILS), np.full(P.m - COILS, unit)))
+    return System(parameters, unit, P, balanced_truncation(P, STATES), _motions(parameters, P))
 
 
 def model(s: System, order: int) -> Plant:
@@ -115,16 +125,18 @@ def believed(s: System, order: int, x: np.ndarray) -> np.ndarray:
     return x @ (s.balanced.T[:, :order] @ s.balanced.left[:order]).T
 
 
-def closed_forms(p: Parameters) -> tuple[tuple[int, float], ...]:
-    """(index, value) of σ1, σ7 and σ9 from the geometry alone, to first order in ζ and μ/m.
+def closed_forms(p: Parameters, unit: float = 1.0) -> tuple[tuple[int, float], ...]:
+    """(kind of motion, Hankel value) of three pairs from the geometry alone, to first order in ζ and μ/m.
 
-    σ1 = √2 ω_z/(4ζ_z), σ7 = √2 ω_z² (2μ/m)/(4ζ_p ω_p), σ9 = √2 k_x h (2μ s²/J²) √(s²+h²)/(4ζ_p ω_p), where ω_z² = 2k_z/m,
-    2ζ_z ω_z = 2c_z/m and 2ζ_p ω_p = c_p/μ. Written out, no k_p is left in any of them.
+    With N_z = √(2 + (2k_z g)²) in N and N_θ = √(2b² + h² + (k_x h g)²) in N m, what one unit of every input lifts and turns
+    (g: the unit of the ground): vertical √2 N_z/(4c_z), test masses together √2 N_z μ²/(m² c_p), against each other
+    √2 N_θ μ² s² √(s²+h²)/(J² c_p). No k_p is left in any of them.
     """
-    root = np.sqrt(2)
-    return ((0, float(p.kz / (root * p.cz))),
-            (6, float(2 * root * p.kz * p.mu**2 / (p.m**2 * p.cp))),
-            (8, float(root * p.kx * p.h * p.mu**2 * p.s**2 * np.hypot(p.s, p.h) / (p.J**2 * p.cp))))
+    root, lift = np.sqrt(2), np.hypot(np.sqrt(2), 2 * p.kz * unit)
+    turn = np.sqrt(2 * p.b**2 + p.h**2 + (p.kx * p.h * unit) ** 2)
+    return ((VERTICAL, float(root * lift / (4 * p.cz))),
+            (TOGETHER, float(root * lift * p.mu**2 / (p.m**2 * p.cp))),
+            (AGAINST, float(root * turn * p.mu**2 * p.s**2 * np.hypot(p.s, p.h) / (p.J**2 * p.cp))))
 
 
 def relative(p: Parameters, x: np.ndarray) -> np.ndarray:

@@ -14,6 +14,7 @@ from .system import AGAINST, STATES, cut
 
 SMALL = 0.2  # error that the second task allows
 FINE = 1e-6  # least relative tolerance of the third
+NEAR = 0.10  # m that a sensor may stand off the centre in the fourth task
 WEAKEST = 10 * 8.852673e-05  # ten times the σ9 of the start
 
 
@@ -66,11 +67,13 @@ def _geometry(outcome: Outcome[Study]) -> Verdict:
     weakest = s.hankel[-2]
     if s.parameters.mu > NOMINAL.mu * (1 + 1e-9):
         return Verdict(False, text("Leave the test masses at 50 g or less."))
-    if weakest < WEAKEST:
-        return Verdict(False, text("σ₉ = {weakest}; at least {weakest2} is wanted.",
-                                   weakest=show(weakest), weakest2=show(WEAKEST)))
-    return Verdict(True, text("σ₉ = {weakest}, {weakest2:.0f} times the old one, by geometry alone.",
-                              weakest=show(weakest), weakest2=weakest / WEAKEST * 10))
+    if s.unit != 1 or s.parameters.s > NEAR * (1 + 1e-9):
+        return Verdict(False, text("Count the ground in metres and leave the sensors within {near:.0f} cm of the centre.", near=100 * NEAR))
+    times = 10 * weakest / WEAKEST
+    if abs(times - 10) > 0.5:
+        return Verdict(False, text("σ₉ = {weakest}, {times:.3g} times the old one; 10 times within 5 % are wanted.",
+                                   weakest=show(weakest), times=times))
+    return Verdict(True, text("σ₉ = {weakest}, {times:.3g} times the old one, by geometry alone.", weakest=show(weakest), times=times))
 
 
 def exam(seed: int) -> ExamItem:
@@ -84,5 +87,5 @@ TASKS = (
     Task("face", _face, {"pair": "5", "order": 8}),
     Task("wider", _wider, {"order": 6}),
     Task("clock", _clock, {"clock": 5e-3, "tolerance": 1e-6}),
-    Task("geometry", _geometry, {"s": 0.17}),
+    Task("geometry", _geometry, {"s": 0.1, "h": 0.052}),
 )

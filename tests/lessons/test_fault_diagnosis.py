@@ -274,3 +274,22 @@ def test_the_stage_marks_the_liar_and_flags_the_accused():
     assert before["gauge left"].colour != between["gauge left"].colour == after["gauge left"].colour
     assert between["flag"].position[2] < -5 < 0 < after["flag"].position[2]
     assert abs(after["flag"].position[0] - after["gauge left"].position[0]) < 1e-9
+
+
+# --- what the page claims ----------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("loop", [OPEN, BLIND, SWITCH])
+def test_a_kick_without_a_fault_accuses_nobody_with_the_test_of_the_start(loop):
+    for seed in (1, 2, 3):
+        for kick in (0.0, 1.0, 2.5, 4.0, 7.0, 11.0):
+            assert outcome(place=NONE, loop=loop, kick=kick, seed=seed).study.verdict.who is None
+
+
+def test_what_the_design_expects_is_said_without_a_promise():
+    said = 0
+    for values in ({}, {"place": "VR", "kind": DRIFT}, {"place": "u1", "loss": 100.0}, {"place": "HL", "window": 100.0}, {"kick": 4.2}):
+        o = outcome(**values)
+        if "expects" in o.live.en:
+            said += 1
+            assert f"{DT * o.study.forecast.delay:.2f} s" in o.live.en
+        assert "promise" not in o.live.en
+    assert said > 1

@@ -135,3 +135,21 @@ def test_exam_is_the_second_moment():
     a, m, P = (float(item.numbers[k]) for k in "amP")
     x = m + np.sqrt(P) * np.random.default_rng(0).standard_normal(2_000_000)
     assert item.answer == pytest.approx(a * np.mean(x**2), rel=5e-3)
+
+
+# --- what the page claims ----------------------------------------------------------------------------------------------------
+def test_a_known_start_leaves_the_kf_five_times_overconfident_and_the_ekf_honest():
+    """Solution of the second task, by the two hundred runs of the button."""
+    first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": PLATFORM, "hardening": 0.6, "size": 0.3}))
+    *_, (_, last) = LESSON.job.outcomes(first)
+    assert last.metrics["nees_kf"] > 5 and 0.8 < last.metrics["nees_ekf"] < 1.2
+
+
+def test_innovations_of_the_falling_ekf_average_about_two():
+    ratios = []
+    for seed in SEEDS:
+        first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": FALL, "seed": seed}))
+        *_, (_, last) = LESSON.job.outcomes(first)
+        ratios.append(last.metrics["nis_ekf"])
+        assert last.metrics["nees_ekf"] > 1000
+    assert 1.5 < np.median(ratios) < 2.5

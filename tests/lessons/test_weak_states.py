@@ -16,6 +16,7 @@ from app.published.platform import RECORDS
 from app.published.record import verify_one
 from lessons.weak_states.body import BODY, NOMINAL, PERIOD, share
 from lessons.weak_states.lesson import LESSON
+from lessons.weak_states.regulator import ALIKE, OUTPUTS
 from lessons.weak_states.system import AGAINST, TOGETHER, VERTICAL, closed_forms, cut, model, system
 
 
@@ -160,11 +161,46 @@ def test_strengths_from_eigenvectors_are_the_hankel_values():
 
 
 @pytest.mark.parametrize("changes", [{}, {"h": 0.05}, {"s": 0.16}, {"mu": 0.02}, {"a": 0.2}, {"kp": 20000.0}])
-def test_closed_forms_of_the_geometry(changes):
-    m = metrics(**changes)
-    p = Parameters(**changes)
-    for index, value in closed_forms(p):
-        assert value == pytest.approx(m[f"sigma{index + 1}"], rel=0.045), index
+@pytest.mark.parametrize("unit", [1.0, 1e-2, 1e-3, 1e-4])
+def test_closed_forms_of_the_geometry(changes, unit):
+    """Whatever the unit of the ground: each form stands beside the pair of its own motion."""
+    s = system(Parameters(**changes), unit)
+    for kind, value in closed_forms(s.parameters, unit):
+        assert value == pytest.approx(s.hankel[2 * s.pair(kind)], rel=0.06), kind
+
+
+@pytest.mark.parametrize("unit, after_six, after_eight", [(1.0, 798, 609), (1e-3, 5720, 25), (1e-4, 7120, 20)])
+def test_hankel_values_know_no_clock_but_the_unit_of_the_ground(unit, after_six, after_eight):
+    """Step 2: other coordinates and clocks leave them alone, another unit of an input does not."""
+    s = system(NOMINAL, unit)
+    assert s.hankel[5] / s.hankel[6] == pytest.approx(after_six, rel=0.01)
+    assert s.hankel[7] / s.hankel[8] == pytest.approx(after_eight, rel=0.03)
+    for clock in (1e-3, 0.1):
+        from_clock = hankel_singular_values(in_time_units(s.plant, clock))
+        assert from_clock == pytest.approx(s.hankel, rel=1e-5)
+
+
+@pytest.mark.parametrize("pressed", [OUTPUTS, ALIKE])
+def test_the_unit_of_the_ground_is_not_felt_by_the_deck(pressed):
+    """The report's cost on ten states and the spectra do not hang on it; where balanced states count, the unit is in the cost."""
+    one, other = (outcome(ground=unit, order=6, pressed=pressed).study.compared for unit in (1.0, 1e-3))
+    assert other.free == pytest.approx(one.free, rel=1e-6)
+    if pressed == OUTPUTS:
+        assert other.full.cost == pytest.approx(one.full.cost, rel=1e-5)
+        assert other.full.densities == pytest.approx(one.full.densities, rel=1e-4)
+
+
+@pytest.mark.parametrize("tolerance, wanted", [(1e-9, (4, 4)), (1e-14, (4, 6))])
+def test_the_ranks_in_seconds_at_the_tolerances_that_are_named(tolerance, wanted):
+    m = metrics(tolerance=tolerance)
+    assert (m["rank_controllability"], m["rank_observability"]) == wanted
+
+
+def test_the_weakest_pair_takes_two_lengths_and_no_stop():
+    task = next(t for t in LESSON.tasks if t.id == "geometry")
+    for values in ({"s": 0.18}, {"h": 0.06}, {"s": 0.1, "h": 0.06}, {"s": 0.1}, {"s": 0.1, "h": 0.052, "ground": 1e-3}, {"kp": 300.0}):
+        assert not task.check(outcome(**values)).solved, values
+    assert task.check(outcome(s=0.1, h=0.052)).solved and task.check(outcome(s=0.095, h=0.058)).solved
 
 
 def test_a_stiffer_servo_makes_the_weak_pair_faster_and_no_weaker():
