@@ -52,8 +52,8 @@ def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> Tabl
         "riccati", Text("one Riccati equation, read twice", "同一个 Riccati 方程，两种读法"),
         (same(""), Text("P of LQE (W, V)", "LQE (W, V) 的 P"), Text("S of LQR on (Aᵀ, Cᵀ)", "(Aᵀ, Cᵀ) 上 LQR 的 S"),
          Text("difference", "差")), tuple(rows), tab=TWINS_TAB,
-        caption=Text(f"Q₁₁ = {Q[0, 0]:.3g}, R₁₁ = {R[0, 0]:.3g}: slowest LQR pole {_entry(slow[0])}. "
-                     f"W₁₁ = {W[0, 0]:.3g}, V₁₁ = {V[0, 0]:.3g}: slowest LQE pole {_entry(slow[1])}.",
+        caption=Text(f"Q₁₁ = {Q[0, 0]:.3g}, R₁₁ = {R[0, 0]:.3g}: slowest LQR pole at Re s = {_entry(slow[0])}. "
+                     f"W₁₁ = {W[0, 0]:.3g}, V₁₁ = {V[0, 0]:.3g}: slowest LQE pole at Re s = {_entry(slow[1])}.",
                      f"Q₁₁ = {Q[0, 0]:.3g}，R₁₁ = {R[0, 0]:.3g}：LQR 最慢极点的实部 {_entry(slow[0])}。"
                      f"W₁₁ = {W[0, 0]:.3g}，V₁₁ = {V[0, 0]:.3g}：LQE 最慢极点的实部 {_entry(slow[1])}。"))
 

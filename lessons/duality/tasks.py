@@ -8,7 +8,9 @@ from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
-from .study import Twins
+from .study import BLOCK, Twins, gains_of, gap
+
+SAME = 0.01  # of L: two gains nearer than this are one
 
 
 def _published(outcome: Outcome[Twins]) -> Verdict:
@@ -28,13 +30,14 @@ def _ratio(outcome: Outcome[Twins]) -> Verdict:
     d = outcome.design
     if d["method"] != BY_WEIGHTS or d["mirror"]:
         return Verdict(False, Text("Choose gains by weights and switch the mirror off.", "请把“增益由”改为“Q/R 权重”，并关闭“权重对偶”。"))
-    scale, ratio = d["w"] / d["q"], (d["w"] / d["v"]) / (d["q"] / d["r"])
+    scale = d["w"] / d["q"]
+    L, mirrored = outcome.gains["L"], gains_of(BLOCK, d.with_values(mirror=True), BLOCK.plant(d))[1]
     if max(scale, 1 / scale) < 10:
         return Verdict(False, Text(f"α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
                                    f"α_W 是 α_Q 的 {scale:.3g} 倍；请使它不小于 10 倍或不大于 1/10。"))
-    if abs(ratio - 1) > 0.02:
-        return Verdict(False, Text(f"L has changed: α_W/α_V is {ratio:.3g} times α_Q/α_R; it should be the same.",
-                                   f"L 变了：α_W/α_V 是 α_Q/α_R 的 {ratio:.3g} 倍，二者应当相等。"))
+    if gap(L, mirrored) > SAME:
+        now, wanted = (f"({M[0, 0]:.3g}, {M[1, 0]:.3g})".replace("-", "−") for M in (L, mirrored))
+        return Verdict(False, Text(f"L is {now}; mirrored weights give {wanted}.", f"L = {now}；权重对偶时为 {wanted}。"))
     return Verdict(True, Text(f"P is {scale:.3g} times as large, yet L is what mirrored weights give.",
                               f"P 变为 {scale:.3g} 倍，L 却与权重对偶时相同。"))
 
@@ -55,7 +58,7 @@ def exam(seed: int) -> ExamItem:
     a, c = (float(v) for v in rng.choice(np.arange(2, 9), 2, replace=False))
     first = a + c - b
     return ExamItem({"b": f"{b:g}", "k": f"{k:g}", "p1": f"-{a:g}", "p2": f"-{c:g}", "first": f"{first:g}"},
-                    a * c - k - b * first, 1e-3)
+                    a * c - k - b * first, 0.0051)  # two decimals
 
 
 TASKS = (

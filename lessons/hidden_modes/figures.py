@@ -18,7 +18,7 @@ from ..toolkit.latex import pole_words
 from .knobs import CASES, COMMON, RELATIVE, Case
 
 MODES_TAB, EVERY_TAB = Text("Modes", "模态"), Text("Every gain", "任意增益")
-CLEAR = 1e-3  # a margin above this is well above zero
+CLEAR = 1e-3  # a distance above this share of the plant's size is well above zero
 DRAWS = 50  # random gains on the maps of the tab "Every gain"
 SPREAD = np.array([3.0, 3.0, 8.0, 8.0])  # their standard deviations, position entries first
 YES, NO = Text("● yes", "● 是"), Text("○ no", "○ 否")
@@ -94,10 +94,10 @@ def _state_parts(run: Run, case: Case) -> TimeFigure:
 
 
 def _bar(mode: Mode) -> str:
-    """A margin as a number and a bar over six decades; a hidden mode has none."""
+    """The PBH distance as a number, its share of the plant's size as a bar over six decades; a hidden mode has none."""
     if not mode.visible:
         return "0"
-    return f"{mode.margin:.3g} " + "▮" * max(1, round(6 + np.log10(mode.margin)))
+    return f"{mode.distance:.3g} " + "▮" * max(1, round(6 + np.log10(mode.margin)))
 
 
 def _pole(mode: Mode) -> str:
@@ -105,7 +105,7 @@ def _pole(mode: Mode) -> str:
 
 
 def margins_of(case: Case) -> TableFigure:
-    """Every mode with its margins towards y and u."""
+    """Every mode with its PBH distances towards y and u."""
     rows = []
     for seen, reached in zip(case.seen.modes, case.reached.modes, strict=True):
         if seen.pole.imag < -1e-9:
@@ -114,17 +114,18 @@ def margins_of(case: Case) -> TableFigure:
         rows.append((_pole(seen), fate, _bar(seen), _bar(reached)))
     hidden = case.unseen or case.unmoved
     words = pole_words(list(hidden))
-    least = min(m.margin for report in (case.seen, case.reached) for m in report.modes)
-    caption = (Text("No mode is hidden: every margin is well above zero.", "没有隐藏模态：各裕度都明显大于零。")
-               if not hidden and least > CLEAR else
-               Text(f"No mode is hidden, but the nearest is only {least:.1g} from it.", f"没有隐藏模态，但最近的离隐藏只有 {least:.1g}。")
+    weakest = min((m for report in (case.seen, case.reached) for m in report.modes), key=lambda m: m.margin)
+    caption = (Text("No mode is hidden: every distance is well above zero.", "没有隐藏模态：各距离都明显大于零。")
+               if not hidden and weakest.margin > CLEAR else
+               Text(f"No mode is hidden, but the nearest is only {weakest.distance:.1g} from it.",
+                    f"没有隐藏模态，但最近的离隐藏只有 {weakest.distance:.1g}。")
                if not hidden
                else Text(f"Hidden from the sensor: {words}.", f"对传感器隐藏：{words}。") if case.unseen
                else Text(f"Out of reach of the force: {words}.", f"力够不着：{words}。"))
     return TableFigure(
-        "margins", Text("distance of each mode from being hidden (PBH)", "各模态离“隐藏”有多远（PBH）"),
-        (Text("mode", "模态"), Text("by itself", "自由运动"), Text("seen by y", "输出可见度"),
-         Text("reached by u", "输入可达度")), tuple(rows), tab=MODES_TAB, caption=caption)
+        "margins", Text("PBH distance of each mode from being hidden", "各模态离“隐藏”的 PBH 距离"),
+        (Text("mode", "模态"), Text("by itself", "自由运动"), Text("from y", "对 y（能观程度）"),
+         Text("from u", "对 u（能控程度）")), tuple(rows), tab=MODES_TAB, caption=caption)
 
 
 def lights_of(checks: tuple[Check, ...]) -> TableFigure:

@@ -59,7 +59,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
                hint=Text("The tab One step shows this sample.", "“一步”标签页显示这一采样。")),
         Choice("phase", "", Text("the step", "步骤"), default=PREDICT,
                options=((PREDICT, Text("predict", "预测")), (UPDATE, Text("predict and update", "预测并更新"))),
-               hint=Text("Before or after the reading is taken in.", "读数纳入之前或之后。")),
+               hint=Text("Before or after the sample is taken in.", "采样纳入之前或之后。")),
         *run_knobs(model.horizon),
     )
 
@@ -126,7 +126,7 @@ def figures(model: Model, outcome: Outcome[Study]) -> tuple[Figure, ...]:
     second = next((s for s in model.watched if s.name.en.startswith("state")), model.watched[-1])
     return (_step(model, outcome), _state(outcome, "height", model.watched[0]), _state(outcome, "pitch", second), _gain(outcome),
             _distance(outcome), _innovation(model, outcome), _correlation(model, outcome),
-            _squares(outcome, "nis", Text("NIS of the readings", "NIS（读数）"), model.plant.p, 0),
+            _squares(outcome, "nis", Text("NIS of a sample", "每次采样的 NIS"), model.plant.p, 0),
             _squares(outcome, "nees", Text("NEES of the states", "NEES（状态）"), model.plant.n, 1),
             _tests(outcome))
 
@@ -143,9 +143,9 @@ def _step(model: Model, outcome: Outcome[Study]) -> TableFigure:
                   digits(float(np.sqrt(max(P[i, i], 0.0))))) for i, name in enumerate(plant.state_names[:MOST_STATES]))
     return TableFigure("step", Text(f"sample {k}", f"第 {k} 个采样"),
                        (Text("state", "状态"), Text("true", "真实"), Text("estimate", "估计"), same("σ")), rows, tab=STEP_TAB,
-                       caption=Text(f"t = {study.found.run.t[k]:.3g} s, {'after' if updated else 'before'} the reading; its NIS is "
+                       caption=Text(f"t = {study.found.run.t[k]:.3g} s, {'after' if updated else 'before'} the sample is taken in; its NIS "
                                     f"{study.nis[k]:.3g}.",
-                                    f"t = {study.found.run.t[k]:.3g} s，读数纳入{'之后' if updated else '之前'}；"
+                                    f"t = {study.found.run.t[k]:.3g} s，采样纳入{'之后' if updated else '之前'}；"
                                     f"其 NIS 为 {study.nis[k]:.3g}。"))
 
 

@@ -126,6 +126,7 @@ def _live(s: Study) -> Text:
 
 LAGS, LEVEL = 20, 1 - 0.05 / 3  # of the test of whiteness in `innovation_test`
 SAMPLES = COUNT - SKIP
+SELDOM = 0.1  # share of the records that may be flagged and still count as left alone
 
 
 @dataclass(frozen=True)
@@ -155,6 +156,11 @@ class Expected:
     def nees_holds(self) -> bool:
         """Whether the mean of NEES does."""
         return self.nees_band[0] <= self.nees <= self.nees_band[1]
+
+    @property
+    def right(self) -> bool:
+        """Whether no test finds the filter out over all records, whatever one of them says."""
+        return self.nis_holds and self.nees_holds and self.flagged <= SELDOM
 
 
 @lru_cache(maxsize=32)

@@ -86,7 +86,7 @@ class Case:
 
     @cached_property
     def recovery_unit(self) -> float:
-        """q₀² = tr(G W Gᵀ)/tr(B Bᵀ): fictitious noise on the inputs that weighs as much as the disturbances."""
+        """μ₀² = tr(G W Gᵀ)/tr(B Bᵀ): fictitious noise on the inputs that weighs as much as the disturbances."""
         return float(np.trace(self.G @ self.W @ self.G.T) / np.trace(self.plant.B @ self.plant.B.T))
 
 

@@ -197,10 +197,14 @@ def _margins(outcome: Outcome[Study]) -> TableFigure:
              Text("all inputs: α, σ_min", "全部输入：α、σ_min"))
     rows = tuple((name, a, b) for name, a, b in zip(names, column(s.ideal), column(s.real), strict=True))
     thin = s.real.margins.gain[1] < 1.1 or s.real.margins.gain[0] > 0.9 or s.real.margins.delay < 1e-3
-    said = (Text("Optimal, yet a little error of gain, phase or timing breaks it.",
+    best = s.cost.total <= s.cost.least * (1 + 1e-6)
+    said = (Text("A little error of gain, phase or timing breaks this loop, which is not even optimal for this noise.",
+                 "增益、相位或时间上的一点误差就会使这个回路失稳，而它对此噪声甚至并非最优。") if thin and not best else
+            Text("Optimal, yet a little error of gain, phase or timing breaks it.",
                  "最优，却经不起增益、相位或时间上的一点误差。") if thin else
             Text("This loop has margins; being optimal promised none of them.",
-                 "这个回路有裕度，但并非由最优性所保证。"))
+                 "这个回路有裕度，但并非由最优性所保证。") if best else
+            Text("This loop has margins; for this noise it is not the optimal one.", "这个回路有裕度；对此噪声它并非最优。"))
     return TableFigure("margins", Text("margins", "稳定裕度"), (Text("margin", "裕度"), same("LQR"), same("LQG")), rows, said,
                        ROBUST_TAB)
 
@@ -257,12 +261,15 @@ def _run(outcome: Outcome[Study]) -> tuple[TimeFigure, ...]:
     size = run.error(s.case)
     start = max(float(size[0]), 1e-12)
     half = np.flatnonzero(size > 0.1 * start)
-    after = float(run.t[half[-1]]) if len(half) else 0.0
+    said = (Text("Still above a tenth of its first size at the end.", "末时刻仍高于初始值的十分之一。")
+            if len(half) and half[-1] == len(run.t) - 1 else
+            Text(f"Last above a tenth of its first size at {run.t[half[-1]] if len(half) else 0.0:.2f} s.",
+                 f"最后一次高于初始值的十分之一是在 {run.t[half[-1]] if len(half) else 0.0:.2f} s。"))
     figures.append(TimeFigure(
         "error", Text("estimation error over its first size", "估计误差与初始误差之比"), run.t,
         (Curve(same("‖e‖ / ‖e(0)‖"), np.clip(size / start, 1e-9, 1e6), "error"),), "‖e‖ / ‖e(0)‖", log=True,
         tab=TIME_TAB, window=(1e-3, 1.0),
-        caption=Text(f"Last above a tenth of its first size at {after:.2f} s.", f"最后一次高于初始值的十分之一是在 {after:.2f} s。")))
+        caption=said))
     return tuple(figures)
 
 
@@ -274,8 +281,10 @@ def rules_figure(outcome: Outcome[Study]) -> TableFigure:
                             f"成立：回路极点即两组极点之并，偏差 {tiny(m['union_error'])}"),
         SENSOR: lambda: Text(f"slip: input from sensor noise ×{m['sensor_less']:.3g} at β_R/10, ×{m['sensor_more']:.3g} at 10 β_R",
                              f"有误：测量噪声引起的输入在 β_R/10 时为 {m['sensor_less']:.3g} 倍，10 β_R 时为 {m['sensor_more']:.3g} 倍"),
-        PROCESS: lambda: Text(f"holds: the filter's poles move left, their sum ×{m['process_more']:.3g} at 10 β_Q",
-                              f"成立：滤波器极点左移，10 β_Q 时极点之和为 {m['process_more']:.3g} 倍"),
+        PROCESS: lambda: Text(f"holds: at 10 β_Q the sum of the filter's poles ×{m['process_more']:.3g}, input from sensor noise "
+                              f"×{m['process_input']:.3g}",
+                              f"成立：10 β_Q 时滤波器极点之和为 {m['process_more']:.3g} 倍，"
+                              f"测量噪声引起的输入为 {m['process_input']:.3g} 倍"),
         CAUTION: lambda: Text(f"holds: nothing is promised; here min |1 + ℓ| = {m['nearest']:.3g}",
                               f"成立：没有任何保证；此处 min |1 + ℓ| = {m['nearest']:.3g}"),
         UNITS: lambda: Text("slip: R_v = σ_v² I gives 1e-18; the figures use 1e-9 and 1e-6",

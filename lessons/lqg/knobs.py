@@ -15,8 +15,8 @@ SLIPS = (SENSOR, UNITS)
 RULES = (
     (NONE, Text("none", "无")),
     (SPLIT, Text("tune LQR first, then LQE", "先调 LQR，再调 LQE")),
-    (SENSOR, Text("β_R ↑: noise is suppressed less", "β_R ↑：噪声抑制减弱")),
-    (PROCESS, Text("β_Q ↑: faster, more sensitive to disturbance", "β_Q ↑：更快，对扰动更敏感")),
+    (SENSOR, Text("β_R ↑: sensor noise is suppressed less", "β_R ↑：测量噪声抑制减弱")),
+    (PROCESS, Text("β_Q ↑: the filter is faster and follows disturbances more", "β_Q ↑：滤波器更快，更多地跟随扰动")),
     (CAUTION, Text("LQG has no robustness of its own", "LQG 不具备内在鲁棒性")),
     (UNITS, Text("σ_v = 1e-9 gives V = 1e-9", "σ_v = 1e-9 对应 V = 1e-9")),
 )
@@ -58,7 +58,7 @@ def _of_report(case: Case, when: When) -> tuple[Number, ...]:
         _factor("beta_r", r"\beta_R", Text("sensor noise believed β_R", "设定的测量噪声 β_R"), 1e-3, 1e12, br,
                 Text(f"V = β_R I{unit.en}: what the filter is told of its sensors.",
                      f"V = β_R I{unit.zh}：告诉滤波器的测量噪声。"), when),
-        _factor("sensor", "V", Text("true sensor noise", "真实测量噪声"), 1e-2, 1e12, 1.0,
+        _factor("sensor", r"V_{\mathrm{true}}", Text("true sensor noise", "真实测量噪声"), 1e-2, 1e12, 1.0,
                 Text("In the unit of β_R: what the sensors really do.", "与 β_R 同单位：传感器实际的噪声强度。"), when),
     )
 

@@ -60,7 +60,7 @@ def regulator(case: Case, alpha_q: float, alpha_r: float) -> Optimal:
 
 @lru_cache(maxsize=64)
 def estimator(case: Case, beta_q: float, beta_r: float, recovery: float) -> Optimal:
-    """LQE for the noise believed, β_Q G W Gᵀ + q² B Bᵀ and β_R V, with q² = (10^recovery − 1) q₀² β_Q."""
+    """LQE for the noise believed, β_Q G W Gᵀ + μ² B Bᵀ and β_R V, with μ² = (10^recovery − 1) μ₀² β_Q."""
     return lqe(case.plant.A, np.eye(case.plant.n), case.plant.C, believed(case, beta_q, recovery), beta_r * case.V)
 
 

@@ -135,6 +135,8 @@ def _metrics(s: Study, setting: Setting, design: Design, reg: Optimal, est: Opti
     elif rule == PROCESS:
         more = estimator(case, f.beta_q * 10.0, f.beta_r, setting.recovery)
         out["process_more"] = float(np.sum(more.poles.real) / np.sum(est.poles.real))
+        told = replace(setting, factors=replace(f, beta_q=f.beta_q * 10.0))
+        out["process_input"] = sensor_input(case, told) / out["sensor_input"] if out["sensor_input"] > 0 else np.inf
     return {name: float(value) for name, value in out.items() if np.isfinite(value)}
 
 

@@ -72,6 +72,10 @@ def _valley_words(outcome: Outcome[Study], i: int) -> Text:
 
 def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
     ray, m, d = outcome.study.ray, outcome.metrics, outcome.design["error0"]
+    said = (Text(f"With {d:.2g} m of starting error and the kick the velocity estimate is wrong by up to {m['peak']:.3g} m/s.",
+                 f"初始误差 {d:.2g} m、并受一次冲击时，速度估计最多偏差 {m['peak']:.3g} m/s。") if outcome.design["kick"] >= 0 else
+            Text(f"With {d:.2g} m of starting error the velocity estimate is wrong by up to {m['peak']:.3g} m/s.",
+                 f"初始误差 {d:.2g} m 时，速度估计最多偏差 {m['peak']:.3g} m/s。"))
     x, y = _log(ray.speed), _log(ray.peak)
     at = float(np.interp(_log(np.array(m["speed"])), x, y))
     return PlaneFigure(
@@ -79,8 +83,7 @@ def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
         (Curve(Text("for 1 m of starting error", "初始误差为 1 m 时"), y, "error", x=x),),
         (Point(float(_log(np.array(m["speed"]))), at, "estimate", "cross", Text("yours", "当前")),),
         "log₁₀ |p| [rad/s]", "log₁₀ max|e₂| [m/s]", (-0.5, 2.5), (-0.5, 2.5), tab=SPEED_TAB,
-        caption=Text(f"With {d:.2g} m of starting error the velocity estimate is wrong by up to {m['peak']:.3g} m/s.",
-                     f"初始误差 {d:.2g} m 时，速度估计最多偏差 {m['peak']:.3g} m/s。"))
+        caption=said)
 
 
 def _shares(outcome: Outcome[Study]) -> TableFigure:

@@ -7,8 +7,10 @@ import numpy as np
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text.words import Text
 
+from .knobs import KNOBS
 from .study import Study
 
+GIVEN = tuple(knob.default for name in ("w", "v") for knob in KNOBS if knob.name == name)  # W and V of the start
 WANTED = 1.01  # of the least variances: the bottom of the valley
 TWIN_SPEED = 0.3  # times Kalman: the slow observer whose fast twin is asked for
 PEAK, SETTLED = 0.5, 1.4  # m/s and s
@@ -19,6 +21,10 @@ def _by_hand(outcome: Outcome[Study]) -> Verdict:
     if outcome.design["method"] != "poles":
         return Verdict(False, Text("Drag the poles yourself: here the Kalman filter is not to help.",
                                    "请自己拖动极点：本题不能借助卡尔曼的形状。"))
+    if (outcome.design["w"], outcome.design["v"]) != GIVEN:
+        return Verdict(False, Text(f"Put the noises back to W = {GIVEN[0]:g} and V = {GIVEN[1]:g}: the poles are to go to the bottom, "
+                                   "not the bottom to the poles.",
+                                   f"请把噪声恢复为 W = {GIVEN[0]:g}、V = {GIVEN[1]:g}：应当让极点走到谷底，而不是让谷底来迁就极点。"))
     if ratio > WANTED:
         return Verdict(False, Text(f"The worse of the two variances is {ratio:.3f} times the least; at most {WANTED} is wanted.",
                                    f"两个方差中较差的一个是最小值的 {ratio:.3f} 倍；要求不超过 {WANTED}。"))

@@ -44,14 +44,18 @@ def _edge(values: np.ndarray) -> np.ndarray:
 
 def _error(outcome: Outcome[Story]) -> TimeFigure:
     story, late = outcome.study, outcome.metrics["late_error"]
+    steady = story.steady
     t, window = story.true.t, (-5.0, 5.0)
     same_plant = np.array_equal(story.true.e_u, story.model.e_u)
     caption = (Text("Plant and model agree: e_u dies out like the observer's poles, whatever v does.",
                     "对象与模型一致：不论 v 如何，e_u 都按观测器极点衰减。") if same_plant else
                Text("With the true plant the loop is unstable, and e_u grows with it; on the model it dies out.",
                     "对真实对象，闭环不稳定，e_u 随之增大；在模型上则衰减到零。") if outcome.metrics["slowest_loop"] >= 0 else
-               Text(f"With the true plant e_u keeps an amplitude of {late:.2g}; on the model it dies out.",
-                    f"对真实对象，e_u 最终保持 {late:.2g} 的幅度；在模型上则衰减到零。"))
+               Text(f"With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.",
+                    f"对真实对象，e_u 最终保持 {steady:.2g} 的幅度；在模型上则衰减到零。") if late < 1.2 * steady + 1e-9 else
+               Text(f"With the true plant e_u will settle to an amplitude of {steady:.2g}, but at the end of this run the start still "
+                    f"shows: up to {late:.2g}.",
+                    f"对真实对象，e_u 最终的幅度为 {steady:.2g}；但在本次运行末段，初始误差仍未消失，最大为 {late:.2g}。"))
     return TimeFigure("e_u", Text("error of the input, û − Kx in the paper's sign", "输入的误差（论文记号 û − Kx）"), t,
                       (Curve(Text("true plant", "真实对象"), _edge(story.true.e_u[:, 0]), "error"),
                        Curve(Text("model", "模型"), _edge(story.model.e_u[:, 0]), "reference", "dash", 1.6)),

@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.engine import functional_observer, simulate_functional
+from app.engine import Plant, functional_observer, simulate_functional
 from app.engine.observers import (
     FunctionalObserver,
     FunctionalRun,
@@ -37,6 +37,7 @@ from .knobs import IM_HIGH, NORMS, ONE, RE_HIGH, RE_LOW, TWO
 HORIZON, DT = 6.0, 0.015
 BEST = -5 / 3  # least J of example 1 with unit weights
 FREQUENCIES = np.geomspace(0.02, 20.0, 120)  # Hz
+PUSH, TURN = 4.0, 5.0  # amplitude and rad/s of the paper's v
 MOST = 1e3  # gains and signals beyond are drawn at the edge
 SLOWEST = -0.01  # rad/s: an observer pole nearer to the imaginary axis is refused
 NEAR = 1e-3  # two real poles of example 2 must be farther apart than this
@@ -162,6 +163,13 @@ def gains_over_frequency(observer: FunctionalObserver, pairs: Sequence[tuple[np.
     return np.minimum(gain[:, :-1], MOST), float(min(peak, MOST))
 
 
+def steady_error(loop: Plant) -> float:
+    """Amplitude of e_u once the start has died out, under v = `PUSH` sin(`TURN` t + φ): PUSH·|C (jω − A)⁻¹ B|."""
+    if np.max(np.real(loop.poles)) >= 0:
+        return np.inf
+    return PUSH * float(abs((loop.C @ np.linalg.solve(1j * TURN * np.eye(len(loop.A)) - loop.A, loop.B + 0j))[0, 0]))
+
+
 def vertices_of(design: Design) -> tuple[tuple[np.ndarray, np.ndarray], ...]:
     """(ΔA, ΔC) at the eight sign patterns of the design's |δ|."""
     return vertices(CASES[design["example"]].example.wrong, *deltas(design))
@@ -183,13 +191,17 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class Story:
-    """The observer, its run on the model and on the true plant, |v → e_u| (n_f,) now and at the worst vertex."""
+    """The observer, its run on the model and on the true plant, |v → e_u| (n_f,) now and at the worst vertex.
+
+    steady: amplitude at which e_u settles on the true plant under v, ∞ where its loop is unstable.
+    """
 
     observer: FunctionalObserver
     model: FunctionalRun
     true: FunctionalRun
     now: np.ndarray
     worst: np.ndarray
+    steady: float
     search: Search | None = None
 
 
@@ -201,8 +213,8 @@ def compute(design: Design) -> Outcome[Story]:
     model = simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT)
     true = shown(simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dC=dC))
     gains, peak = gains_over_frequency(observer, ((dA, dC), *vertices_of(design)))
-    story = Story(observer, model, true, gains[0], gains[1:].max(axis=0))
     loop = perturbed_loop(observer, dA=dA, dB=None, dC=dC)
+    story = Story(observer, model, true, gains[0], gains[1:].max(axis=0), steady_error(loop))
     late = true.t > 0.75 * HORIZON
     metrics = {
         "J": observer.J, "error_index": min(error_index(observer), 1e9), "order": float(observer.order),

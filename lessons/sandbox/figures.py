@@ -105,7 +105,7 @@ def _paired(seen: tuple[Mode, ...], reached: tuple[Mode, ...]) -> list[tuple[Mod
 def _bar(mode: Mode) -> str:
     if not mode.visible:
         return "0"
-    return f"{mode.margin:.2g} " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
+    return f"{mode.distance:.2g} " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
 
 
 # --- structure ---------------------------------------------------------------------------------------------------------

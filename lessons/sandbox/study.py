@@ -130,7 +130,7 @@ def _weakest(modes: tuple[Mode, ...], hidden: tuple[complex, ...]) -> Text:
     if hidden:
         words = pole_words([p for p in hidden if p.imag >= 0][:4])
         return Text(f"{len(hidden)} hidden: {words}", f"{len(hidden)} 个隐藏：{words}")
-    d = min(mode.margin for mode in modes)
+    d = min(mode.distance for mode in modes)
     return Text(f"nearest mode {d:.2g} from hidden", f"与“隐藏”的最小距离 {d:.2g}")
 
 

@@ -111,3 +111,19 @@ def test_tasks_fail_at_the_start_and_pass_at_their_solution():
     for task in LESSON.tasks:
         assert not task.check(outcome()).solved, task.id
         assert task.check(outcome(**task.solution)).solved, task.id
+
+
+def test_a_gain_task_judges_the_gain() -> None:
+    """Whatever weights give the L of mirrored weights solve it; others do not."""
+    task = next(t for t in LESSON.tasks if t.id == "ratio")
+    for sensor in (0.0, 45.0, 90.0):
+        for q, r in ((4.0, 1.0), (1.0, 1.0), (4.0, 4.0)):
+            base = {"method": "weights", "mirror": False, "sensor": sensor, "q": q, "r": r}
+            right, wrong = (LESSON.compute(LESSON.apply(LESSON.start(), {**base, "w": 40 * q, "v": v})) for v in (40 * r, 4 * r))
+            assert task.check(right).solved and not task.check(wrong).solved
+
+
+def test_an_exam_accepts_the_digits_that_it_asks_for() -> None:
+    for seed in range(1000):
+        item = LESSON.exam(seed)
+        assert abs(round(item.answer, 2) - item.answer) <= item.tolerance

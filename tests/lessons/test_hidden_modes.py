@@ -152,3 +152,16 @@ def test_tasks_fail_at_the_start_and_pass_at_their_solution():
 def test_a_kick_wakes_the_sleeping_motion():
     silence = next(task for task in LESSON.tasks if task.id == "silence")
     assert not silence.check(outcome(**silence.solution, kick=1.0)).solved
+
+
+def test_pbh_distance_is_one_quantity() -> None:
+    """Table and formula print the same σ_min."""
+    for plant in CASES:
+        o = LESSON.compute(LESSON.apply(LESSON.start(), {"plant": plant}))
+        modes = CASES[plant].seen.modes
+        rows = next(f for f in LESSON.figures(o) if f.id == "margins").rows
+        shown = [m for m in modes if m.pole.imag >= -1e-9]
+        for row, mode in zip(rows, shown, strict=True):
+            stacked = np.vstack([CASES[plant].model.plant.A - mode.pole * np.eye(4), CASES[plant].model.plant.C])
+            sigma = float(np.linalg.svd(stacked, compute_uv=False)[-1])
+            assert str(row[2]).split()[0] == (f"{sigma:.3g}" if mode.visible else "0")

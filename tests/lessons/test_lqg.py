@@ -205,3 +205,26 @@ def test_a_run_that_leaves_every_scale_is_not_said_to_stay_within_the_picture():
     held = within(figure, 40.0)
     assert held.curves[0].y.max() == 40.0 and held.caption.en == "Now. What lies beyond the scale is drawn at its edge."
     assert within(figure, 500.0) is figure
+
+
+@pytest.mark.parametrize("values", [{}, {"alpha_r": 100.0}, {"beta_r": 1.0}, {"beta_r": 1.0, "sensor": 1e9}, {"case": "doyle"},
+                                    {"case": "doyle", "q": 1e3, "sigma": 1e3}, {"case": "doyle", "recovery": 6.0}])
+def test_a_loop_is_called_optimal_only_if_no_loop_is_cheaper(values: dict) -> None:
+    o = at(**values)
+    caption = next(f for f in LESSON.figures(o) if f.id == "margins").caption("en")
+    claimed = "Optimal, yet" in caption or "being optimal" in caption
+    assert claimed == (o.metrics["J"] <= o.metrics["J_least"] * (1 + 1e-6)), caption
+
+
+@pytest.mark.parametrize("values", [{}, {"beta_r": 1.0}, {"filter": "recursive"}, {"case": "doyle"}])
+def test_an_error_that_is_still_large_at_the_end_is_not_said_to_have_fallen(values: dict) -> None:
+    o = at(**values)
+    figure = next(f for f in LESSON.figures(o) if f.id == "error")
+    assert ("at the end" in figure.caption("en")) == bool(figure.curves[0].y[-1] > 0.1)
+
+
+def test_only_one_rule_of_tuning_is_turned_round() -> None:
+    """β_Q ↑ is about the filter: it gets faster, and passes more of the sensors' noise on; β_R ↑ passes less."""
+    o = at(rule="beta-q")
+    assert o.metrics["process_more"] > 1 and o.metrics["process_input"] == pytest.approx(3.2, abs=0.1)
+    assert at(rule="beta-r").metrics["sensor_more"] < 1

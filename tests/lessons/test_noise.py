@@ -127,3 +127,25 @@ def test_the_exam_answer_is_control_lqe(seed):
     a, w, v = (float(item.numbers[k]) for k in ("a", "W", "V"))
     L, _, _ = control.lqe(np.array([[-a]]), np.eye(1), np.eye(1), np.array([[w]]), np.array([[v]]))
     assert item.answer == pytest.approx(float(L[0, 0]), abs=1e-9)
+
+
+@pytest.mark.parametrize("kick", [-1.0, 1.0])
+def test_a_peak_names_its_causes(kick: float) -> None:
+    caption = next(f for f in LESSON.figures(outcome(kick=kick)) if f.id == "peaks").caption("en")
+    assert ("and the kick" in caption) == (kick >= 0)
+
+
+def test_the_bottom_is_reached_by_the_poles_and_not_by_the_noises() -> None:
+    """The first poles are the best ones for other noises; that is no solution."""
+    task = next(t for t in LESSON.tasks if t.id == "by-hand")
+    cheat = outcome(method="poles", w=1.0, v=1e-4)
+    assert cheat.metrics["worst_ratio"] < 1.01 and not task.check(cheat).solved
+
+
+def test_sensor_noise_falls_with_speed_left_of_the_blocks_own_pace() -> None:
+    """What the text says of the valley's left side."""
+    none = error_parts(PLANT, np.zeros((2, 1)), PLANT.B, [[0.04]], [[4e-4]]).total
+    slow, turn, fast = (outcome(speed=v) for v in (0.1, 0.4, 1.0))
+    sensor = [o.study.parts.sensor[1, 1] for o in (slow, turn, fast)]
+    assert sensor[0] > sensor[1] < sensor[2]
+    assert slow.gains["L"][1, 0] < 0 and np.all(np.diag(slow.study.parts.total) > np.diag(none))

@@ -8,15 +8,15 @@ import pytest
 from lesson_checks import carried
 from scipy.integrate import solve_ivp
 
-from app.engine import EngineError, ShapeError, functional_observer, rlo
+from app.engine import EngineError, ShapeError, functional_observer, rlo, simulate_functional
 from app.engine.observers import Region, vertices, worst_error_gain
 from app.lesson.knobs import KnobError
-from app.plants.duan import EXAMPLE_1, EXAMPLE_2
+from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
 from lessons.robust_observer.job import swept
 from lessons.robust_observer.knobs import COLUMNS, LINES, REMARKS
 from lessons.robust_observer.lesson import LESSON
 from lessons.robust_observer.paper import claimed_columns, free_columns, remark_3, true_size
-from lessons.robust_observer.study import FREQUENCIES, criterion_1, criterion_2, observer_of, steering
+from lessons.robust_observer.study import FREQUENCIES, criterion_1, criterion_2, errors, observer_of, steering
 
 START = LESSON.start()
 SECOND = LESSON.apply(START, {"example": "2"})
@@ -298,3 +298,19 @@ def test_no_steady_amplitude_is_told_of_a_loop_that_is_unstable() -> None:
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"a1": -0.5}))
     said = next(f.caption.en for f in LESSON.figures(outcome) if f.id == "e_u")
     assert outcome.metrics["slowest_loop"] > 0 and "grows" in said and "amplitude" not in said
+
+
+@pytest.mark.parametrize("s", [-0.1, -0.3, -1.0, -5 / 3, -5.0, -11.0])
+def test_a_transient_is_not_called_an_amplitude(s: float) -> None:
+    """The amplitude of the caption is what a run of many time constants settles to."""
+    o = outcome(pole=(s,))
+    caption, slowest = next(f for f in LESSON.figures(o) if f.id == "e_u").caption("en"), o.metrics["slowest_loop"]
+    if slowest >= 0:
+        assert "unstable" in caption and np.isinf(o.study.steady)
+        return
+    dA, dC = errors(o.design)
+    long = simulate_functional(o.study.observer, push, x0=EXAMPLE_1.x0, z0=EXAMPLE_1.z0, horizon=max(20.0, 12 / -slowest),
+                               dt=0.01, dA=dA, dC=dC)
+    settled = np.abs(long.e_u[-500:, 0]).max()
+    assert o.study.steady == pytest.approx(settled, rel=0.01)
+    assert ("will settle" in caption) == (o.metrics["late_error"] >= 1.2 * settled) and f"{o.study.steady:.2g}" in caption
