@@ -107,7 +107,8 @@ def private_uses(source: str) -> list[str]:
             out += [f"line {node.lineno}: {n}" for n in names if _private(n)] if _of_viser(node) else []
         elif isinstance(node, ast.Import):
             out += [f"line {node.lineno}: {a.name}" for a in node.names if any(map(_private, a.name.split(".")))]
-        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("getattr", "setattr", "hasattr", "delattr"):
+        elif isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("getattr", "setattr", "hasattr",
+                                                                             "delattr"):
             out += [f"line {node.lineno}: {a.value}" for a in node.args[1:2]
                     if isinstance(a, ast.Constant) and _private(str(a.value)) and not _own(node.args[0])]
     return out

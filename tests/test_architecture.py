@@ -18,7 +18,8 @@ ROOM = re.compile(r"│ (\S+) +│(?:──► (.+))?$")
 
 
 def drawn(page: str) -> dict[str, tuple[str, ...]]:
-    """Room → the rooms it may import, as the picture of the house in CONTRIBUTING.md has it; rooms of the engine by full name."""
+    """Room → the rooms it may import, as the picture of the house in CONTRIBUTING.md has it; rooms of the engine by
+    full name."""
     picture = page.split("```")[1]
     house, _, engine = picture.partition("app.engine, its own rooms")
     found = [(name, arrows) for name, arrows in map(_row, house.splitlines()) if name]
@@ -38,7 +39,8 @@ MAY_IMPORT = {"app": (), **PICTURE, "app.engine": ("app.engine",)}
 ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
 LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
-NOT_YET = ("duality", "hidden_modes", "kalman", "lqg", "noise", "robust_observer", "sandbox")  # lessons to be put into rooms
+# lessons to be put into rooms
+NOT_YET = ("duality", "hidden_modes", "kalman", "lqg", "noise", "robust_observer", "sandbox")
 # --- reading -------------------------------------------------------------------------------------------------------
 def layer_of(name: str) -> str | None:
     """The layer of a module, None if it is not ours."""
@@ -70,7 +72,8 @@ def lesson_may(module: str, name: str) -> bool:
 
 def tracked() -> list[Path]:
     """The files that git carries and that are there."""
-    names = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout.decode().split("\0")
+    names = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True,
+                           check=True).stdout.decode().split("\0")
     return [ROOT / name for name in names if name and (ROOT / name).is_file()]
 
 
@@ -166,7 +169,8 @@ def test_no_star_imports() -> None:
 def test_no_mutable_globals() -> None:
     """Wrap a table in MappingProxyType, a sequence in a tuple, a set in a frozenset."""
     assert violations((m, [*mutable_globals(m.source), *(f"line {n.lineno}: global" for n in ast.walk(m.tree)
-                                                         if isinstance(n, ast.Global))]) for m in modules("app", "lessons")) == []
+                                                         if isinstance(n, ast.Global))])
+                                                         for m in modules("app", "lessons")) == []
 
 
 def test_top_level_folders_are_those_agreed_and_no_others() -> None:
@@ -220,21 +224,24 @@ def test_the_import_rule_sees_a_breach_and_lets_good_imports_pass() -> None:
 def test_the_rule_on_circles_sees_one_of_any_length() -> None:
     assert circles({"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": {"e"}, "e": set()}) == [["a", "b", "c"]]
     assert circles({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == [] == circles({})
-    sources = {"lessons.x": "", "lessons.x.lesson": "def f():\n    from .own import g", "lessons.x.own": "from .lesson import f"}
+    sources = {"lessons.x": "", "lessons.x.lesson": "def f():\n    from .own import g",
+               "lessons.x.own": "from .lesson import f"}
     found = circles(arrows(Module(ROOT / "x.py", name, source) for name, source in sources.items()))
     assert found == [["lessons.x.lesson", "lessons.x.own"]]
 
 
 def test_the_privacy_rule_sees_a_breach() -> None:
     private = ("client._websock_connection", "self._server._websock_server", "from viser import _messages",
-               "import viser._messages as m", "from viser._messages import GuiUpdateMessage", "getattr(handle, '_impl')")
+               "import viser._messages as m", "from viser._messages import GuiUpdateMessage",
+               "getattr(handle, '_impl')")
     assert [source for source in private if not private_uses(source)] == []
     assert not private_uses("class A:\n    def f(self):\n        return self._server.__class__, hasattr(self, '_live')")
 
 
 def test_the_rule_on_globals_sees_a_breach() -> None:
     mutable = ("A = {}", "A: dict = {'a': 1}", "a = [1]", "A = {1, 2}", "A = dict(a=1)", "A = [x for x in b]",
-               "if b:\n    A = []", "try:\n    pass\nexcept Exception:\n    A = {}", "A = ({}, 1)", "A = collections.deque()")
+               "if b:\n    A = []", "try:\n    pass\nexcept Exception:\n    A = {}", "A = ({}, 1)",
+               "A = collections.deque()")
     assert [source for source in mutable if not mutable_globals(source)] == []
     assert not mutable_globals("__all__ = ['a']\nA = MappingProxyType({'a': 1})\nB = (1, 2)\n"
                                "C = frozenset({1})\ndef f():\n    x = []\nclass D:\n    y = {}")

@@ -118,7 +118,8 @@ def test_a_file_that_cannot_be_finished_leaves_the_one_before_it(capsys, tmp_pat
 
 def test_a_check_that_fails_is_status_1(capsys, monkeypatch) -> None:
     def with_check(holds: bool) -> Lesson:
-        return replace(SEPARATION, compute=lambda d: replace(SEPARATION.compute(d), checks=(Check("c", same("c"), holds),)))
+        return replace(SEPARATION,
+                       compute=lambda d: replace(SEPARATION.compute(d), checks=(Check("c", same("c"), holds),)))
     use(monkeypatch, with_check(True))
     assert main(["run", "separation"]) == 0
     use(monkeypatch, with_check(False))
@@ -188,7 +189,8 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["serve", "--allow-host", "http://lab.example"], "without http"),
     (["serve", "--allow-host", "lab.example:80"], "not the name of a host"),
 ])
-def test_bad_input_is_status_2_and_one_sentence(words: list[str], told: str, capsys, tmp_path: Path, monkeypatch) -> None:
+def test_bad_input_is_status_2_and_one_sentence(words: list[str], told: str, capsys, tmp_path: Path,
+                                                monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert told in refused(capsys, *words)
     assert not list(tmp_path.iterdir())
@@ -364,7 +366,8 @@ def test_status_tells_of_a_running_server_and_is_status_1_where_there_is_none(ca
         assert health["status"] == "ok" and health["tabs"] == 0 and health["most_tabs"] == 7
     assert main(["status", url]) == 1
     out, err = capsys.readouterr()
-    assert out == "" and err.startswith(f"observer-lab: no Observer Lab answers at {url} (") and len(err.splitlines()) == 1
+    assert out == "" and len(err.splitlines()) == 1
+    assert err.startswith(f"observer-lab: no Observer Lab answers at {url} (")
 
 
 def test_the_log_is_lines_of_json_on_stderr_and_in_the_data_folder(tmp_path: Path) -> None:

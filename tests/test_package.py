@@ -28,7 +28,8 @@ pytestmark = pytest.mark.slow  # minutes: everything is installed anew
 def told(*words: str | Path, cwd: Path) -> str:
     """What a command prints that ends well, far from the repository and from what its environment says to Python."""
     environment = {key: value for key, value in os.environ.items() if not key.startswith(("PYTHON", "VIRTUAL_ENV"))}
-    done = subprocess.run(list(map(str, words)), cwd=cwd, env=environment, capture_output=True, text=True, timeout=900, check=False)
+    done = subprocess.run(list(map(str, words)), cwd=cwd, env=environment, capture_output=True, text=True, timeout=900,
+                          check=False)
     assert done.returncode == 0, f"{words}: {done.stdout[-2000:]} {done.stderr[-4000:]}"
     return done.stdout
 
@@ -38,7 +39,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The wheel, built from a copy: building leaves its traces beside the sources."""
     place = tmp_path_factory.mktemp("wheel")
     source = place / "source"
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
+    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", "-z"], cwd=ROOT, capture_output=True,
+                            text=True, check=True)
     for name in filter(None, listed.stdout.split("\0")):
         if (ROOT / name).is_file():
             (source / name).parent.mkdir(parents=True, exist_ok=True)
@@ -69,22 +71,24 @@ def test_every_command_runs_where_nothing_but_the_wheel_is_installed(bin: Path, 
     where = told(bin / "python", "-c", "import app, lessons; print(app.__path__[0], lessons.__path__[0])", cwd=tmp_path)
     assert all(Path(path).is_relative_to(bin.parent) for path in where.split())
     assert f". {OPENING}: " in told(lab, "list", cwd=tmp_path)
-    record = json.loads(told(lab, "run", "duality", "--json", "--plant", "motor", "--figure", "page.png", "--csv", "data.csv",
-                             cwd=tmp_path))
+    record = json.loads(told(lab, "run", "duality", "--json", "--plant", "motor", "--figure", "page.png", "--csv",
+                             "data.csv", cwd=tmp_path))
     assert record["lesson"] == "duality" and (tmp_path / "page.png").stat().st_size > 5000
     assert (tmp_path / "data.csv").read_text(encoding="utf-8").startswith("figure,kind,series")
     assert "agrees" in told(lab, "verify", cwd=tmp_path)
 
 
 def test_the_page_is_served_where_nothing_but_the_wheel_is_installed(bin: Path, tmp_path: Path) -> None:
-    server = subprocess.Popen([bin / "observer-lab", "serve", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE, text=True,
+    server = subprocess.Popen([bin / "observer-lab", "serve", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE,
+                              text=True,
                               env={key: value for key, value in os.environ.items() if not key.startswith("PYTHON")})
     try:
         assert server.stdout is not None
         address = server.stdout.readline().strip()
         with urllib.request.urlopen(address, timeout=60) as page:
             assert page.status == 200 and b"observer lab" in page.read().lower()
-        assert f"Observer Lab {PROJECT['version']}: 0 of 200 tabs" in told(bin / "observer-lab", "status", address, cwd=tmp_path)
+        assert f"Observer Lab {PROJECT['version']}: 0 of 200 tabs" in told(bin / "observer-lab", "status", address,
+                                                                           cwd=tmp_path)
     finally:
         server.send_signal(signal.SIGTERM)
         assert server.wait(60) == 0
@@ -94,7 +98,8 @@ def test_the_page_is_served_where_nothing_but_the_wheel_is_installed(bin: Path, 
 def test_what_the_lab_needs_exists_for_every_python_it_names(version: str, tmp_path: Path) -> None:
     """Resolved only, from wheels alone: a machine has one Python."""
     report = tmp_path / "report.json"
-    told(sys.executable, "-m", "pip", "install", "--quiet", "--dry-run", "--ignore-installed", "--target", tmp_path / "nowhere",
-         "--only-binary=:all:", "--python-version", version, "--report", report, *PROJECT["dependencies"], cwd=tmp_path)
+    told(sys.executable, "-m", "pip", "install", "--quiet", "--dry-run", "--ignore-installed", "--target",
+         tmp_path / "nowhere", "--only-binary=:all:", "--python-version", version, "--report", report,
+         *PROJECT["dependencies"], cwd=tmp_path)
     found = {entry["metadata"]["name"].lower() for entry in json.loads(report.read_text(encoding="utf-8"))["install"]}
     assert {re.split(r"[<>=!~ \[]", need)[0].lower() for need in PROJECT["dependencies"]} <= found

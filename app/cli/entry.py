@@ -38,7 +38,8 @@ class Command(Protocol):
 
 
 DEFAULT = "serve"
-COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "run": run, "verify": verify, "status": status})
+COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "run": run, "verify": verify,
+                                                    "status": status})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

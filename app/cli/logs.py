@@ -27,7 +27,8 @@ class OneLineOfJson(logging.Formatter):
 
 
 def set_up(as_json: bool, folder: str | None) -> None:
-    """Write warnings, and what the command itself says, to stderr and to FILE in `folder`. Raises OSError where that fails."""
+    """Write warnings, and what the command itself says, to stderr and to FILE in `folder`. Raises OSError where that
+    fails."""
     handlers: list[logging.Handler] = [logging.StreamHandler()]
     if folder is not None:
         Path(folder).mkdir(parents=True, exist_ok=True)

@@ -39,7 +39,8 @@ def whole(low: int, high: int, refusal: str) -> Callable[[str], int]:
 def host_name(words: str) -> str:
     """The reader of an option that is a name or an address of a machine."""
     if not re.fullmatch(r"[A-Za-z0-9_.-]{1,253}|[0-9A-Fa-f:.]{2,45}", words):
-        raise argparse.ArgumentTypeError(f"{words[:40]} is not the name of a host; give it without http:// and without a port")
+        raise argparse.ArgumentTypeError(f"{words[:40]} is not the name of a host; give it without http:// and without "
+                                         f"a port")
     return words
 
 

@@ -22,7 +22,8 @@ def print_lesson(lesson: Lesson) -> None:
     print(f"{lesson.number}. {lesson.id}: {words.question}")
     for knob in lesson.knobs:
         unit = f" {knob.unit}" if knob.unit else ""
-        print(f"     --set {knob.name}={knob.show(knob.check(knob.default))}    {knob.label('en')}, {_bounds(knob)}{unit}")
+        print(f"     --set {knob.name}={knob.show(knob.check(knob.default))}    {knob.label('en')}, "
+              f"{_bounds(knob)}{unit}")
     for task in lesson.tasks:
         print(f"     task {task.id}: {words.tasks[task.id].title}")
 

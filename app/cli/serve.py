@@ -44,7 +44,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     port = whole(0, 65535, "is not a port; give a number from 1 to 65535, or 0 for a free one")
     count = whole(1, 100_000, "is not a number of tabs; give one from 1 to 100000")
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
-    parser.add_argument("--port", type=port, default=8080, help="port, or the next free one; 0 for any (default %(default)s)")
+    parser.add_argument("--port", type=port, default=8080,
+                        help="port, or the next free one; 0 for any (default %(default)s)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
@@ -84,7 +85,8 @@ def _serve(request: ServeRequest) -> None:
     try:
         set_up(request.log_json, request.data_dir)
     except (OSError, ValueError) as problem:
-        raise CommandError(f"{str(request.data_dir)[:80]} cannot hold the log ({cause(problem)}); choose another folder.") from problem
+        raise CommandError(f"{str(request.data_dir)[:80]} cannot hold the log ({cause(problem)}); choose another "
+                           f"folder.") from problem
     plant = "" if request.plant is None else plant_in(request.plant)
     opening = find_lesson(request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING))
     fitted(opening, plant)
@@ -94,13 +96,13 @@ def _serve(request: ServeRequest) -> None:
     try:
         public = is_public(request.host)
         if public and not request.public:
-            raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say --public as well "
-                             "if that is meant.")
-        server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions, plant,
-                           request.names)
+            raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
+                               "--public as well if that is meant.")
+        server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions,
+                           plant, request.names)
     except OSError as problem:
-        raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); choose a "
-                         "free port of an address of this machine.") from problem
+        raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); "
+                           "choose a free port of an address of this machine.") from problem
     try:
         if public:
             print(OPEN_TO_ALL.format(host=request.host), file=sys.stderr)

@@ -17,7 +17,8 @@ LONGEST = 10_000  # bytes of an answer that are read
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `status`."""
-    parser.add_argument("url", nargs="?", default="http://127.0.0.1:8080", help="address of the server (default %(default)s)")
+    parser.add_argument("url", nargs="?", default="http://127.0.0.1:8080",
+                        help="address of the server (default %(default)s)")
     add_json(parser)
 
 

@@ -113,9 +113,9 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
     """A run as plain data, ready for JSON: lesson, knobs, gains, poles, metrics, checks, series.
 
     Complex numbers are [re, im]; NaN and infinity, which JSON has not, are null. `series` holds the run's time-first
-    arrays t (n_t,), x, xhat, e, u_asked, u_applied, y, yhat, w, v (n_t, …) in SI units; a lesson whose run is of another
-    kind gives t, x, xhat, u as its stage plays them. It is empty where nothing moves. A design with the user's own plant
-    has "plant" too, in the form of a plant file.
+    arrays t (n_t,), x, xhat, e, u_asked, u_applied, y, yhat, w, v (n_t, …) in SI units; a lesson whose run is of
+    another kind gives t, x, xhat, u as its stage plays them. It is empty where nothing moves. A design with the user's
+    own plant has "plant" too, in the form of a plant file.
     """
     return {
         "lesson": design.lesson,

@@ -30,7 +30,8 @@ CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page,
 LEFT, RIGHT, HEAD, FOOT = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
 CURVES, LINE, ROW = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
 COLUMN_NAMES = 0.34
-DRAW: Mapping[type, Any] = MappingProxyType({TimeFigure: draw_time, FrequencyFigure: draw_frequency, PlaneFigure: draw_plane,
+DRAW: Mapping[type, Any] = MappingProxyType({TimeFigure: draw_time, FrequencyFigure: draw_frequency,
+                                             PlaneFigure: draw_plane,
                          MapFigure: draw_map, MatrixFigure: draw_matrix, TableFigure: draw_table})
 
 
@@ -56,8 +57,9 @@ class _Cell:
 def save_figures(figures: Sequence[Figure], path: str | Path, language: str = "en") -> None:
     """Write all figures on one page: PNG (200 dpi), SVG (text as outlines) or PDF (fonts embedded), by the suffix.
 
-    `language` is one of `app.text.languages()`. The same records give the same bytes. Warns (MissingFontWarning) where Chinese is asked
-    for and no font holds it. Raises ExportError for another suffix or no figures, OSError if the file cannot be written.
+    `language` is one of `app.text.languages()`. The same records give the same bytes. Warns (MissingFontWarning) where
+    Chinese is asked for and no font holds it. Raises ExportError for another suffix or no figures, OSError if the file
+    cannot be written.
     """
     path = Path(path)
     kind = path.suffix.lower()

@@ -23,8 +23,8 @@ PREFERRED = (
     "Arial Unicode MS",
 )
 HAN = frozenset({"zh", "ja", "ko"})  # languages whose glyphs a Latin font has not
-INSTALL = ("No installed font holds Chinese, so Chinese words will show as boxes in this figure; install one, for example "
-           "the package fonts-noto-cjk.")
+INSTALL = ("No installed font holds Chinese, so Chinese words will show as boxes in this figure; install one, for "
+           "example the package fonts-noto-cjk.")
 
 
 class MissingFontWarning(UserWarning):

@@ -32,7 +32,8 @@ def draw_matrix(axes: Axes, figure: MatrixFigure, language: str) -> None:
     matrix = np.asarray(figure.matrix, dtype=float)
     rows, columns = matrix.shape
     axes.imshow(shade(matrix), interpolation="nearest", aspect="equal")
-    axes.tick_params(length=0, top=False, bottom=False, labeltop=True, labelbottom=False, labelsize=_fit(max(matrix.shape)))
+    axes.tick_params(length=0, top=False, bottom=False, labeltop=True, labelbottom=False,
+                     labelsize=_fit(max(matrix.shape)))
     across, down = ([symbol(wording(name, language)) for name in names] for names in (figure.columns, figure.rows))
     turn = 90 if columns > 6 or max(map(len, across), default=0) > 5 else 0
     axes.set_xticks(range(columns) if across else [], [words(n) for n in across], rotation=turn)

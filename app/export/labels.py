@@ -56,8 +56,8 @@ def label_curves(axes: Axes, lines: list[Line2D]) -> bool:
         chosen.append((line, place))
     for line, place in chosen:
         x, y = axes.transAxes.inverted().transform((place.x, place.y))
-        axes.text(float(x), float(y), str(line.get_label()), transform=axes.transAxes, color=line.get_color(), fontsize=SMALL,
-                  ha="left", va="bottom", zorder=6)
+        axes.text(float(x), float(y), str(line.get_label()), transform=axes.transAxes, color=line.get_color(),
+                  fontsize=SMALL, ha="left", va="bottom", zorder=6)
     return True
 
 
@@ -65,7 +65,8 @@ def _legend(axes: Axes, named: list[Line2D], paths: list[np.ndarray], inside: Bb
     """A legend in the corner that covers the fewest points of curves."""
     low, high = np.asarray(inside.min), np.asarray(inside.max)
     share = (np.vstack(paths) - low) / (high - low)
-    corners: dict[Any, tuple[int, int]] = {"upper right": (1, 1), "upper left": (0, 1), "lower right": (1, 0), "lower left": (0, 0)}
+    corners: dict[Any, tuple[int, int]] = {"upper right": (1, 1), "upper left": (0, 1), "lower right": (1, 0),
+                                           "lower left": (0, 0)}
     crowd = {name: int(np.count_nonzero((np.abs(share - corner) < (0.45, 0.3)).all(axis=1)))
              for name, corner in corners.items()}
     axes.legend(handles=named, loc=min(crowd, key=lambda name: crowd[name]), borderaxespad=0.3, labelspacing=0.25)

@@ -10,7 +10,8 @@ NEVER_FIRST = "，。；：、！？）》”’,.;:!?)%"
 
 def width(text: str) -> float:
     """About how many em a text takes: 1 for a Chinese character, half of it for a Latin letter."""
-    return sum(1.0 if unicodedata.east_asian_width(c) in "WF" else 0.0 if unicodedata.combining(c) else 0.5 for c in text)
+    return sum(1.0 if unicodedata.east_asian_width(c) in "WF" else 0.0 if unicodedata.combining(c) else 0.5
+               for c in text)
 
 
 def wrap(text: str, em: float) -> list[str]:

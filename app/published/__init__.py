@@ -55,7 +55,8 @@ def table(results: Sequence[Result]) -> str:
     rows = [(r.published.source, r.published.item, r.published.printed or "(not printed)", _show(r.ours),
              r.verdict if r.holds else r.verdict.upper()) for r in results]
     wide = [max(_width(row[k]) for row in (head, *rows)) for k in range(len(head))]
-    lines = [" | ".join(cell + " " * (w - _width(cell)) for cell, w in zip(row, wide, strict=True)).rstrip() for row in (head, *rows)]
+    lines = [" | ".join(cell + " " * (w - _width(cell)) for cell, w in zip(row, wide, strict=True)).rstrip()
+             for row in (head, *rows)]
     lines.insert(1, "-|-".join("-" * w for w in wide))
     slips = [r for r in results if r.published.kind == "slip"]
     lines += ["", "Slips in the sources:"]
@@ -63,7 +64,8 @@ def table(results: Sequence[Result]) -> str:
     wrong = [r for r in results if not r.holds]
     lines += ["", f"{len(results)} values, {len(slips)} slips, {len(wrong)} not as expected."]
     lines += [f"  {r.published.source}, {r.published.item}: expected {r.published.kind}, "
-              f"{'right ' + r.published.right if r.published.right else 'printed ' + r.published.printed}" for r in wrong]
+              f"{'right ' + r.published.right if r.published.right else 'printed ' + r.published.printed}"
+              for r in wrong]
     return "\n".join(lines)
 
 

@@ -53,8 +53,8 @@ RECORDS = (
               note=FORMULA, tolerance=1e-9),
     Published(SINOPOLI, "A = [1.25 0; 1 1.1], C = [1 1]: lower bound 1 − 1/1.25² of the critical arrival rate", "0.36",
               lambda: arrivals()[0], note=FORMULA, tolerance=1e-12),
-    Published(SINOPOLI, "the same: upper bound, 1 − 1/(1.25 · 1.1)² for one sensor", "", lambda: arrivals()[1], "beyond",
-              "0.471074", note="the closed form for a sensor of rank one"),
-    Published(SINOPOLI, "the same: least arrival rate with a solution of X = g(X)", "", solvable_from, "beyond", "0.471074",
-              tolerance=3e-6, note="by bisection, Q = 20 I, R = 2.5"),
+    Published(SINOPOLI, "the same: upper bound, 1 − 1/(1.25 · 1.1)² for one sensor", "", lambda: arrivals()[1],
+              "beyond", "0.471074", note="the closed form for a sensor of rank one"),
+    Published(SINOPOLI, "the same: least arrival rate with a solution of X = g(X)", "", solvable_from, "beyond",
+              "0.471074", tolerance=3e-6, note="by bisection, Q = 20 I, R = 2.5"),
 )

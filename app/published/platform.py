@@ -136,7 +136,8 @@ def eight_against_ten() -> tuple[float, float, float]:
 
 def price_of_fewer() -> tuple[float, float]:
     """Extra cost in % on ten states of the design on six and on four."""
-    return tuple(100 * (designed_on(order)[1] / designed_on(10)[1] - 1) for order in (6, 4))  # type: ignore[return-value]
+    # type: ignore[return-value]
+    return tuple(100 * (designed_on(order)[1] / designed_on(10)[1] - 1) for order in (6, 4))
 
 
 def right_sensor() -> tuple[float, float]:
@@ -184,7 +185,8 @@ RECORDS = (
               note="the report cuts after 8"),
     Published(SOURCE, "frequencies of the modes in Hz", "", lambda: modes()[0], "beyond",
               "0.995, 1.192, 1.494, 30.21, 30.32"),
-    Published(SOURCE, "damping of the modes in %", "", lambda: 100 * modes()[1], "beyond", "0.59, 0.47, 0.58, 2.53, 2.54"),
+    Published(SOURCE, "damping of the modes in %", "", lambda: 100 * modes()[1], "beyond",
+              "0.59, 0.47, 0.58, 2.53, 2.54"),
     Published(SOURCE, "vertical resonance in Hz", "near 1–2 Hz", peak_channel, right="1.494"),
     Published(SOURCE, "adjacent peaks of the rotation channel in Hz", "two adjacent modes", rotation_peaks, "beyond",
               "0.995, 1.19"),
@@ -198,13 +200,15 @@ RECORDS = (
               note="to first order in small ζ and μ/m"),
     Published(SOURCE, "rank of controllability, observability at 1e-12", "", lambda: ranks(1e-12), "beyond", "10, 10"),
     Published(SOURCE, "rank of controllability, observability at 1e-6", "6 to 10 for tolerances 1e-12 to 1e-6",
-              lambda: ranks(1e-6), "beyond", "10, 10", note="in seconds no tolerance of that range takes rank away; see the next line"),
+              lambda: ranks(1e-6), "beyond", "10, 10",
+              note="in seconds no tolerance of that range takes rank away; see the next line"),
     Published(SOURCE, "rank of controllability at 1e-12, 1e-6, time in ms", "6 to 10 for tolerances 1e-12 to 1e-6",
               rank_by_the_millisecond, right="10, 6", note="a rank has a unit: by the millisecond the range comes out"),
     Published(SOURCE, "rank of both matrices at the usual tolerance", "", usual_ranks, "beyond", "4, 6",
               note="relative to the largest singular value, time in seconds"),
-    Published(SOURCE, "LQG on 8 against 10: growth of K, cost, spectra", "weak states ask for large gains", eight_against_ten,
-              "beyond", "0, 0, 0", tolerance=5e-5, note="with Q = CᵀW_yC the worry of section 3.3 does not arise"),
+    Published(SOURCE, "LQG on 8 against 10: growth of K, cost, spectra", "weak states ask for large gains",
+              eight_against_ten, "beyond", "0, 0, 0", tolerance=5e-5,
+              note="with Q = CᵀW_yC the worry of section 3.3 does not arise"),
     Published(SOURCE, "LQG on 6 and on 4: extra cost in %", "", price_of_fewer, "beyond", "0.000, 17.2",
               note="V = 1e-9; the widest gap of the list lies after 6"),
     Published(SOURCE, "rank of C, HL + HR", "outputs VL VR HL HR", right_sensor, "slip", "3, 0",

@@ -1,7 +1,8 @@
 """Source 003, chapter 4: the recursive filter on the platform, its innovations, NIS, and the output error of figure 11.
 
-As in the report the plant has ten states and the filter the eight of the balanced truncation. The report gives neither a
-sampling period nor the noise of its figures: 1 kHz for 20 s and σ_v = 1 µm/s a sample are ours, the ground is its (76).
+As in the report the plant has ten states and the filter the eight of the balanced truncation. The report gives neither
+a sampling period nor the noise of its figures: 1 kHz for 20 s and σ_v = 1 µm/s a sample are ours, the ground is its
+(76).
 """
 
 from __future__ import annotations
@@ -81,7 +82,8 @@ def record(noise: str = "white", force: float = 0.0, seed: int = SEED) -> Record
     kf = tuned() if noise == "white" else tuned(ADC.variance) if noise == "taken" else with_coloured_noise(tuned(), ADC)
     rng = np.random.default_rng([seed, 1])
     P = kf.steady.solution
-    start = np.linalg.cholesky(P + 1e-12 * np.diag(np.diag(P))) @ rng.standard_normal(kf.n)  # the filter's own first error
+    # the filter's own first error
+    start = np.linalg.cholesky(P + 1e-12 * np.diag(np.diag(P))) @ rng.standard_normal(kf.n)
     u = np.outer(force * np.sin(2 * np.pi * SINE * DT * np.arange(STEPS)), np.ones(3))
     run = simulate(Scenario(Plant(real.A, real.B, real.C, dt=DT), x0=T @ start[:8], xhat0=np.zeros(10), reference=u,
                             horizon=DT * (STEPS - 1), dt=DT, W=real.Q, G=np.eye(10), seed=seed))
@@ -129,7 +131,8 @@ def innovation_over_R(variance: float) -> tuple[float, float]:
 
 
 def printed_means() -> float:
-    """The largest mean of (61) over σ_v/√N: how far from zero it is if the innovations were of size R, as is said there."""
+    """The largest mean of (61) over σ_v/√N: how far from zero it is if the innovations were of size R, as is said
+    there."""
     return float(np.max(np.abs(PRINTED)) / (SIGMA_V / np.sqrt(SAMPLES)))
 
 
@@ -140,7 +143,8 @@ def both_horizontal() -> float:
 
 
 def recursion_and_riccati() -> tuple[float, float]:
-    """Relative distance of the recursion's gain from the Riccati equation's after 300 s, and of M/dt from the LQE gain (73).
+    """Relative distance of the recursion's gain from the Riccati equation's after 300 s, and of M/dt from the LQE gain
+    (73).
 
     The recursion steps every 20 ms from a P far too wide, the second filter every 0.1 ms; V = 1e-9 (m/s)² s in both.
     """
@@ -154,7 +158,8 @@ def recursion_and_riccati() -> tuple[float, float]:
 
 
 def figure_eleven() -> tuple[float, float]:
-    """dB by which the output error lies below the output at 0.16 Hz, and the error there with the force over without."""
+    """dB by which the output error lies below the output at 0.16 Hz, and the error there with the force over
+    without."""
     loud, quiet = record(force=FORCE), record()
     at = [psd(np.column_stack([r.clean[:, 0], r.clean[:, 0] - r.filtered[:, 0]]), 1 / DT,
               segment=18_750) for r in (loud, quiet)]
@@ -164,30 +169,38 @@ def figure_eleven() -> tuple[float, float]:
 
 
 RECORDS = (
-    Published(SOURCE, "chapter 4, NIS of one step, four sensors, 95 %", "", lambda: chi2_band(4), "beyond", "0.484, 11.143"),
+    Published(SOURCE, "chapter 4, NIS of one step, four sensors, 95 %", "", lambda: chi2_band(4), "beyond",
+              "0.484, 11.143"),
     Published(SOURCE, "mean of 1000 NIS, 95 %", "", lambda: chi2_band(4, count=1000), "beyond", "3.827, 4.177",
               tolerance=6e-4),
     Published(SOURCE, "NIS tuned to the number of measurements", "near 4", nis_mean, right="4", tolerance=0.08,
               note=f"eight states watching ten; {OURS}"),
-    Published(SOURCE, "share of single NIS in the one-step band", "", share_in_band, "beyond", "0.95", tolerance=0.006, note=OURS),
+    Published(SOURCE, "share of single NIS in the one-step band", "", share_in_band, "beyond", "0.95", tolerance=0.006,
+              note=OURS),
     Published(SOURCE, "innovation means, in σ of the mean", "zero mean", scores, right="0", tolerance=4.0, note=OURS),
-    Published(SOURCE, "correlation of innovations one sample apart (70)", "white", memory, right="0", tolerance=0.03, note=OURS),
+    Published(SOURCE, "correlation of innovations one sample apart (70)", "white", memory, right="0", tolerance=0.03,
+              note=OURS),
     Published(SOURCE, "innovation means (61) in σ_v/√N", "all close to 0", printed_means, "slip", "77", tolerance=0.5,
-              note="5.46e-10 is 77 times the σ of a mean of 20 000 samples of 1e-9, if the innovations are of size R as is said"),
+              note="5.46e-10 is 77 times the σ of a mean of 20 000 samples of 1e-9, if the innovations are of size R "
+                   "as is said"),
     Published(SOURCE, "HL + HR of any motion", "means of HL and HR (61): both negative", both_horizontal, "slip", "0",
               note="HR = −HL, so means of one sign are no motion but offsets of the readings"),
-    Published(SOURCE, "innovation covariance over R, σ_v = 1e-9 a sample (77)", "close to R", lambda: innovation_over_R(1e-18),
-              "slip", "7.89e6, 1.59e6", relative=1e-3, note="it is S = CPCᵀ + R; VL and HL at 1 kHz"),
+    Published(SOURCE, "innovation covariance over R, σ_v = 1e-9 a sample (77)", "close to R",
+              lambda: innovation_over_R(1e-18), "slip", "7.89e6, 1.59e6", relative=1e-3,
+              note="it is S = CPCᵀ + R; VL and HL at 1 kHz"),
     Published(SOURCE, "the same for V = 1e-9 as in its figures", "close to R", lambda: innovation_over_R(1e-9 / DT),
-              right="1.00, 1.00", note="close to R only where the sensors' noise drowns what the ground does in a step"),
-    Published(SOURCE, "innovations below 2 Hz over above 50 Hz, converter taken for white", "shape of the converter's noise",
-              lambda: colour("taken"), right="1.44", tolerance=0.15, note=f"figure 9; {OURS}"),
-    Published(SOURCE, "the same with the converter's noise as states", "shape of the converter's noise", lambda: colour("carried"),
-              "slip", "1.0", tolerance=0.15, note="the optimal filter's innovations are white whatever the noise"),
-    Published(SOURCE, "recursion against (72), (73): discrete, continuous", "the same", recursion_and_riccati, right="0, 0",
-              tolerance=1e-3),
-    Published(SOURCE, "figure 11: error below output at 0.16 Hz in dB", "no peak", lambda: figure_eleven()[0], right="72", tolerance=3.0,
-              note=f"a known force of 0.01 N; {OURS}"),
-    Published(SOURCE, "figure 11: error at 0.16 Hz, with the force over without", "no peak", lambda: figure_eleven()[1], right="1",
-              tolerance=0.01),
+              right="1.00, 1.00",
+              note="close to R only where the sensors' noise drowns what the ground does in a step"),
+    Published(SOURCE, "innovations below 2 Hz over above 50 Hz, converter taken for white",
+              "shape of the converter's noise", lambda: colour("taken"), right="1.44", tolerance=0.15,
+              note=f"figure 9; {OURS}"),
+    Published(SOURCE, "the same with the converter's noise as states", "shape of the converter's noise",
+              lambda: colour("carried"), "slip", "1.0", tolerance=0.15,
+              note="the optimal filter's innovations are white whatever the noise"),
+    Published(SOURCE, "recursion against (72), (73): discrete, continuous", "the same", recursion_and_riccati,
+              right="0, 0", tolerance=1e-3),
+    Published(SOURCE, "figure 11: error below output at 0.16 Hz in dB", "no peak", lambda: figure_eleven()[0],
+              right="72", tolerance=3.0, note=f"a known force of 0.01 N; {OURS}"),
+    Published(SOURCE, "figure 11: error at 0.16 Hz, with the force over without", "no peak", lambda: figure_eleven()[1],
+              right="1", tolerance=0.01),
 )

@@ -29,8 +29,8 @@ SOURCE = "003 platform report"
 OURS = "on the reconstructed plant; vertical, rotation, horizontal"
 FREQUENCY = np.unique(np.concatenate([np.geomspace(0.01, 100, 400), np.linspace(0.9, 1.6, 1500)]))
 DT = 1e-3
-TABLE = ((1e-18, "110, 96, 113"), (1e-12, "61, 61, 57"), (1e-10, "41, 26, 37"), (1e-9, "31, 11, 27"), (1e-8, "21, 3, 17"),
-         (1e-6, "3.6, 0.0, 1.8"))
+TABLE = ((1e-18, "110, 96, 113"), (1e-12, "61, 61, 57"), (1e-10, "41, 26, 37"), (1e-9, "31, 11, 27"),
+         (1e-8, "21, 3, 17"), (1e-6, "3.6, 0.0, 1.8"))
 
 
 @lru_cache(maxsize=1)
@@ -56,7 +56,8 @@ def suppression(closed: NoisyLoop) -> np.ndarray:
 def at(frequency: float, V: float) -> np.ndarray:
     """Decibels gained at one frequency."""
     free, closed = loop(None), loop(V)
-    return 10 * np.log10(free.psd(frequency, free.outputs(T_y[:3]))[0] / closed.psd(frequency, closed.outputs(T_y[:3]))[0])
+    return 10 * np.log10(free.psd(frequency, free.outputs(T_y[:3]))[0] /
+                         closed.psd(frequency, closed.outputs(T_y[:3]))[0])
 
 
 def noise_in_input(V: float) -> float:
@@ -154,38 +155,44 @@ def horizontal_peak() -> float:
 
 RECORDS = (
     Published(SOURCE, "(75), (76): W = σ_w²", "1e-12, 1e-12", lambda: np.diag(FIGURES.W), relative=1e-9),
-    Published(SOURCE, "(77): log₁₀ of R_v = σ_v² for σ_v = 1e-9", "-9, -6", lambda: 2 * np.log10(1e-9), "slip", "-18", tolerance=1e-9,
+    Published(SOURCE, "(77): log₁₀ of R_v = σ_v² for σ_v = 1e-9", "-9, -6", lambda: 2 * np.log10(1e-9), "slip", "-18",
+              tolerance=1e-9,
               note="the figures are labelled V = 1e-9 and V = 1e-6: an intensity was called a standard deviation"),
     Published(SOURCE, "(80)–(85): diagonal of W_y", "1e8, 1e10, 1e8, 1e10",
               lambda: np.square(S_Y), relative=1e-9),
     Published(SOURCE, "(88), (89): poles of the loop against both sets", "their union",
               union, right="0", tolerance=1e-9),
-    Published(SOURCE, "appendix A, algebraic Riccati equation: residual", "", riccati_of_the_appendix, "beyond", "0", tolerance=1e-8,
-              note="A.2 is headed (LQG); it is the LQR"),
+    Published(SOURCE, "appendix A, algebraic Riccati equation: residual", "", riccati_of_the_appendix, "beyond", "0",
+              tolerance=1e-8, note="A.2 is headed (LQG); it is the LQR"),
     *(Published(SOURCE, f"LQG, V = {V:g}: peaks lowered by dB", "", lambda V=V: suppression(loop(V)), "beyond", text,
                 tolerance=0.55, note=OURS) for V, text in TABLE),
     Published(SOURCE, "least V of 1e-9, 1e-10 with ≥ 20 dB in every channel: least dB", "20–40 dB",
               lambda: [suppression(loop(V)).min() for V in (1e-9, 1e-10)], "beyond", "11.0, 25.5",
               note="its 20 to 40 dB mean V between 1e-9 and 1e-10, not 1e-18"),
     Published(SOURCE, "figures 13–15: dB more at V = 1e-9 than at 1e-6", "better at V = 1e-9",
-              lambda: suppression(loop(FIGURE_V)) - suppression(loop(LOOSE_V)), "beyond", "27.5, 11.0, 25.3", note=OURS, tolerance=0.1),
-    Published(SOURCE, "figure 14: vertical peak lowered by dB", "20–30 dB", lambda: suppression(loop(FIGURE_V))[0], "beyond", "31.2"),
+              lambda: suppression(loop(FIGURE_V)) - suppression(loop(LOOSE_V)), "beyond", "27.5, 11.0, 25.3", note=OURS,
+              tolerance=0.1),
+    Published(SOURCE, "figure 14: vertical peak lowered by dB", "20–30 dB", lambda: suppression(loop(FIGURE_V))[0],
+              "beyond", "31.2"),
     Published(SOURCE, "V = 1e-9: dB gained at 0.1 Hz", "10–30 dB over 0.1–10 Hz", lambda: at(0.1, FIGURE_V), "beyond",
               "0.0, -31.1, 0.0", tolerance=0.1, note="off resonance nothing is gained, and pitch is amplified"),
-    Published(SOURCE, "figure 13: horizontal peak without control, Hz", "1e-1", horizontal_peak, "beyond", "0.995", tolerance=0.002,
-              note="the report says so of figure 13, and 1 Hz of figures 14 and 20"),
+    Published(SOURCE, "figure 13: horizontal peak without control, Hz", "1e-1", horizontal_peak, "beyond", "0.995",
+              tolerance=0.002, note="the report says so of figure 13, and 1 Hz of figures 14 and 20"),
     Published(SOURCE, "rule 2, β_R ×10: sensor noise in the input ×", "noise suppressed less",
               lambda: noise_in_input(1e-8) / noise_in_input(1e-9), "slip", "0.287",
-              note="reversed: a larger V trusts the model more and suppresses noise more, as section 5.2 itself says before"),
-    Published(SOURCE, "rule 2, β_Q ×10: sum of the filter's poles ×", "faster", lambda: filter_speed(10.0) / filter_speed(1.0), "beyond",
-              "1.495"),
+              note="reversed: a larger V trusts the model more and suppresses noise more, as section 5.2 itself says "
+                   "before"),
+    Published(SOURCE, "rule 2, β_Q ×10: sum of the filter's poles ×", "faster",
+              lambda: filter_speed(10.0) / filter_speed(1.0), "beyond", "1.495"),
     Published(SOURCE, "chapter 5: y is position differentiated … times", "(m/s²)²/Hz", velocity_outputs, "slip", "1",
               note="the outputs are velocities: (m/s)²/Hz, as chapter 2 has it"),
-    Published(SOURCE, "figure 16: input at 100 Hz against its largest, dB", "falls quickly", input_rolls_off, "beyond", "-44.05"),
-    Published(SOURCE, "section 5.3.2: recursive against steady, relative", "nearly the same", recursive_against_steady, right="0",
-              tolerance=1e-5),
+    Published(SOURCE, "figure 16: input at 100 Hz against its largest, dB", "falls quickly", input_rolls_off, "beyond",
+              "-44.05"),
+    Published(SOURCE, "section 5.3.2: recursive against steady, relative", "nearly the same", recursive_against_steady,
+              right="0", tolerance=1e-5),
     Published(SOURCE, "LQG on eight states against ten, dB", "", eight_states, "beyond", "0", tolerance=0.1),
-    Published(SOURCE, "V = 1e-18: fastest and slowest pole of A − BK", "", regulator_poles, "beyond", "-3.77e5, -1.064e-4",
-              relative=2e-3, note="velocity sensors alone leave a drift"),
-    Published(SOURCE, "V = 1e-18 at 1 kHz, one sample late: dB", "", late_computer, "beyond", "73, 87, 76", tolerance=0.6, note=OURS),
+    Published(SOURCE, "V = 1e-18: fastest and slowest pole of A − BK", "", regulator_poles, "beyond",
+              "-3.77e5, -1.064e-4", relative=2e-3, note="velocity sensors alone leave a drift"),
+    Published(SOURCE, "V = 1e-18 at 1 kHz, one sample late: dB", "", late_computer, "beyond", "73, 87, 76",
+              tolerance=0.6, note=OURS),
 )

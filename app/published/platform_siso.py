@@ -113,7 +113,8 @@ def mixing(low: float, high: float, count: int = 100) -> np.ndarray:
 
 
 def grid_dependence() -> tuple[float, float, float]:
-    """Gain in dB of the optimum over 0.1–10 Hz of 100 points on those points and on 400; of the optimum of 400 points."""
+    """Gain in dB of the optimum over 0.1–10 Hz of 100 points on those points and on 400; of the optimum of 400
+    points."""
     rough, fine = (dominance(_three(), 2 * np.pi * np.geomspace(0.1, 10, n)).response for n in (100, 400))
     one, best, J = best_mixing(rough, channels=(1, 2)), best_mixing(fine, channels=(1, 2)), coupling(fine,
                                                                                                      channels=(1, 2))
@@ -165,12 +166,13 @@ RECORDS = (
     Published(SOURCE, "z₄ of eq. (8)", "0", residual_output, tolerance=1e-12),
     Published(SOURCE, "|G13|, |G31| over |G11|, 0.1–10 Hz", "much smaller", cross_terms, right="0, 0", tolerance=1e-9,
               note="exactly zero by left-right symmetry"),
-    Published(SOURCE, "largest row ratio of rotation at Hz, of horizontal at Hz", "clearly diagonal dominant in 0.1–10 Hz",
-              row_ratios, "slip", "3.11, 1.002, 16.2, 1.181",
+    Published(SOURCE, "largest row ratio of rotation at Hz, of horizontal at Hz",
+              "clearly diagonal dominant in 0.1–10 Hz", row_ratios, "slip", "3.11, 1.002, 16.2, 1.181",
               note="rotation and horizontal share two resonances: near them neither row is dominant"),
     Published(SOURCE, "least J of eq. (21) over 2–10 Hz: a, b, gain in dB", "", lambda: mixing(2, 10), "beyond",
               "0.1682, 0.0407, 18.8", note="above the resonances mixing decouples"),
-    Published(SOURCE, "least J of eq. (21) over 0.1–0.8 Hz: gain in dB", "", lambda: mixing(0.1, 0.8)[2], "beyond", "1.96"),
+    Published(SOURCE, "least J of eq. (21) over 0.1–0.8 Hz: gain in dB", "", lambda: mixing(0.1, 0.8)[2], "beyond",
+              "1.96"),
     Published(SOURCE, "J over 0.1–10 Hz, gain in dB: optimum of 100 points there and on 400, optimum of 400",
               "no help for the design", grid_dependence, "beyond", "7.3, 0.93, 1.23",
               note="the sum hangs on the few samples that fall on a resonance"),
@@ -179,17 +181,20 @@ RECORDS = (
               note="the mixed coils no longer push back where the ground pulls"),
     Published(SOURCE, "C_v (26): zeros, real and imaginary part", "", lambda: roots(siso.CV_NUMERATOR, True), "beyond",
               "-5.78e-9, 1.428e-5", note=NOT_PRINTED),
-    Published(SOURCE, "C_v (26): poles", "", lambda: roots(siso.CV_DENOMINATOR), "beyond", "-1.366e5, -9.8755e-4, 7.94e-11",
+    Published(SOURCE, "C_v (26): poles", "", lambda: roots(siso.CV_DENOMINATOR), "beyond",
+              "-1.366e5, -9.8755e-4, 7.94e-11",
               note=NOT_PRINTED + "; the last is an integrator that rounding has made unstable"),
-    Published(SOURCE, "C_v in 0.1–10 Hz: gain, largest phase of −C_v in °", "gain with a lead for phase", cv_in_band, "slip",
-              "-31252, 0.09", tolerance=0.9, note="a pure constant: the lead that the text describes is not there"),
+    Published(SOURCE, "C_v in 0.1–10 Hz: gain, largest phase of −C_v in °", "gain with a lead for phase", cv_in_band,
+              "slip", "-31252, 0.09", tolerance=0.9,
+              note="a pure constant: the lead that the text describes is not there"),
     Published(SOURCE, "C_h (31), (32): relative degree, rightmost zero, rightmost pole", "", ch_facts, "beyond",
               "1, -8.444e-7, -2.058e-9", note=NOT_PRINTED + ": strictly proper, stable, minimum phase"),
     Published(SOURCE, "C_h: light pole pairs, Hz and % to the nearest zero", "damping of the main resonances", dipoles,
               "beyond", "0.00999, 0.1, 0.244, 0.4, 2.526, 0.7",
               note="three pairs all but cancelled inside C_h; none stands at a resonance of this plant"),
-    Published(SOURCE, "rightmost pole for (C_v, C_h) as +−, −−, ++, −+", "unit negative feedback, C_h alone said", signs,
-              "beyond", "-9.73e-4, 5.02e3, 1.712e4, 1.712e4", note="only v = +C_v z with v = −C_h z holds the loop"),
+    Published(SOURCE, "rightmost pole for (C_v, C_h) as +−, −−, ++, −+", "unit negative feedback, C_h alone said",
+              signs, "beyond", "-9.73e-4, 5.02e3, 1.712e4, 1.712e4",
+              note="only v = +C_v z with v = −C_h z holds the loop"),
     Published(SOURCE, "peak suppression of the SISO pair, vertical, dB", "90–100 dB by (35), (36)",
               lambda: suppression(siso.published())[0], right="93.5"),
     Published(SOURCE, "peak suppression of the SISO pair, rotation and horizontal, dB",
@@ -198,7 +203,8 @@ RECORDS = (
     Published(SOURCE, "open-loop peak, vertical, by (35); horizontal, by (33)", "1e-8 and 1e-11",
               lambda: levels(None, False)[[0, 2]], "beyond", "8.2e-9, 9.5e-12",
               note="ground 2.5e-7/f² vertically, 6e-9/f² horizontally, in m/√Hz"),
-    Published(SOURCE, "open-loop peak, rotation, by (37)", "about 1e-11", lambda: levels(None, False)[1], "slip", "4.4e-14",
+    Published(SOURCE, "open-loop peak, rotation, by (37)", "about 1e-11", lambda: levels(None, False)[1], "slip",
+              "4.4e-14",
               note="not reached together with the horizontal level: here both come from one horizontal ground motion"),
     Published(SOURCE, "pitch closed at 0.5 rad/s, rightmost pole: published, ours, poles at will",
               "horizontal near instability above 0.5 rad/s", pitch_closed, "beyond", "-9.73e-4, -0.018, 6.1",

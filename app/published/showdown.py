@@ -1,4 +1,5 @@
-"""Source 003, sections 5.3 and 6.1: who isolates best in figures 13–25, beside the same loops on a computer at 1 kHz."""
+"""Source 003, sections 5.3 and 6.1: who isolates best in figures 13–25, beside the same loops on a computer at 1
+kHz."""
 
 from __future__ import annotations
 
@@ -17,7 +18,8 @@ from .record import Published
 SOURCE = "003 platform report"
 DT = 1e-3  # s
 V = 1e-10  # (m/s)² s, believed and true: where the report's 20–40 dB come out
-BAND = np.unique(np.concatenate([np.geomspace(0.5, 3.0, 400), *(f + np.linspace(-0.05, 0.05, 201) for f in (0.995, 1.193, 1.494))]))
+BAND = np.unique(np.concatenate([np.geomspace(0.5, 3.0, 400),
+                                 *(f + np.linspace(-0.05, 0.05, 201) for f in (0.995, 1.193, 1.494))]))
 WHOLE = np.unique(np.concatenate([np.geomspace(0.1, 499, 2000), BAND]))
 
 
@@ -31,7 +33,8 @@ def controllers(v: float) -> tuple[Plant, ...]:
 
 @lru_cache(maxsize=4)
 def densities(v: float, whole: bool) -> np.ndarray:
-    """Vertical, rotation, horizontal velocity in (m/s)²/Hz under white ground and sensors of intensity v, (5, n_f, 3)."""
+    """Vertical, rotation, horizontal velocity in (m/s)²/Hz under white ground and sensors of intensity v, (5, n_f,
+    3)."""
     plant = platform.plant()
     loops = [sampled_loop(plant, sampled_controller(c, DT), range(3), W=1e-12 * np.eye(2), V=v * np.eye(4),
                           outputs=T_y[:3] @ plant.C) for c in controllers(v)]
@@ -68,21 +71,23 @@ def fastest(controller: Plant, dt: float) -> float:
 
 
 RECORDS = (
-    Published(SOURCE, "figure 23, horizontal, dB over 0.5–3 Hz: SISO, LQG, decoupled", "nearly equal", lambda: by_area(2),
-              right="15.8, 16.5, 16.5"),
+    Published(SOURCE, "figure 23, horizontal, dB over 0.5–3 Hz: SISO, LQG, decoupled", "nearly equal",
+              lambda: by_area(2), right="15.8, 16.5, 16.5"),
     Published(SOURCE, "figure 24, rotation, µm/s RMS: LQG, decoupled, SISO", "in this order", lambda: rms(1),
               right="2.54, 3.47, 4.34", relative=0.01),
     Published(SOURCE, "figure 24, rotation, dB over 0.5–3 Hz: SISO, LQG, decoupled", "LQG best, decoupled between",
               lambda: by_area(1), right="9.4, 13.0, 10.4"),
-    Published(SOURCE, "figure 25, vertical, µm/s RMS: LQG, decoupled, SISO", "LQG, then SISO, then decoupled", lambda: rms(0),
-              "beyond", "24.9, 24.9, 100", relative=0.01,
+    Published(SOURCE, "figure 25, vertical, µm/s RMS: LQG, decoupled, SISO", "LQG, then SISO, then decoupled",
+              lambda: rms(0), "beyond", "24.9, 24.9, 100", relative=0.01,
               note="not reproduced: by symmetry the vertical channel is alone, so decoupled and full LQG are one there"),
-    Published(SOURCE, "sections 5.3.2, 6.1, LQE and recursive filter apart, dB in 0.1–10 Hz", "almost identical", filters_apart,
-              right="0.0", tolerance=0.2, note="continuous design by Tustin at 1 kHz beside the design for the samples"),
-    Published(SOURCE, "section 6.1, full LQG, peaks in dB, sensors as believed at V = 1e-10", "20–40 dB", lambda: peaks(1e-10),
-              "beyond", "38.2, 16.0, 34.2", tolerance=0.07, note="half of what is left is sensor noise; pitch stays below 20 dB"),
-    Published(SOURCE, "section 6.1, the same at V = 1e-11", "20–40 dB", lambda: peaks(1e-11), "beyond", "48.2, 25.7, 44.1",
-              tolerance=0.07),
+    Published(SOURCE, "sections 5.3.2, 6.1, LQE and recursive filter apart, dB in 0.1–10 Hz", "almost identical",
+              filters_apart, right="0.0", tolerance=0.2,
+              note="continuous design by Tustin at 1 kHz beside the design for the samples"),
+    Published(SOURCE, "section 6.1, full LQG, peaks in dB, sensors as believed at V = 1e-10", "20–40 dB",
+              lambda: peaks(1e-10), "beyond", "38.2, 16.0, 34.2", tolerance=0.07,
+              note="half of what is left is sensor noise; pitch stays below 20 dB"),
+    Published(SOURCE, "section 6.1, the same at V = 1e-11", "20–40 dB", lambda: peaks(1e-11), "beyond",
+              "48.2, 25.7, 44.1", tolerance=0.07),
     Published(SOURCE, "published SISO pair at 1 kHz, 10 kHz: largest |z|", "", lambda: (
         fastest(siso.published(), 1e-3), fastest(siso.published(), 1e-4)), "beyond", "34.2, 1.0", tolerance=0.01,
         note="gain 31 250 needs ten times the sampling rate"),

@@ -106,6 +106,6 @@ RECORDS = (
     Published(SOURCE, "saturated, observer fed sat(u): e leaves its law by", "saturation ends the cancellation of Bu",
               lambda: clipped_error("applied"), "slip", "0", tolerance=1e-9,
               note="only if the observer is fed the commanded input; fed sat(u), ė = (A − LC)e stays exact"),
-    Published(SOURCE, "saturated, observer fed u: e leaves its law by", "", lambda: clipped_error("commanded"), "beyond",
-              "7.7", note="x(0) = (5, 0), believed 0"),
+    Published(SOURCE, "saturated, observer fed u: e leaves its law by", "", lambda: clipped_error("commanded"),
+              "beyond", "7.7", note="x(0) = (5, 0), believed 0"),
 )

@@ -215,6 +215,7 @@ class Recalled:
 Playing = Play | Rewind | Seek | ChangeSpeed | Kick
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
 Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
-Paging = OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp | Answer | Recalled
+Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp | Answer
+          | Recalled)
 Command = Playing | Designing | Studying | Paging
 Edit = SetKnobs | Command

@@ -36,7 +36,8 @@ class Desks:
         self._used, self._kept = {}, {}
 
     def take_back(self, desks: Mapping[str, object]) -> bool:
-        """Take kept desks in; what is in use stays, with what was kept one step of undo away. True if there was such."""
+        """Take kept desks in; what is in use stays, with what was kept one step of undo away. True if there was
+        such."""
         met = False
         for lesson, data in desks.items():
             if lesson not in self._used:

@@ -28,7 +28,8 @@ class History:
         """A new present. A quick change with the same key replaces the last one, a `held` one however slow."""
         if design == self.design:
             return
-        merge = key is not None and key == self._key and (held or now - self._time < MERGE) and self._at == len(self._designs) - 1
+        merge = key is not None and key == self._key and (held or now - self._time <
+                                                          MERGE) and self._at == len(self._designs) - 1
         if merge and self._at > 0:
             self._designs[self._at] = design
         else:

@@ -38,7 +38,8 @@ class Mailbox:
                 return
 
     def take(self, wait: float | None) -> list[tuple[int, Edit]]:
-        """All edits with their numbers; waits at most `wait` seconds for the first (None: until one comes or the box is closed)."""
+        """All edits with their numbers; waits at most `wait` seconds for the first (None: until one comes or the box is
+        closed)."""
         with self._ready:
             if not self._edits and not self.closed and (wait is None or wait > 0):
                 self._ready.wait(wait)

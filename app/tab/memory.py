@@ -1,6 +1,7 @@
 """What a tab keeps in its browser through a reload: every desk, and what the person has chosen around them.
 
-It has been out of our hands when it comes back, so all of it is judged anew. A desk is judged when its lesson is opened.
+It has been out of our hands when it comes back, so all of it is judged anew. A desk is judged when its lesson is
+opened.
 """
 
 from __future__ import annotations
@@ -39,8 +40,8 @@ def write_desk(lesson: Lesson, design: Design, state: State) -> str:
     """The desk of a lesson as JSON: its present design, the prediction, and how far its tasks are."""
     tasks = {name: [task.hints, task.solution, task.verdict is not None and task.verdict.solved]
              for name, task in state.tasks.items()}
-    return json.dumps({**plain(lesson, design), "predicted": state.predicted, "revealed": state.revealed, "tasks": tasks,
-                       "exam": state.exam is not None and state.exam.solved}, ensure_ascii=False)
+    return json.dumps({**plain(lesson, design), "predicted": state.predicted, "revealed": state.revealed,
+                       "tasks": tasks, "exam": state.exam is not None and state.exam.solved}, ensure_ascii=False)
 
 
 def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) -> str:

@@ -43,7 +43,8 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """All that a view shows: `resting` is False while a knob moves, `answered` the number of the last edit that went in."""
+    """All that a view shows: `resting` is False while a knob moves, `answered` the number of the last edit that went
+    in."""
 
     lesson: Lesson
     design: Design
@@ -61,7 +62,8 @@ class Picture:
 
     @property
     def rate(self) -> float:
-        """Seconds of the run in a second of playing: the speed chosen, and for a run far from human times a power of ten."""
+        """Seconds of the run in a second of playing: the speed chosen, and for a run far from human times a power of
+        ten."""
         return self.state.speed * tempo(self.horizon)
 
 

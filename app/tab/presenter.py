@@ -190,7 +190,8 @@ class Presenter:
         return self._drafts.draw(self.lesson, design, self._carried)
 
     def _carried(self, outcome: Outcome) -> Outcome:
-        """The outcome with what the job found for the design on the screen, where the lesson says that it still holds."""
+        """The outcome with what the job found for the design on the screen, where the lesson says that it still
+        holds."""
         shown = self._shown
         if self.lesson.carry is None or shown is None or shown.lesson is not self.lesson:
             return outcome
@@ -248,7 +249,8 @@ class Presenter:
     def _make(self, design: Design, drawn: Drawn) -> Picture:
         history = self.desk.history
         self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
-        return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered)
+        return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()),
+                       self.answered)
 
     def remember(self) -> None:
         """Keep in the browser's tab what a reload should bring back, once it is known what is kept there already."""

@@ -41,7 +41,8 @@ class Recall:
 
 
 def recalled(show: Presenter, kept: str | None) -> None:
-    """The answer: go on where this tab was, or keep what the person has done meanwhile and put what was kept beside it."""
+    """The answer: go on where this tab was, or keep what the person has done meanwhile and put what was kept beside
+    it."""
     if show.recalled:
         return
     show.recalled = True

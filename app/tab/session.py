@@ -45,7 +45,8 @@ class Session:
 
     # --- outside ---------------------------------------------------------------------------------------------------
     def post(self, edit: Edit) -> int:
-        """Hand an edit over; returns at once, with the number that a picture's `answered` reaches when it is worked on."""
+        """Hand an edit over; returns at once, with the number that a picture's `answered` reaches when it is worked
+        on."""
         return self._mailbox.post(edit)
 
     def start(self) -> None:

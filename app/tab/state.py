@@ -42,7 +42,8 @@ def from_plain(data: object, lessons: Mapping[str, Lesson]) -> Design:
     lesson = lessons.get(str(data.get("lesson")))
     if lesson is None:
         name = str(data.get("lesson"))[:40]
-        raise KnobError(text("There is no lesson {name}; there are {names}.", name=name, names=listed(map(same, lessons))))
+        raise KnobError(text("There is no lesson {name}; there are {names}.", name=name,
+                             names=listed(map(same, lessons))))
     fitted = _with_plant(lesson, data.get("plant"))
     return fitted.apply(fitted.start(), {name: fitted.knob(name).parse(str(value)) for name, value in
                                          data["knobs"].items()})
@@ -62,5 +63,6 @@ def plain(lesson: Lesson, design: Design) -> dict[str, object]:
     """What `write_design` writes, before it is text."""
     knobs = lesson.fit(design.plant).knobs if design.plant != lesson.plant else lesson.knobs
     show = {knob.name: knob.show for knob in knobs}
-    return {"version": VERSION, "lesson": lesson.id, "knobs": {name: show[name](value) for name, value in design.values},
+    return {"version": VERSION, "lesson": lesson.id,
+            "knobs": {name: show[name](value) for name, value in design.values},
             **({"plant": json.loads(design.plant)} if design.plant else {})}

@@ -14,13 +14,15 @@ log = logging.getLogger(__name__)
 PAUSE, LONGEST = 0.05, 1.0  # s after a step that failed; more after several in a row, at most LONGEST
 
 
-def start_worker(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None], failed: Callable[[], None]) -> None:
+def start_worker(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None],
+                 failed: Callable[[], None]) -> None:
     """Run `work` on a thread of its own, which does not keep the process alive."""
     threading.Thread(target=work, args=(mailbox, begin, step, failed), name="observer-lab session", daemon=True).start()
 
 
 def work(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None], failed: Callable[[], None]) -> None:
-    """Begin, then step until the mailbox is closed. Where a step fails, `failed` is called and the next comes a little later."""
+    """Begin, then step until the mailbox is closed. Where a step fails, `failed` is called and the next comes a little
+    later."""
     try:
         begin()
     except Exception:

@@ -28,11 +28,13 @@ LARGE = Plant(-np.eye(5), np.ones((5, 1)), np.ones((1, 5)), name="large")
 
 
 def wear(_: Lesson, model: Model, name: str = "toy") -> Lesson:
-    """The toy for a plant: a knob of its own for each state, and none of the tasks. Refuses three states, breaks on six."""
+    """The toy for a plant: a knob of its own for each state, and none of the tasks. Refuses three states, breaks on
+    six."""
     n = model.plant.n
     if n == 3:
         raise KnobError(Text("Three states do not fit this lesson.", "本课不接受三个状态。"))
-    extra = tuple(Number(f"state{i}", "x", Text(f"state {i}", f"状态 {i}"), low=0.0, high=1.0, default=0.5) for i in range(n))
+    extra = tuple(Number(f"state{i}", "x", Text(f"state {i}", f"状态 {i}"), low=0.0, high=1.0, default=0.5)
+                  for i in range(n))
     lesson = toy(name)
 
     def compute(design: Design) -> Outcome:
@@ -147,9 +149,9 @@ def test_two_tabs_do_not_see_each_others_plants() -> None:
 
 
 HOSTILE = [
-    ("mine.json", b""), ("mine.json", b"{"), ("mine.json", b"[1, 2]"), ("mine.json", b"\xff\xfe\x00"), ("mine.mat", b"nothing"),
-    ("mine.mat", b""), ("mine.exe", b"MZ"), ("", b"{}"), ("mine.json", b"[" * 100_000), ("mine.json", b"9" * 1_000_001),
-    ("mine.json", json.dumps({"A": [[1e999]], "B": [[1]], "C": [[1]]}).encode()),
+    ("mine.json", b""), ("mine.json", b"{"), ("mine.json", b"[1, 2]"), ("mine.json", b"\xff\xfe\x00"),
+    ("mine.mat", b"nothing"), ("mine.mat", b""), ("mine.exe", b"MZ"), ("", b"{}"), ("mine.json", b"[" * 100_000),
+    ("mine.json", b"9" * 1_000_001), ("mine.json", json.dumps({"A": [[1e999]], "B": [[1]], "C": [[1]]}).encode()),
     ("mine.json", json.dumps({"A": [[0.0] * 31] * 31, "B": [[1]] * 31, "C": [[1] * 31]}).encode()),
     ("mine.json", json.dumps({"A": [[1, 2]], "B": [[1]], "C": [[1]]}).encode()),
     file_of(Plant(-np.eye(3), np.ones((3, 1)), np.ones((1, 3)))),  # the lesson does not take it
@@ -159,7 +161,8 @@ HOSTILE = [
 
 @pytest.mark.parametrize("file", HOSTILE, ids=[f"{i}-{name}" for i, (name, _) in enumerate(HOSTILE)])
 @pytest.mark.parametrize("before", [None, SMALL], ids=["own", "uploaded"])
-def test_a_refused_file_costs_one_sentence_and_the_last_picture_stays(file: tuple[str, bytes], before: Plant | None) -> None:
+def test_a_refused_file_costs_one_sentence_and_the_last_picture_stays(file: tuple[str, bytes],
+                                                                      before: Plant | None) -> None:
     tab = tab_of()
     if before is not None:
         tab.do(UploadPlant(*file_of(before)))
@@ -170,13 +173,15 @@ def test_a_refused_file_costs_one_sentence_and_the_last_picture_stays(file: tupl
     assert len(tab.view.scolded()) == 1
     said = tab.view.scolded()[0]
     assert said.en.strip() and said.zh.strip() and "\n" not in said.en
-    assert tab.picture.design == good.design and tab.picture.outcome is good.outcome and tab.picture.lesson is good.lesson
+    assert tab.picture.design == good.design and tab.picture.lesson is good.lesson
+    assert tab.picture.outcome is good.outcome
     assert tab.picture.state.plant == good.state.plant
     tab.set(gain=4.0)
     assert tab.shown.design["gain"] == 4.0 and tab.shown.design.plant == good.design.plant
 
 
-@pytest.mark.parametrize("argument", [(None, b""), (3, b"{}"), ("mine.json", "{}"), ("mine.json", [1, 2]), ("mine.json", None),
+@pytest.mark.parametrize("argument",
+                         [(None, b""), (3, b"{}"), ("mine.json", "{}"), ("mine.json", [1, 2]), ("mine.json", None),
                                       ("mine.json", 10**12)])
 def test_an_upload_of_nonsense_costs_one_sentence(argument: tuple[object, object]) -> None:
     tab = tab_of()
@@ -210,8 +215,8 @@ def test_a_screen_that_cannot_show_the_new_plant_is_laid_out_for_the_old_one_aga
 
 def test_names_from_a_file_are_plain_words_wherever_they_go() -> None:
     """They end in HTML, Markdown and LaTeX: nothing in them may mean anything there."""
-    evil = Plant(-np.eye(2), np.ones((2, 1)), np.ones((1, 2)), None, 0.0, ("<img src=x onerror=1>", "$\\frac"), ("`u`",), ("**y**",),
-                 (("**y**", "</b>"),), "<script>alert(1)</script>")
+    evil = Plant(-np.eye(2), np.ones((2, 1)), np.ones((1, 2)), None, 0.0, ("<img src=x onerror=1>", "$\\frac"),
+                 ("`u`",), ("**y**",), (("**y**", "</b>"),), "<script>alert(1)</script>")
     text = canonical(evil)
     assert not set("<>&$\\`*{}|#'[]") & set(json.loads(text)["name"] + "".join(json.loads(text)["states"]))
     tab = tab_of()

@@ -120,7 +120,8 @@ def test_a_desk_that_nobody_opened_after_a_reload_outlives_the_next_one() -> Non
 
 
 def test_nothing_is_written_before_the_answer_is_here() -> None:
-    """Under load the answer came after three seconds, counted as none, and the tab's start was written over the work."""
+    """Under load the answer came after three seconds, counted as none, and the tab's start was written over the
+    work."""
     kept = worked().view.kept
     tab = Again(three(), kept)
     tab.set(gain=4.0)
@@ -184,7 +185,8 @@ def test_a_late_answer_after_a_prediction_keeps_the_prediction() -> None:
     assert tab.picture.state.predicted == 2
 
 
-@pytest.mark.parametrize("done", [(LookFrom("all"),), (SetKnobs({"gain": 4.0}), OpenLesson("third")), (SetKnobs({"gain": 99.0}),)])
+@pytest.mark.parametrize("done", [(LookFrom("all"),), (SetKnobs({"gain": 4.0}), OpenLesson("third")),
+                                  (SetKnobs({"gain": 99.0}),)])
 def test_a_second_answer_changes_nothing(done: tuple[Any, ...]) -> None:
     tab = Again(three(), worked().view.kept)
     for edit in done:
@@ -266,13 +268,14 @@ HEAD = {"version": 2, "lesson": "toy", "desks": {}}
 
 
 @pytest.mark.parametrize("kept", [
-    "", "{", "[]", "null", "3", '{"version": 1}', "[" * 50_000, '{"version": 2, "desks":' + "[" * 50_000, "9" * 10_000, "x" * 1_000_000,
-    *(json.dumps(data) for data in (
-        TOY, {**HEAD, "version": 3}, {**HEAD, "lesson": "nowhere"}, {**HEAD, "lesson": []}, {**HEAD, "desks": [1]}, {**HEAD, "desks": 3},
-        {**HEAD, "yours": {"A": 1}}, {**HEAD, "yours": "x"}, {**HEAD, "language": ["en"]},
+    "", "{", "[]", "null", "3", '{"version": 1}', "[" * 50_000, '{"version": 2, "desks":' + "[" * 50_000, "9" * 10_000,
+    "x" * 1_000_000, *(json.dumps(data) for data in (
+        TOY, {**HEAD, "version": 3}, {**HEAD, "lesson": "nowhere"}, {**HEAD, "lesson": []}, {**HEAD, "desks": [1]},
+        {**HEAD, "desks": 3}, {**HEAD, "yours": {"A": 1}}, {**HEAD, "yours": "x"}, {**HEAD, "language": ["en"]},
         *({**HEAD, "desks": {"toy": desk}} for desk in (
-            None, 3, [], {}, {**TOY, "knobs": {"gain": "NaN"}}, {**TOY, "knobs": {"gain": 1e999}}, {**TOY, "knobs": {"nobody": 1}},
-            {**TOY, "knobs": 3}, {**TOY, "lesson": "nowhere"}, {**TOY, "plant": {"A": 1}}, {**TOY, "knobs": {"gain": str(BROKEN)}})))),
+            None, 3, [], {}, {**TOY, "knobs": {"gain": "NaN"}}, {**TOY, "knobs": {"gain": 1e999}},
+            {**TOY, "knobs": {"nobody": 1}}, {**TOY, "knobs": 3}, {**TOY, "lesson": "nowhere"},
+            {**TOY, "plant": {"A": 1}}, {**TOY, "knobs": {"gain": str(BROKEN)}})))),
 ])
 def test_a_torn_memory_of_the_tab_opens_the_lesson_at_its_start(kept: str) -> None:
     """With a design that cannot be computed, reload after reload would end in the same empty page."""
@@ -283,9 +286,9 @@ def test_a_torn_memory_of_the_tab_opens_the_lesson_at_its_start(kept: str) -> No
 
 
 @pytest.mark.parametrize("more", [
-    {"predicted": 7}, {"predicted": "1"}, {"predicted": True}, {"tasks": 3}, {"tasks": {"high": 3}}, {"tasks": {"high": [1, 2]}},
-    {"tasks": {"high": [-1, False, True]}}, {"tasks": {"high": ["1", False, True]}}, {"tasks": {"nobody": [1, True, True]}},
-    {"exam": "yes"}, {"revealed": True},
+    {"predicted": 7}, {"predicted": "1"}, {"predicted": True}, {"tasks": 3}, {"tasks": {"high": 3}},
+    {"tasks": {"high": [1, 2]}}, {"tasks": {"high": [-1, False, True]}}, {"tasks": {"high": ["1", False, True]}},
+    {"tasks": {"nobody": [1, True, True]}}, {"exam": "yes"}, {"revealed": True},
 ])
 def test_what_was_never_done_is_not_believed(more: dict[str, Any]) -> None:
     session = Session({"toy": toy()}, FakeView(), "toy")

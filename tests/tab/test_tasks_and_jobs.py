@@ -81,7 +81,8 @@ def test_the_next_unsolved_task_is_checked_in_order() -> None:
     assert len(tab.view.sentences()) == count
 
 
-@pytest.mark.parametrize("answer, right", [(6.0, True), (6.009, True), (6.02, False), ("6", True), (float("nan"), False),
+@pytest.mark.parametrize("answer, right",
+                         [(6.0, True), (6.009, True), (6.02, False), ("6", True), (float("nan"), False),
                                            (float("inf"), False), (1e300, False)])
 def test_the_exam_item_is_judged_with_its_own_seed_and_tolerance(answer: object, right: bool) -> None:
     tab = Tab(exam_seed=3)
@@ -193,7 +194,8 @@ def test_a_run_goes_on_playing_while_a_job_works() -> None:
     assert work.done >= 10
 
 
-@pytest.mark.parametrize("problem", [EngineError("This map needs a stable loop."), ZeroDivisionError("division by zero")])
+@pytest.mark.parametrize("problem",
+                         [EngineError("This map needs a stable loop."), ZeroDivisionError("division by zero")])
 def test_a_job_that_fails_says_one_sentence_and_keeps_the_last_good_picture(problem: Exception) -> None:
     work = Worker(fail_at=3, problem=problem)
     work.tab.do(RunJob())

@@ -97,8 +97,8 @@ def test_a_sampled_plant_that_no_continuous_one_stands_behind() -> None:
 
 
 @pytest.mark.parametrize("values", [
-    {"gain": float("nan")}, {"gain": 1e9}, {"nobody": 1.0}, {"mode": "c"}, {"poles": [(-1.0, 1.0), (-1.0, 2.0)]}, {"poles": 3},
-    {"hand": [(0.0, 1e9)]}, {"hand": "left"},
+    {"gain": float("nan")}, {"gain": 1e9}, {"nobody": 1.0}, {"mode": "c"}, {"poles": [(-1.0, 1.0), (-1.0, 2.0)]},
+    {"poles": 3}, {"hand": [(0.0, 1e9)]}, {"hand": "left"},
 ], ids=lambda v: str(v)[:40])
 def test_a_knob_that_refuses(values: dict) -> None:
     tab = Tab(language="zh")
