@@ -14,7 +14,7 @@ from matplotlib import font_manager
 __all__ = ["MissingFontWarning", "chinese_font", "families"]
 
 SERIF = ("STIXGeneral", "DejaVu Serif")  # both come with matplotlib; the second holds what the first lacks
-SAMPLE = "观测器误差极点图"
+SAMPLE = "".join(map(chr, (0x89C2, 0x6D4B, 0x5668, 0x8BEF, 0x5DEE, 0x6781, 0x70B9, 0x56FE)))  # observer, error, pole plot
 PREFERRED = (
     "Noto Serif CJK SC", "Noto Serif SC", "Source Han Serif SC", "Source Han Serif CN", "Songti SC", "STSong", "SimSun",
     "FandolSong", "AR PL SungtiL GB", "AR PL UMing CN", "Noto Sans CJK SC", "Noto Sans SC", "Source Han Sans SC",

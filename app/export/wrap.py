@@ -17,7 +17,7 @@ def width(text: str) -> float:
 def wrap(text: str, em: float) -> list[str]:
     """The text in lines of at most `em` em, as far as its words allow."""
     lines, line = [], ""
-    for piece in re.findall(r"[^\S\n]+|[⺀-鿿＀-￯“”]|[^\s⺀-鿿＀-￯“”]+", text):
+    for piece in re.findall(r"[^\S\n]+|[\u2e80-\u9fff\uff00-\uffef“”]|[^\s\u2e80-\u9fff\uff00-\uffef“”]+", text):
         if line and width(line + piece.rstrip()) > em and piece[0] not in NEVER_FIRST:
             lines.append(line.rstrip())
             line = piece.lstrip()

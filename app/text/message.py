@@ -86,7 +86,7 @@ OWN_NAME = text_in("language", "English")  # to be translated by the name of the
 
 
 def name_of(language: str) -> str:
-    """What a language calls itself: English, 中文."""
+    """What a language calls itself: English, Deutsch."""
     name = OWN_NAME(language)
     return known_name(language) if name == OWN_NAME.id and language != "en" else name
 

@@ -11,14 +11,12 @@ from app.engine import Plant, balanced_truncation, frequency_response
 from app.engine.structure import Truncation
 from app.plants.platform import Parameters, plant
 from app.plants.platform_lqg import COILS
-from app.text import Text
+from app.text import Text, text
 
 STATES = 10
 HEARD = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, np.sqrt(2.0), 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])  # HR = −HL: three rows do
-NAMES = (
-    ("up and down", "竖直平动"), ("sideways, with pitch", "水平平动（带俯仰）"), ("pitch, with sideways", "俯仰（带水平平动）"),
-    ("test masses together", "两测试质量同向"), ("test masses against each other", "两测试质量相对"),
-)
+NAMES = (text("up and down"), text("sideways, with pitch"), text("pitch, with sideways"), text("test masses together"),
+         text("test masses against each other"))
 VERTICAL, ACROSS, PITCH, TOGETHER, AGAINST = range(5)
 
 
@@ -47,7 +45,7 @@ class Motion:
     @property
     def name(self) -> Text:
         """What moves."""
-        return Text(*NAMES[self.kind])
+        return NAMES[self.kind]
 
 
 @dataclass(frozen=True, eq=False)
