@@ -18,6 +18,7 @@ Drawn = tuple[Outcome, tuple[Figure, ...]]
 Key = tuple[str, str, Hashable]  # lesson, plant, what of a design the result of a job rests on
 K = TypeVar("K")
 V = TypeVar("V")
+# What a job finds is `Any` here: each lesson has a record of its own, and only its own functions look into it.
 
 
 @dataclass(frozen=True, eq=False)
