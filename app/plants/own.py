@@ -13,8 +13,7 @@ import numpy as np
 from ..engine import EngineError, Plant, Scenario, from_json, simulate, to_json
 from ..engine.design import StartingGain, starting_feedback, starting_observer, typical_rate
 from ..engine.simulation import Run
-from ..engine.structure import state_scale
-from ..engine.systems import continuous_of, read_plant
+from ..engine.systems import continuous_of, natural_scale, read_plant
 from ..text import Text, text, text_in, told
 from .model import Model, Signal, Window
 from .names import called, title_of
@@ -178,13 +177,13 @@ def _exponents(poles: np.ndarray, dt: float) -> np.ndarray:
 def _start(plant: Plant) -> np.ndarray:
     """x(0): every state off rest by its own typical size, signs alternating, the largest entry one."""
     pattern = np.array([(-1.0) ** i * (1.0, 0.7, 0.5)[i % 3] for i in range(plant.n)])
-    x0 = state_scale(plant.A) * pattern
+    x0 = natural_scale(plant.A, plant.B, plant.C) * pattern
     return np.array([_round(v) for v in x0 / np.abs(x0).max()])
 
 
 def _kick(plant: Plant, x0: np.ndarray) -> tuple[float, ...]:
     """A jump of the state as a blow on the first input gives it, as large as the start."""
-    scale = state_scale(plant.A)
+    scale = natural_scale(plant.A, plant.B, plant.C)
     push = next((column for column in plant.B.T if np.any(column)), x0)
     return tuple((push / np.linalg.norm(push / scale) * np.linalg.norm(x0 / scale)).tolist())
 

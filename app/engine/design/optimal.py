@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.arrays import as_definite, as_matrix, as_weight, correlations, symmetric
+from ..systems.balance import SLOWEST
 from ..systems.errors import EngineError, RiccatiError, ShapeError, phrase
-from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
-from .riccati import RiccatiProblem, solve_continuous, solve_discrete
+from .riccati import RiccatiProblem, in_balanced_units, solve_continuous, solve_discrete
 
 __all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]
 
@@ -125,13 +126,13 @@ def _regulator(A: object, B: object, Q: object, R: object, N: object | None) -> 
         raise ShapeError("B must have {n} rows, as A has; it is {rows}×{columns}.",
                          n=n, rows=B.shape[0], columns=B.shape[1])
     m = B.shape[1]
-    Q, R = _weight(Q, "Q", n), _positive(_weight(R, "R", m), "R")
+    Q, R = as_weight(Q, "Q", n), as_definite(R, "R", m)
     cross = np.zeros((n, m)) if N is None else as_matrix(N, "N")
     if cross.shape != (n, m):
         raise ShapeError("N must be {n}×{m}; it is {rows}×{columns}.",
                          n=n, m=m, rows=cross.shape[0], columns=cross.shape[1])
     if np.any(cross):
-        _semidefinite(Q - cross @ np.linalg.solve(R, cross.T), "Q − N R⁻¹ Nᵀ", float(np.linalg.norm(Q, 2)))
+        _not_too_much(Q, R, cross)
     return RiccatiProblem(A, B, Q, R, cross)
 
 
@@ -144,7 +145,7 @@ def _estimator(A: object, G: object, C: object, W: object, V: object) -> Riccati
     if C.shape[1] != n:
         raise ShapeError("C must have {n} columns, as A has; it is {rows}×{columns}.",
                          n=n, rows=C.shape[0], columns=C.shape[1])
-    W, V = _weight(W, "W", G.shape[1]), _positive(_weight(V, "V", C.shape[0]), "V")
+    W, V = as_weight(W, "W", G.shape[1]), as_definite(V, "V", C.shape[0])
     noise = G @ W @ G.T
     return RiccatiProblem(A.T, C.T, (noise + noise.T) / 2, V, np.zeros((n, C.shape[0])))
 
@@ -156,30 +157,12 @@ def _square(A: np.ndarray, name: str) -> int:
     return A.shape[0]
 
 
-def _weight(value: object, name: str, size: int) -> np.ndarray:
-    """A symmetric positive semidefinite size×size matrix, made exactly symmetric."""
-    weight = as_matrix(value, name)
-    if weight.shape != (size, size):
-        raise ShapeError("{name} must be {size}×{size}; it is {rows}×{columns}.",
-                         name=name, size=size, rows=weight.shape[0], columns=weight.shape[1])
-    largest = float(np.abs(weight).max())
-    if np.abs(weight - weight.T).max() > PSD_TOLERANCE * largest:
-        raise EngineError("{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.", name=name)
-    weight = (weight + weight.T) / 2
-    _semidefinite(weight, name, largest)
-    return weight
-
-
-def _semidefinite(weight: np.ndarray, name: str, size: float) -> None:
-    if float(np.linalg.eigvalsh(weight)[0]) < -PSD_TOLERANCE * size:
-        raise EngineError("{name} has a negative eigenvalue; it must be positive semidefinite.", name=name)
-
-
-def _positive(weight: np.ndarray, name: str) -> np.ndarray:
-    values = np.linalg.eigvalsh(weight)
-    if values[0] <= 1e-15 * values[-1]:
-        raise EngineError("{name} must be positive definite: every eigenvalue above zero.", name=name)
-    return weight
+def _not_too_much(Q: np.ndarray, R: np.ndarray, N: np.ndarray) -> None:
+    """Q − N R⁻¹ Nᵀ must be positive semidefinite, in the units of Q's entries."""
+    spread = correlations(Q)[1]
+    rest = symmetric(Q - N @ np.linalg.solve(R, N.T)) / np.outer(spread, spread)
+    if float(np.linalg.eigvalsh(rest)[0]) < -PSD_TOLERANCE * max(1.0, float(np.abs(rest).max())):
+        raise EngineError("{name} has a negative eigenvalue; it must be positive semidefinite.", name="Q − N R⁻¹ Nᵀ")
 
 
 def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
@@ -203,8 +186,11 @@ def _beyond(poles: Poles, boundary: float) -> np.ndarray:
 
 def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> RiccatiError:
     """The error that names the mode at fault, as far as it can be found."""
+    problem = in_balanced_units(problem)[0]
     A, B, Q, N = problem.A, problem.B, problem.Q, problem.N
-    n, scale = A.shape[0], max(1.0, float(np.linalg.norm(A, 2)))
+    n, scale = A.shape[0], max(1.0 if boundary else 0.0, float(np.linalg.norm(A, 2)))
+    if not scale > SLOWEST:
+        scale = 1.0
     poles = np.linalg.eigvals(A).astype(complex)
     for pole in poles[_beyond(poles, boundary) > -1e-9 * scale]:
         shifted = A - pole * np.eye(n)

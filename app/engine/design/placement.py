@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import matrix_balance
 
+from ..systems.balance import UNLIKE, state_scale
 from ..systems.errors import PoleError, ShapeError, phrase
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
@@ -90,7 +90,7 @@ def _checked_pair(A: object, B: object, a: str, b: str) -> tuple[np.ndarray, np.
 def _place(A: np.ndarray, B: np.ndarray, poles: Iterable[complex], words: _Wording) -> Placement:
     n = A.shape[0]
     asked = check_poles(poles, n)
-    scales = matrix_balance(A, permute=False, separate=True)[1][0]
+    scales = state_scale(A, B)
     A_balanced, B_balanced = A * (scales / scales[:, None]), B / scales[:, None]
     Q, reachable = controllable_split(A_balanced, B_balanced)
     if reachable == n:
@@ -135,6 +135,8 @@ def _gain(A: np.ndarray, B: np.ndarray, asked: Poles, scales: np.ndarray) -> tup
         return deflated(), np.inf
     if rank == 1:
         return deflated(), None
+    if scales.max() > UNLIKE * scales.min():  # eigenvectors can only be told apart in like units
+        return _gain(A * (scales / scales[:, None]), B / scales[:, None], asked, np.ones_like(scales))[0] / scales, None
     K, condition = place_robustly(A, B, asked)
     if condition < POOR_EIGENVECTORS:
         return K, condition

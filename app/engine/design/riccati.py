@@ -15,6 +15,7 @@ from scipy.linalg import (
     solve_discrete_lyapunov,
 )
 
+from ..systems.balance import state_scale
 from ..systems.errors import RiccatiError
 
 __all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_continuous", "solve_discrete"]
@@ -84,7 +85,10 @@ def _solve(
     newton: Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray],
     evaluate: Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]],
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    scaled, cost_scale, input_scale = unit_scale(problem)
+    plain, first_cost, first_input = unit_scale(problem)  # a common factor of the weights changes not even a bit
+    own, states, inputs = in_balanced_units(plain)
+    scaled, cost_scale, input_scale = unit_scale(own)
+    cost_scale, input_scale = first_cost * cost_scale, first_input * input_scale
     try:
         S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None)
     except (np.linalg.LinAlgError, ValueError) as failure:
@@ -105,7 +109,20 @@ def _solve(
         if not new_size < size:
             break
         S, residual, size, K = better, new_residual, new_size, new_K
-    return cost_scale * S, input_scale * K, size
+    return cost_scale * S / states / states[:, None], input_scale * K * inputs[:, None] / states, size
+
+
+def in_balanced_units(problem: RiccatiProblem) -> tuple[RiccatiProblem, np.ndarray, np.ndarray]:
+    """The same problem in balanced states and in inputs of like weight, with the scales of both, powers of two.
+
+    What pins the scales beside A are how strongly an input of unit cost drives a state, and what a state costs.
+    """
+    A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
+    inputs = 2.0 ** -np.round(np.log2(np.diag(R)) / 2)
+    driven = np.linalg.norm(B * inputs, axis=1)[:, None]
+    x = state_scale(A, driven, np.sqrt(np.maximum(np.diag(Q), 0.0))[None])
+    return RiccatiProblem(A * x / x[:, None], B * inputs / x[:, None], Q * x * x[:, None], R * inputs * inputs[:, None],
+                          N * inputs * x[:, None]), x, inputs
 
 
 def unit_scale(problem: RiccatiProblem) -> tuple[RiccatiProblem, float, float]:

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.linalg import schur
 from scipy.optimize import linear_sum_assignment
 
-from ..structure.decomposition import reachable_subspace, state_scale
+from ..structure.decomposition import reachable_subspace
+from ..systems.balance import natural_scale, plain_scale
 from ..systems.errors import EngineError, PoleError
 from ..systems.plant import Plant
 from ..systems.pole_sets import Poles
@@ -56,7 +57,7 @@ def in_natural_units(plant: Plant) -> Plant:
     Poles, hidden modes and ranks stay; distances to being hidden no longer depend, but for a factor of a
     few, on the units that a file came in.
     """
-    scale, size = state_scale(plant.A), 1.0 if plant.dt else typical_rate(plant)
+    scale, size = natural_scale(plant.A, plant.B, plant.C), 1.0 if plant.dt else typical_rate(plant)
     B, C = plant.B / scale[:, None], plant.C * scale
     wide, tall = np.linalg.norm(B, axis=0), np.linalg.norm(C, axis=1)[:, None]
     return Plant(plant.A * scale / scale[:, None], size * B / np.where(wide > 0, wide, 1.0), size * C / np.where(tall > 0, tall, 1.0),
@@ -71,7 +72,7 @@ def starting_feedback(plant: Plant, *, eager: float = 1.0) -> StartingGain:
     """
     if not (np.isfinite(eager) and eager > 0):
         raise EngineError("How eager a gain is must be a positive number.")
-    scale, rate = state_scale(plant.A), typical_rate(plant)
+    scale, rate = natural_scale(plant.A, plant.B), typical_rate(plant)
     A, B = plant.A * scale / scale[:, None], plant.B / scale[:, None]
     size = np.linalg.norm(B, axis=0)
     B = B / np.where(size > 0, size, 1.0)
@@ -121,7 +122,7 @@ def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[co
     old, new = _changed(before, after)
     if not len(new):
         return K
-    scale = state_scale(A)
+    scale = plain_scale(A)
     closed = (A - B @ K) * scale / scale[:, None]
     values = np.linalg.eigvals(closed).astype(complex)
     if len(old) > len(values):

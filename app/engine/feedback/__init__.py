@@ -3,7 +3,7 @@
 from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
 from .loop_spectrum import NoisyLoop, noisy_loop
 from .lqg import Lqg, lqg
-from .ltr import Recovered, recover, recover_at_output, transmission_zeros
+from .ltr import Recovered, recover, recover_at_output
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
 from .sensitivity import Sensitivity, sensitivity
 
@@ -28,5 +28,4 @@ __all__ = [
     "sensitivity",
     "state_feedback_margins",
     "to_tf",
-    "transmission_zeros",
 ]

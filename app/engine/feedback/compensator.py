@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import ss2tf
 
+from ..systems.balance import balance
 from ..systems.errors import ShapeError
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, all_stable, match_poles, sorted_poles
@@ -119,10 +120,10 @@ def to_tf(plant: Plant) -> TransferFunction:
     are exact zeros. Polynomials of high degree are ill-conditioned: above some ten states trust the state space.
     """
     num = np.empty((plant.p, plant.m, plant.n + 1))
-    den = np.ones(1)
+    den, own = np.ones(1), balance(plant.A, plant.B, plant.C, _through(plant))
     for j in range(plant.m):
-        columns, den = ss2tf(plant.A, plant.B, plant.C, plant.D, input=j)
-        num[:, j, :] = columns
+        columns, den = ss2tf(own.A(plant.A), own.B(plant.B), own.C(plant.C), own.D(_through(plant)), input=j)
+        num[:, j, :] = columns * own.outputs[:, None] / own.inputs[j]
     num[_leading_zeros(plant)] = 0.0
     return TransferFunction(_frozen(num), _frozen(np.atleast_1d(den)), plant.dt)
 

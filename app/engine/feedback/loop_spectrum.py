@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_lyapunov
+from scipy.linalg import block_diag
 
 from ..systems.arrays import as_covariance
 from ..systems.errors import EngineError, ShapeError
-from ..systems.noise import step_covariance
+from ..systems.lyapunov import settled_covariance
+from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, all_stable, sorted_poles
 from ..systems.scan import step_matrices
@@ -115,9 +116,7 @@ class NoisyLoop:
         """Σ of z, N×N: A Σ + Σ Aᵀ + B N Bᵀ = 0, or Σ = A Σ Aᵀ + B N Bᵀ. Raises EngineError for an unstable loop."""
         if not self.stable:
             raise EngineError("The loop is unstable: its variances grow without bound; stabilise it first.")
-        drive = self.B @ self.noise @ self.B.T
-        solved = solve_discrete_lyapunov(self.A, drive) if self.dt else solve_continuous_lyapunov(self.A, -drive)
-        covariance = (solved + solved.T) / 2
+        covariance = settled_covariance(self.A, self.B @ root(self.noise), self.dt)
         covariance.setflags(write=False)
         return covariance
 

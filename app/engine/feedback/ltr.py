@@ -5,17 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import eigvals
 
 from ..design.optimal import lqe, lqr
 from ..systems.arrays import as_covariance
 from ..systems.errors import EngineError, ShapeError
 from ..systems.plant import Plant, as_matrix
+from ..systems.zeros import transmission_zeros
 from .compensator import compensator
 from .margins import LoopMargins, loop_margins, state_feedback_margins
 from .sensitivity import Sensitivity, sensitivity
 
-__all__ = ["Recovered", "recover", "recover_at_output", "transmission_zeros"]
+__all__ = ["Recovered", "recover", "recover_at_output"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,22 +70,6 @@ def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -
     target = loop_margins(fed, -np.eye(plant.p))
     aim = sensitivity(fed, -np.eye(plant.p))
     return _recovered(plant, K, L, q, aim, target, slice(plant.m, plant.m + plant.p))
-
-
-def transmission_zeros(plant: Plant) -> np.ndarray | None:
-    """Zeros of a plant with as many inputs as outputs, sorted by (real, imag); None for other plants.
-
-    Finite generalised eigenvalues of [A B; C D] and [I 0; 0 0]. A plant that loses rank at every s has none.
-    """
-    if plant.m != plant.p:
-        return None
-    n, size = plant.n, plant.n + plant.m
-    pencil = np.block([[plant.A, plant.B], [plant.C, np.asarray(plant.D)]])
-    shift = np.zeros((size, size))
-    shift[:n, :n] = np.eye(n)
-    top, bottom = np.asarray(eigvals(pencil, shift, homogeneous_eigvals=True))
-    finite = np.abs(bottom) > 1e-8 * np.abs(top) / max(float(np.linalg.norm(plant.A, 2)), 1e-300)
-    return np.sort_complex((top[finite] / bottom[finite]).astype(complex))
 
 
 def _check(plant: Plant, q: float) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
 
 from ..design.optimal import dlqe, lqe
 from ..systems.arrays import as_covariance
 from ..systems.errors import EngineError, ShapeError
+from ..systems.lyapunov import settled_covariance
+from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from ..systems.scan import step_matrices
 
@@ -63,9 +64,7 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
     if worst >= -SLOWEST * max(float(np.abs(poles).max()), 1e-300):
         raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move "
                           "its poles.")
-    pushes = (G @ W @ G.T, L @ V @ L.T)
-    found = [_summed(F, Q) if plant.dt else solve_continuous_lyapunov(F, -Q) for Q in pushes]
-    return ErrorParts(*((P + P.T) / 2 for P in found))
+    return ErrorParts(*(settled_covariance(F, push, plant.dt) for push in (G @ root(W), L @ root(V))))
 
 
 def _gain(plant: Plant, L: object) -> np.ndarray:
@@ -74,19 +73,6 @@ def _gain(plant: Plant, L: object) -> np.ndarray:
         raise ShapeError("L must be {n}×{p}; it is {rows}×{columns}.",
                          n=plant.n, p=plant.p, rows=L.shape[0], columns=L.shape[1])
     return L
-
-
-def _summed(F: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """Σ Fᵏ Q Fᵀᵏ by doubling: P ← P + F P Fᵀ, F ← F²."""
-    P, power = Q, F
-    with np.errstate(over="ignore", invalid="ignore"):
-        for _ in range(64):
-            more = power @ P @ power.T
-            P = P + more
-            if np.abs(more).max() <= 1e-17 * np.abs(P).max():
-                return P
-            power = power @ power
-    raise EngineError("The observer's error settles too slowly for its variance to be found; move its poles.")
 
 
 def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: float, rows: object, steps: int) -> np.ndarray:
@@ -105,7 +91,7 @@ def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: flo
     else:
         Phi, inner = step_matrices(F, dt)
         push = inner @ L
-        limit = parts.process + _summed(Phi, push @ V @ push.T / dt)
+        limit = parts.process + settled_covariance(Phi, push @ root(V / dt), dt)
     found, far = np.empty((steps, len(C))), C
     for j in range(steps):
         found[j] = np.einsum("ki,ij,kj->k", C, limit, C) - np.einsum("ki,ij,kj->k", far, limit, far)

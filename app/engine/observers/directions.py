@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..structure.coprime import CoprimeFactors
-from ..structure.decomposition import state_scale
+from ..systems.balance import state_scale
 from ..systems.pole_sets import Poles
 
 __all__ = ["choose_directions", "full_stack", "gap", "linear_directions", "normalised", "row_condition",
@@ -92,7 +92,7 @@ def choose_directions(factors: CoprimeFactors, C: np.ndarray, K: np.ndarray, hea
 
 def seen_rows(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Orthonormal rows spanning those of C in balanced states (rank × n), and the balance d (n,): rows times d."""
-    d = state_scale(A)
+    d = state_scale(A, None, C)
     _, s, Vt = np.linalg.svd(C * d)
     return Vt[:int(np.count_nonzero(s > 1e-10 * s[0]))], d
 

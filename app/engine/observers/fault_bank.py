@@ -14,6 +14,7 @@ from ..filters.linear_filter import LinearFilter
 from ..filters.track import as_record
 from ..structure.decomposition import unobservable_subspace
 from ..systems.arrays import symmetric
+from ..systems.balance import balance, without_dust
 from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
@@ -91,7 +92,7 @@ def residual_generator(model: LinearFilter, *, name: str = "", outputs: Sequence
                               "compare; measure more.")
         H, T = known.H, known.T
         N = np.linalg.svd(C @ np.asarray(E, dtype=float))[0][:, known.rank_E:]
-    inner = T @ model.A
+    inner = without_dust(T @ model.A, balance(model.A, None if E is None else np.asarray(E, dtype=float), C).states)
     V, hidden = _seen(inner, N.T @ C)
     A, Cs = V.T @ inner @ V, N.T @ C @ V
     let_in = V.T @ inner @ H

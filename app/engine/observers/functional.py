@@ -66,8 +66,9 @@ class FunctionalObserver:
 
     @property
     def output_residual(self) -> float:
-        """‖K − N T − M C‖ / ‖K‖, Frobenius norms."""
-        return _ratio(self.K - self.N @ self.T - self.M @ self.plant.C, self.K)
+        """‖K − N T − M C‖ / ‖K‖, Frobenius norms, each column in balanced states."""
+        d = seen_rows(self.plant.A, self.plant.C)[1]
+        return _ratio((self.K - self.N @ self.T - self.M @ self.plant.C) * d, self.K * d)
 
     @property
     def condition(self) -> float:
@@ -119,9 +120,9 @@ def functional_observer(
 
 def exists(observer: FunctionalObserver) -> bool:
     """K = N T + M C holds to 1e-9 of K, or as well as numbers of the size of N T and M C can tell."""
-    o = observer
-    terms = np.linalg.norm(o.N) * np.linalg.norm(o.T) + np.linalg.norm(o.M) * np.linalg.norm(o.plant.C)
-    return bool(o.output_residual <= max(MET, ROUNDING * terms / np.linalg.norm(o.K)))
+    o, d = observer, seen_rows(observer.plant.A, observer.plant.C)[1]
+    terms = np.linalg.norm(np.abs(o.N) @ np.abs(o.T * d)) + np.linalg.norm(np.abs(o.M) @ np.abs(o.plant.C * d))
+    return bool(o.output_residual <= max(MET, ROUNDING * terms / np.linalg.norm(o.K * d)))
 
 
 def check_functional(plant: Plant, K: object) -> np.ndarray:

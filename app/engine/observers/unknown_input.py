@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..design.placement import observer_gain
-from ..structure.decomposition import unobservable_subspace
+from ..systems.arrays import definite, solve_even, symmetric
+from ..systems.balance import balance, without_dust
 from ..systems.errors import EngineError, Phrase, PoleError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
+from ..systems.zeros import invariant_zeros
 
 __all__ = ["Decoupling", "UnknownInputObserver", "decoupling", "unknown_input_observer"]
 
@@ -69,8 +71,10 @@ class UnknownInputObserver:
         They are what ε = T x − z, ε̇ = F ε + (T A − F T − K C) x + T E d asks for.
         """
         E = _unknown(plant, E)
+        x = balance(plant.A, E, plant.C).states
         terms = ((self.T, self.H @ plant.C, -np.eye(plant.n)), (E, -self.H @ plant.C @ E),
                  (self.T @ plant.A, -self.F @ self.T, -self.K @ plant.C))
+        terms = tuple(tuple(t / x[:, None] * (1.0 if i == 1 else x) for t in group) for i, group in enumerate(terms))
         first, second, third = (float(np.linalg.norm(sum(t)) / max(max(np.linalg.norm(x) for x in t), 1e-300))
                                 for t in terms)
         return first, second, third
@@ -84,15 +88,16 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     with V = `weight` (p×p > 0, default I): with the covariance of the sensor noise, what is left of y after H tells
     nothing about the noise that H lets in. Raises ShapeError, EngineError. Chen and Patton (1999), theorem 3.1.
     """
-    E = _range(_unknown(plant, E))
-    C, q = plant.C, E.shape[1]
-    V = np.eye(plant.p) if weight is None else as_matrix(weight, "weight")
+    E, V = _unknown(plant, E), np.eye(plant.p) if weight is None else as_matrix(weight, "weight")
     if V.shape != (plant.p, plant.p):
         raise ShapeError("weight must be {p}×{p}, a row for each output; it is {rows}×{columns}.",
                          p=plant.p, rows=V.shape[0], columns=V.shape[1])
-    if np.abs(V - V.T).max() > RANK * np.abs(V).max() or np.linalg.eigvalsh(V)[0] <= 0:
+    if np.abs(V - V.T).max() > RANK * np.abs(V).max() or not definite(symmetric(V)):
         raise EngineError("The weight must be symmetric and positive definite, as the covariance of noise on "
                           "every sensor is.")
+    own = balance(plant.A, E, plant.C)
+    A, C, E = own.A(plant.A), own.C(plant.C), _range(own.B(E))
+    q = E.shape[1]
     size = np.linalg.norm(C, axis=1, keepdims=True)
     rank = int(np.count_nonzero(np.linalg.svd(C / np.where(size > 0, size, 1.0) @ E, compute_uv=False) > RANK))
     if rank < q:
@@ -100,12 +105,13 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
                           phrase("rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not reach the outputs "
                                  "at once; measure nearer to where it enters.", rank=rank, q=q))
     CE = C @ E
-    weighted = np.linalg.solve(V, CE).T
+    weighted = solve_even(symmetric(V) / own.outputs / own.outputs[:, None], CE).T
     H = E @ np.linalg.solve(weighted @ CE, weighted)
     T = np.eye(plant.n) - H @ C
+    zeros = invariant_zeros(A, E, C)
+    bad = _unstable(zeros, A, plant.dt)
+    H, T = H * own.states[:, None] / own.outputs, T * own.states[:, None] / own.states
     A1 = T @ plant.A
-    zeros = _hidden(A1, C)
-    bad = _unstable(zeros, plant)
     reason = NO_REASON if not len(bad) else phrase(
         "(A, E, C) has an invariant zero at {zero}, which is not stable: the unknown input can move the state along it "
         "without any output noticing; measure something more.", zero=pole_text(bad[-1]))
@@ -132,8 +138,11 @@ def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) ->
         raise PoleError("Give {free} poles: this observer has {n}, and {count} stay at the invariant zeros of (A, "
                         "E, C); you gave {count2}.",
                         free=free, n=plant.n, count=len(known.zeros), count2=len(wanted))
-    rows = _range(plant.C)
-    K1 = observer_gain(known.A1, rows.T @ plant.C, [*wanted, *known.zeros]).gain @ rows.T
+    own = balance(plant.A, _unknown(plant, E), plant.C)
+    A1, C = own.A(without_dust(known.A1, own.states)), own.C(plant.C)
+    rows = _range(C)
+    K1 = observer_gain(A1, rows.T @ C, [*wanted, *known.zeros]).gain @ rows.T
+    K1 = K1 * own.states[:, None] / own.outputs
     F = known.A1 - K1 @ plant.C
     K = K1 + F @ known.H
     D = np.asarray(plant.D)
@@ -159,17 +168,10 @@ def _range(M: np.ndarray) -> np.ndarray:
     return U[:, s > RANK]
 
 
-def _hidden(A1: np.ndarray, C: np.ndarray) -> Poles:
-    """The modes of A1 that C does not see, sorted by (real, imag)."""
-    basis, count = unobservable_subspace(A1, C)
-    hidden = basis[:, A1.shape[0] - count:]
-    return sorted_poles(hidden.T @ A1 @ hidden)
-
-
-def _unstable(zeros: Poles, plant: Plant) -> Poles:
-    if plant.dt:
+def _unstable(zeros: Poles, A: np.ndarray, dt: float) -> Poles:
+    if dt:
         return zeros[np.abs(zeros) >= 1 - RANK]
-    return zeros[zeros.real >= -RANK * float(np.linalg.norm(plant.A, 2))]
+    return zeros[zeros.real >= -RANK * float(np.linalg.norm(A, 2))]
 
 
 def _frozen(array: np.ndarray) -> np.ndarray:

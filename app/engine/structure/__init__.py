@@ -7,7 +7,6 @@ from .decomposition import (
     KalmanDecomposition,
     kalman_decomposition,
     reachable_subspace,
-    state_scale,
     unobservable_subspace,
 )
 from .dominance import Dominance, dominance, dominance_of, relative_gains
@@ -56,6 +55,5 @@ __all__ = [
     "reachable_subspace",
     "relative_gains",
     "split_stable",
-    "state_scale",
     "unobservable_subspace",
 ]

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.balance import stable_poles
 from ..systems.errors import EngineError
 from ..systems.plant import Plant
-from .decomposition import unobservable_subspace
+from .decomposition import balanced_staircase
 
 __all__ = ["Controllability", "Mode", "Observability", "controllability", "observability"]
 
@@ -101,16 +102,6 @@ class Controllability(_Report):
         return self._hidden_are_stable
 
 
-def stability_slack(A: np.ndarray) -> float:
-    """How far inside the stability region a computed pole must lie to count as stable: n·eps·‖A‖₂."""
-    return A.shape[0] * float(np.finfo(float).eps * np.linalg.norm(A, 2)) if A.size else 0.0
-
-
-def _stable(poles: np.ndarray, A: np.ndarray, dt: float) -> np.ndarray:
-    slack = stability_slack(A)
-    return np.abs(poles) < 1 - slack if dt > 0 else np.real(poles) < -slack
-
-
 def _distances(A: np.ndarray, C: np.ndarray, poles: np.ndarray) -> np.ndarray:
     n, stack = A.shape[0], np.empty((poles.size, A.shape[0] + C.shape[0], A.shape[0]), dtype=complex)
     stack[:, :n] = A - poles[:, None, None] * np.eye(n)
@@ -120,13 +111,13 @@ def _distances(A: np.ndarray, C: np.ndarray, poles: np.ndarray) -> np.ndarray:
 
 def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple[Mode, ...]:
     """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
-    T, hidden = unobservable_subspace(A, C, rtol=rtol)
-    seen, turned = A.shape[0] - hidden, T.T @ A @ T
-    poles = np.concatenate([np.linalg.eigvals(turned[:seen, :seen]), np.linalg.eigvals(turned[seen:, seen:])])
-    poles = poles.astype(complex)
+    scale, Q, seen = balanced_staircase(A.T, C.T, rtol)
+    turned = Q.T @ (A * scale[:, None] / scale) @ Q
+    parts = [stable_poles(turned[:seen, :seen], dt), stable_poles(turned[seen:, seen:], dt)]
+    poles, stable = np.concatenate([p for p, _ in parts]), np.concatenate([s for _, s in parts])
     order = np.lexsort((np.imag(poles), np.real(poles)))
     size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)
-    distances, stable = _distances(A, C, poles), _stable(poles, A, dt)
+    distances = _distances(A, C, poles)
     return tuple(
         Mode(complex(poles[i]), float(distances[i] / size) if size else 0.0, float(distances[i]), bool(i < seen),
              bool(stable[i]))

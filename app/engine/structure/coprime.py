@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.balance import state_scale
 from ..systems.errors import EngineError
 from ..systems.plant import Plant
 from .analysis import observability
-from .decomposition import state_scale
 
 __all__ = ["CoprimeFactors", "coprime_factors"]
 
@@ -58,7 +58,7 @@ def coprime_factors(plant: Plant) -> CoprimeFactors:
     if hidden:
         raise EngineError("The plant has modes that leave no trace in y; functional observers are designed for "
                           "observable plants, so measure more or take those modes out.")
-    scale = state_scale(plant.A)
+    scale = state_scale(plant.A, None, plant.C)
     A, C = (plant.A * scale / scale[:, None]).T, (plant.C * scale).T
     speed = _power_of_two(np.array(np.linalg.norm(A, 2)))  # powers of two: nothing is rounded
     unit = _power_of_two(np.linalg.norm(C, axis=0))

@@ -10,15 +10,14 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import matrix_balance
 
+from ..systems.balance import balance, natural_scale, state_scale
 from ..systems.errors import EngineError
 from ..systems.plant import Plant
 
 __all__ = ["KalmanDecomposition", "kalman_decomposition", "reachable_subspace", "unobservable_subspace"]
 
 DEFAULT_RTOL = 1e-10
-_DUST = 1e-14  # entries this small beside max|A| are rounding and must not steer the scaling
 
 
 def tolerance(rtol: float | None) -> float:
@@ -27,14 +26,6 @@ def tolerance(rtol: float | None) -> float:
     if not 0 <= value < 1:
         raise EngineError("rtol must be at least 0 and below 1; it is {value:g}.", value=value)
     return value
-
-
-def state_scale(A: np.ndarray) -> np.ndarray:
-    """Powers of two d (n,) such that diag(1/d) A diag(d) has rows and columns of like norm: units drop out."""
-    if not A.size:
-        return np.ones(0)
-    clean = np.where(np.abs(A) > _DUST * np.abs(A).max(), A, 0.0)
-    return matrix_balance(clean, permute=False, separate=True)[1][0]
 
 
 def _significant(block: np.ndarray, bound: float) -> tuple[np.ndarray, int]:
@@ -73,6 +64,13 @@ def _staircase(A: np.ndarray, B: np.ndarray, rtol: float, size: float) -> tuple[
     return Q, done
 
 
+def balanced_staircase(A: np.ndarray, B: np.ndarray, rtol: float | None = None) -> tuple[np.ndarray, np.ndarray, int]:
+    """The scales d (n,) of the states x = d ∘ x_b, and in x_b an orthogonal Q whose first r columns span what B reaches."""
+    scale = state_scale(A, B)
+    balanced = A * scale / scale[:, None]
+    return scale, *_staircase(balanced, _unit_columns(B / scale[:, None]), tolerance(rtol), _size(balanced))
+
+
 def reachable_subspace(A: np.ndarray, B: np.ndarray, *, rtol: float | None = None) -> tuple[np.ndarray, int]:
     """The states that an input can reach: im [B, AB, …, Aⁿ⁻¹B].
 
@@ -81,9 +79,13 @@ def reachable_subspace(A: np.ndarray, B: np.ndarray, *, rtol: float | None = Non
     rtol·‖A‖ (rtol·‖B‖ in the first step), measured in balanced state units with inputs of unit size.
     Source: van Dooren, "The generalized eigenstructure problem in linear system theory" (1981), staircase form.
     """
-    scale = state_scale(A)
-    balanced = A * scale / scale[:, None]
-    Q, r = _staircase(balanced, _unit_columns(B / scale[:, None]), tolerance(rtol), _size(balanced))
+    scale, Q, r = balanced_staircase(A, B, rtol)
+    plain = natural_scale(A, B)
+    if np.any(plain != scale):  # a basis in the states given, where it is as wide
+        like = A * plain / plain[:, None]
+        turned, count = _staircase(like, _unit_columns(B / plain[:, None]), tolerance(rtol), _size(like))
+        if count == r:
+            scale, Q = plain, turned
     if np.all(scale == 1):
         return Q, r
     return np.linalg.qr(np.hstack([scale[:, None] * Q[:, :r], Q[:, r:] / scale[:, None]]))[0], r
@@ -136,7 +138,7 @@ def _subspaces(plant: Plant, rtol: float) -> tuple[np.ndarray, np.ndarray, np.nd
 
     R ∩ N is found inside R, as the part of R that C does not see: no angle between subspaces is ever judged.
     """
-    scale = state_scale(plant.A)
+    scale = balance(plant.A, plant.B, plant.C).states
     A = plant.A * scale / scale[:, None]
     B, C = _unit_columns(plant.B / scale[:, None]), _unit_columns((plant.C * scale).T).T
     size = _size(A)

@@ -14,6 +14,9 @@ from ..systems.spectrum import frequency_response
 __all__ = ["Dominance", "dominance", "dominance_of", "relative_gains"]
 
 
+SINGULAR = 1e12  # a relative gain beyond this is rounding
+
+
 @dataclass(frozen=True, eq=False)
 class Dominance:
     """A square response G (n_ω, k, k) over omega (n_ω,) in rad/s, and what its off-diagonal entries weigh.
@@ -89,6 +92,15 @@ def relative_gains(response: object) -> np.ndarray:
     if not np.isfinite(G).all():
         raise EngineError("The response is not finite; leave out frequencies that lie on a pole.")
     try:
-        return G * np.swapaxes(np.linalg.inv(G), -1, -2)
+        even = _even(_even(G, -1), -2)  # an inverse of entries of like size: the units of G cost no digits
+        gains = even * np.swapaxes(np.linalg.inv(even), -1, -2)
     except np.linalg.LinAlgError:
-        raise EngineError("G is singular at one of the frequencies, so relative gains are not defined there.") from None
+        gains = np.full(G.shape, np.inf)
+    if not np.abs(gains).max(initial=0.0) < SINGULAR:
+        raise EngineError("G is singular at one of the frequencies, so relative gains are not defined there.")
+    return gains
+
+
+def _even(G: np.ndarray, axis: int) -> np.ndarray:
+    size = np.abs(G).max(axis=axis, keepdims=True)
+    return G / 2.0 ** np.round(np.log2(np.where(size > 0, size, 1.0)))

@@ -9,12 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import expm, qr, schur, solve_sylvester
+from scipy.linalg import expm, schur, solve_sylvester
 
+from ..systems.balance import balance, stable_poles, state_scale
 from ..systems.errors import EngineError, phrase
+from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
-from .analysis import stability_slack
-from .decomposition import in_new_states, state_scale
+from .decomposition import in_new_states
 
 __all__ = ["Gramians", "StableSplit", "Truncation", "balanced_truncation", "gramians", "hankel_singular_values",
            "observability_gramian", "reachability_gramian", "split_stable"]
@@ -65,54 +66,22 @@ def _frozen(matrix: np.ndarray) -> np.ndarray:
     return matrix
 
 
-def _unstable_pole(A: np.ndarray, dt: float) -> complex | None:
-    poles, slack = np.linalg.eigvals(A), stability_slack(A)
-    excess = np.abs(poles) - 1 + slack if dt > 0 else poles.real + slack
-    return complex(poles[np.argmax(excess)]) if poles.size and excess.max() >= 0 else None
+def _unstable_pole(plant: Plant) -> complex | None:
+    poles, stable = stable_poles(plant.A, plant.dt)
+    excess = np.where(stable, -np.inf, np.abs(poles) if plant.dt > 0 else poles.real)
+    return complex(poles[np.argmax(excess)]) if not stable.all() else None
 
 
 def _require_stable(plant: Plant, advice: str) -> None:
-    pole = _unstable_pole(plant.A, plant.dt)
+    pole = _unstable_pole(plant)
     if pole is not None:
         shown = f"{pole.real:.4g}" if pole.imag == 0 else f"{pole.real:.4g} {pole.imag:+.4g}j"
         raise EngineError("The pole at {shown} is not stable, so the integral to infinity diverges; {advice}.",
                           shown=shown, advice=advice)
 
 
-def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cayley transform: a discrete pair with the same Gramian; poles of size α go to 0."""
-    sizes = np.abs(np.linalg.eigvals(A))
-    alpha = float(np.sqrt(sizes.min() * sizes.max()))
-    solved = np.linalg.solve(alpha * np.eye(A.shape[0]) - A, np.hstack([A + alpha * np.eye(A.shape[0]), B]))
-    return solved[:, :A.shape[0]], np.sqrt(2 * alpha) * solved[:, A.shape[0]:]
-
-
-def _compress(R: np.ndarray) -> np.ndarray:
-    """A factor of R Rᵀ with no more columns than rows."""
-    return np.transpose(qr(R.T, mode="r")[0][: min(R.shape)]) if R.size else R
-
-
-def _factor(A: np.ndarray, B: np.ndarray, dt: float) -> np.ndarray:
-    """R (n×n) with R Rᵀ = Wc, by doubling R ← [R, A^(2^k) R] and an orthogonal compression each time."""
-    n = A.shape[0]
-    if n == 0:
-        return np.zeros((0, 0))
-    scale = state_scale(A)
-    power, R = A * scale / scale[:, None], B / scale[:, None]
-    if dt == 0:
-        power, R = _to_discrete(power, R)
-    for _ in range(64):
-        more = power @ R
-        if np.linalg.norm(more) <= _EPS * np.linalg.norm(R):
-            break
-        R = _compress(np.hstack([R, more]))
-        power = power @ power
-    R = _compress(R)
-    return scale[:, None] * np.pad(R, ((0, 0), (0, n - R.shape[1])))
-
-
 def _factors(plant: Plant) -> tuple[np.ndarray, np.ndarray]:
-    return _factor(plant.A, plant.B, plant.dt), _factor(plant.A.T, plant.C.T, plant.dt)
+    return settled_factor(plant.A, plant.B, plant.dt), settled_factor(plant.A.T, plant.C.T, plant.dt)
 
 
 def gramians(plant: Plant) -> Gramians:
@@ -150,23 +119,32 @@ def _part(plant: Plant, right: np.ndarray, left: np.ndarray, D: np.ndarray | Non
 
 
 def split_stable(plant: Plant) -> StableSplit:
-    """G(s) = G_stable(s) + G_unstable(s), by an ordered Schur form and one Sylvester equation.
+    """G(s) = G_stable(s) + G_unstable(s), by an ordered Schur form and one Sylvester equation in balanced states.
 
-    QᵀAQ = [A₁ A₁₂; 0 A₂], A₁X − XA₂ + A₁₂ = 0, T = Q [I X; 0 I]. Poles on the stability edge count as unstable.
+    QᵀAQ = [A₁ A₁₂; 0 A₂], A₁X − XA₂ + A₁₂ = 0, T = Q [I X; 0 I]. Poles on the stability edge count as unstable, and so
+    do those that rounding cannot tell from the edge.
     """
-    n, slack = plant.n, stability_slack(plant.A)
+    n = plant.n
     if n == 0:
         return StableSplit(plant, plant, np.eye(0))
+    own = balance(plant.A, plant.B, plant.C)
+    A = own.A(plant.A)
+    poles, stable = stable_poles(A, plant.dt)
 
     def inside(re: float, im: float) -> bool:
-        return bool(np.hypot(re, im) < 1 - slack) if plant.dt > 0 else re < -slack
+        return bool(stable[np.argmin(np.abs(poles - complex(re, im)))])
 
-    S, Q, k = schur(plant.A, output="real", sort=inside)  # type: ignore[misc]
+    S, Q, k = schur(A, output="real", sort=inside)  # type: ignore[misc]
     X = solve_sylvester(S[:k, :k], -S[k:, k:], -S[:k, k:]) if 0 < k < n else np.zeros((k, n - k))
-    T = Q @ np.block([[np.eye(k), X], [np.zeros((n - k, k)), np.eye(n - k)]])
-    left = np.block([[np.eye(k), -X], [np.zeros((n - k, k)), np.eye(n - k)]]) @ Q.T
-    return StableSplit(_part(plant, T[:, :k], left[:k], plant.D, "stable part"),
-                       _part(plant, T[:, k:], left[k:], None, "unstable part"), _frozen(T))
+    T = own.states[:, None] * (Q @ np.block([[np.eye(k), X], [np.zeros((n - k, k)), np.eye(n - k)]]))
+    left = np.block([[np.eye(k), -X], [np.zeros((n - k, k)), np.eye(n - k)]]) @ Q.T / own.states
+    diagonal = S[:k, :k], S[k:, k:]  # T⁻¹AT without the rounding of the product
+    return StableSplit(_diagonal_part(plant, diagonal[0], T[:, :k], left[:k], plant.D, "stable part"),
+                       _diagonal_part(plant, diagonal[1], T[:, k:], left[k:], None, "unstable part"), _frozen(T))
+
+
+def _diagonal_part(plant: Plant, A: np.ndarray, right: np.ndarray, left: np.ndarray, D: np.ndarray | None, label: str) -> Plant:
+    return in_new_states(plant, A, left @ plant.B, plant.C @ right, D, label)
 
 
 def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -202,7 +180,8 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     r = int(order) - kept
     sigma, right, left = _balance(split.stable, r)
     k = split.stable.n
-    inverse = np.linalg.inv(split.T)
+    scale = balance(plant.A, plant.B, plant.C).states
+    inverse = np.linalg.inv(split.T / scale[:, None]) / scale
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
@@ -236,7 +215,7 @@ def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
     t = float(horizon)
     if not np.isfinite(t) or t < 0:
         raise EngineError("The horizon must be a finite number of seconds, zero or more.")
-    scale = state_scale(plant.A)
+    scale = state_scale(plant.A, plant.B)
     A, B = plant.A * scale / scale[:, None], plant.B / scale[:, None]
     with np.errstate(over="ignore", invalid="ignore"):
         if plant.dt > 0:

@@ -8,25 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
+from .arrays import as_matrix
 from .errors import EngineError, ShapeError, phrase
 from .pole_sets import sorted_poles
 
-
-def as_matrix(value: object, name: str) -> np.ndarray:
-    """A finite, read-only, two-dimensional float array; `name` is used in the error sentence."""
-    try:
-        if isinstance(value, np.ndarray) and value.dtype.kind == "c":
-            value = value if np.any(value.imag) else value.real
-            value = value.tolist()  # NumPy drops the imaginary parts of an array, but not those of a list
-        matrix = np.array(value, dtype=float, ndmin=2)
-    except (TypeError, ValueError) as problem:
-        raise EngineError("{name} must be a matrix of real numbers.", name=name) from problem
-    if matrix.ndim != 2:
-        raise ShapeError("{name} must have two dimensions, not {ndim}.", name=name, ndim=matrix.ndim)
-    if not np.all(np.isfinite(matrix)):
-        raise EngineError("{name} holds NaN or infinity; every entry must be a finite number.", name=name)
-    matrix.setflags(write=False)
-    return matrix
+__all__ = ["Plant", "as_matrix"]
 
 
 def _names(given: Sequence[str] | None, letter: str, count: int, what: str) -> tuple[str, ...]:

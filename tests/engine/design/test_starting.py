@@ -79,8 +79,11 @@ def test_moved_poles_move_and_the_others_stay(seed: int, n: int, m: int) -> None
         after = [p for p in found.moved if not any(abs(p - g) < 1e-9 * abs(g) for g in group)] + [1.4 * g for g in group]
         shift = shift_observer if dual else shift_poles
         gain = shift(plant.A, plant.C if dual else plant.B, found.gain, found.moved, after)
-        reached = np.linalg.eigvals(plant.A - (gain @ plant.C if dual else plant.B @ gain))
-        assert match_poles(after, reached)[1] < 1e-5 * np.abs(reached).max()
+        closed = plant.A - (gain @ plant.C if dual else plant.B @ gain)
+        reached = np.linalg.eigvals(closed)
+        signs = np.random.default_rng(0).choice([-1.0, 1.0], closed.shape)
+        last_bit = match_poles(reached, np.linalg.eigvals(closed * (1 + np.finfo(float).eps * signs)))[1]  # no gain is surer
+        assert match_poles(after, reached)[1] < max(1e-5 * np.abs(reached).max(), 4 * last_bit)
 
 
 @settings(max_examples=30, deadline=None, derandomize=True, database=None)

@@ -5,7 +5,8 @@ import pytest
 from doyle_loop import DOYLE, ONES
 
 from app.engine import Plant, lqe, lqr, recover
-from app.engine.feedback import recover_at_output, transmission_zeros
+from app.engine.feedback import recover_at_output
+from app.engine.systems import transmission_zeros
 
 
 def test_recovery_brings_doyles_margins_back():

@@ -1,0 +1,168 @@
+"""Units drop out: the diagonal scalings in which every tolerance of the engine is meant.
+
+A plant in millimetres and volts is the plant in metres and kilovolts, so no decision may depend on which. What a change
+of units leaves alone are the strengths of paths: from input k to state i, from state j to state i, to output l. The
+scales here are read from those alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import eig, matrix_balance
+
+__all__ = ["SLOWEST", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "stable_poles", "state_scale", "without_dust"]
+
+DUST = 1e-15  # an entry this small beside its row and its column is rounding: it must not steer the scales
+UNLIKE = 2.0**12  # states whose natural units are further apart than this are not in like units
+CANCELLED = 1e-14
+SLOWEST = 1e-200  # a rate below this is none
+WIDEST = 400.0  # log₂ of the largest scale
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """x = states ∘ x_b, u = inputs ∘ u_b, y = outputs ∘ y_b, all scales powers of two, so that nothing is rounded.
+
+    `rate` (1/s; a number where sampled) is the spectral radius of |A|, which no unit of a state changes. In balanced
+    quantities no entry of A is (much) larger than `rate`, and B/rate and C have columns and rows of about unit size.
+    """
+
+    states: np.ndarray
+    inputs: np.ndarray
+    outputs: np.ndarray
+    rate: float
+    unrounded: np.ndarray
+
+    def A(self, A: np.ndarray) -> np.ndarray:
+        """A in balanced states."""
+        return A * self.states / self.states[:, None]
+
+    def B(self, B: np.ndarray) -> np.ndarray:
+        """B between balanced inputs and states."""
+        return B * self.inputs / self.states[:, None]
+
+    def C(self, C: np.ndarray) -> np.ndarray:
+        """C between balanced states and outputs."""
+        return C * self.states / self.outputs[:, None]
+
+    def D(self, D: np.ndarray) -> np.ndarray:
+        """D between balanced inputs and outputs."""
+        return D * self.inputs / self.outputs[:, None]
+
+
+def balance(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None,
+            D: np.ndarray | None = None) -> Balance:
+    """The scales of states (n,), inputs (m,) and outputs (p,) for A n×n, B n×m, C p×n, D p×m; parts may be left out.
+
+    log scales δ are the least squares of log L_ij + δ_j − δ_i over the strongest paths L_ij from j to i (edges |A|/rate,
+    |B|/rate, |C|, |D|), then moved so that no path is stronger than one. For states alone this is what balancing a
+    matrix does; here states that only feed or are only fed get their scale too. Source of the least squares: Curtis and
+    Reid, "On the automatic scaling of matrices for Gaussian elimination" (1972).
+    """
+    n = len(A)
+    B = np.zeros((n, 0)) if B is None else B
+    C = np.zeros((0, n)) if C is None else C
+    D = np.zeros((len(C), B.shape[1])) if D is None else D
+    parts = tuple(np.ascontiguousarray(M, dtype=float) for M in (A, B, C, D))
+    return _balance(*(part.tobytes() for part in parts), n, B.shape[1], len(C))
+
+
+@lru_cache(maxsize=256)
+def _balance(a: bytes, b: bytes, c: bytes, d: bytes, n: int, m: int, p: int) -> Balance:
+    A, B, C, D = (np.abs(np.frombuffer(data)).reshape(shape)
+                  for data, shape in ((a, (n, n)), (b, (n, m)), (c, (p, n)), (d, (p, m))))
+    tall, wide = _largest(A, 0), _largest(A, 1)
+    A = np.where(DUST * np.minimum(wide, tall) < A, A, 0.0)
+    B, C = np.where(DUST * _largest(B, 0) < B, B, 0.0), np.where(DUST * _largest(C, 1) < C, C, 0.0)
+    rate = float(np.abs(np.linalg.eigvals(A)).max(initial=0.0))
+    rate = rate if rate > SLOWEST else 1.0
+    delta = _scales(_paths(A, B, C, D, np.log2(rate)), n)
+    delta = np.clip(delta, -WIDEST, WIDEST)
+    scale, exact = 2.0 ** np.round(delta), 2.0 ** delta
+    for given in (scale, exact):
+        given.setflags(write=False)
+    return Balance(scale[:n], scale[n:n + m], scale[n + m:], rate, exact)
+
+
+def _largest(M: np.ndarray, axis: int) -> np.ndarray:
+    return M.max(axis=axis, keepdims=True, initial=0.0)
+
+
+def _paths(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray, rate: float) -> np.ndarray:
+    """log₂ of the strongest path to node i from node j, nodes being states, inputs, outputs; −∞ where there is none."""
+    n, m, p = len(A), B.shape[1], len(C)
+    L = np.zeros((n + m + p, n + m + p))
+    L[:n, :n], L[:n, n:n + m], L[n + m:, :n], L[n + m:, n:n + m] = A, B, C, D
+    with np.errstate(divide="ignore"):
+        L = np.log2(L)
+    L[:n, :n + m] -= rate
+    for k in range(n):
+        np.maximum(L, L[:, k:k + 1] + L[k], out=L)
+    np.fill_diagonal(L, -np.inf)
+    return L
+
+
+def _scales(L: np.ndarray, n: int) -> np.ndarray:
+    """log₂ of the scales of all nodes from the strongest paths between them."""
+    known = np.isfinite(L)
+    if not known.any():
+        return np.zeros(len(L))
+    both = known.astype(float) + known.T
+    laplacian = np.diag(both.sum(axis=1)) - both
+    values = np.where(known, L, 0.0)
+    delta = np.linalg.lstsq(laplacian, values.sum(axis=1) - values.sum(axis=0), rcond=1e-10)[0]
+    ahead = np.maximum(delta, (L + delta).max(axis=1))
+    back = np.maximum(-delta, (L - delta[:, None]).max(axis=0))
+    return (ahead - back) / 2
+
+
+def state_scale(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None) -> np.ndarray:
+    """Powers of two d (n,) such that diag(1/d) A diag(d) is balanced: the `states` of `balance`."""
+    return balance(A, B, C).states
+
+
+def natural_scale(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = None) -> np.ndarray:
+    """States (n,) in which a design is begun: A balanced as LAPACK does it where the units given are like, so that they
+    still say what matters; else the scales of `balance`, not rounded, so that the design follows units exactly."""
+    own = balance(A, B, C)
+    if A.size and own.states.max() <= UNLIKE * own.states.min():
+        return plain_scale(A)
+    return own.unrounded[:len(A)]
+
+
+def plain_scale(A: np.ndarray) -> np.ndarray:
+    """Powers of two (n,) that bring rows and columns of A to like norms, as LAPACK does: for one matrix by itself."""
+    if not A.size:
+        return np.ones(0)
+    clean = np.where(np.abs(A) > CANCELLED * np.abs(A).max(), A, 0.0)
+    return matrix_balance(clean, permute=False, separate=True)[1][0]
+
+
+def without_dust(M: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """A product M (n×n) with what cancellation left of its zeros set to zero: entries below 1e-14 of the largest in
+    balanced states, which would else steer the scales of what is built on it."""
+    size = np.abs(M * states / states[:, None])
+    return np.where(size > CANCELLED * size.max(initial=0.0), M, 0.0)
+
+
+def stable_poles(A: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """eig(A) (n,) and which of them are stable by more than rounding can move them: Re s < 0, |z| < 1 where dt > 0.
+
+    Rounding n·eps·‖A‖ in balanced states moves a simple pole by that over |wᴴv|, w and v its unit eigenvectors, and
+    any pole by no more than the n-th root lets it. Source: Elsner, "An optimal bound for the spectral variation of
+    two matrices" (1985).
+    """
+    n = len(A)
+    if not n:
+        return np.empty(0, dtype=complex), np.empty(0, dtype=bool)
+    scale = state_scale(A)
+    balanced = A * scale / scale[:, None]
+    poles, left, right = eig(balanced, left=True, right=True)
+    size = float(np.linalg.norm(balanced, 2))
+    dust = n * np.finfo(float).eps * size
+    cosine = np.abs(np.sum(left.conj() * right, axis=0))
+    slack = np.minimum(dust / np.maximum(cosine, 1e-300), (2 * size) ** (1 - 1 / n) * dust ** (1 / n))
+    return poles, (np.abs(poles) < 1 - slack) if dt > 0 else (np.real(poles) < -slack)

@@ -1,0 +1,53 @@
+"""Lyapunov's equations by square-root factors in balanced states: variances that cannot come out negative."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import qr
+
+from .balance import balance
+
+__all__ = ["settled_covariance", "settled_factor"]
+
+EPS = float(np.finfo(float).eps)
+
+
+def settled_covariance(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
+    """P (n×n) ⪰ 0 with A P + P Aᵀ + G Gᵀ = 0, or A P Aᵀ − P + G Gᵀ = 0 where dt > 0, for stable A n×n and G n×q."""
+    R = settled_factor(A, G, dt)
+    return R @ R.T
+
+
+def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
+    """R (n×n) with R Rᵀ the solution of `settled_covariance`: R ← [R, A^(2^k) R], compressed orthogonally each time.
+
+    In states balanced with what drives them. Smith, "Matrix equation XA + BX = C" (1968), on square-root factors.
+    """
+    n = len(A)
+    if n == 0:
+        return np.zeros((0, 0))
+    scale = balance(A, np.linalg.norm(G, axis=1)[:, None]).states
+    power, R = A * scale / scale[:, None], G / scale[:, None]
+    if dt == 0:
+        power, R = _to_discrete(power, R)
+    for _ in range(64):
+        more = power @ R
+        if np.linalg.norm(more) <= EPS * np.linalg.norm(R):
+            break
+        R = _compress(np.hstack([R, more]))
+        power = power @ power
+    R = _compress(R)
+    return scale[:, None] * np.pad(R, ((0, 0), (0, n - R.shape[1])))
+
+
+def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Cayley transform: a discrete pair with the same solution; poles of size α go to 0."""
+    sizes = np.abs(np.linalg.eigvals(A))
+    alpha = float(np.sqrt(sizes.min() * sizes.max()))
+    solved = np.linalg.solve(alpha * np.eye(A.shape[0]) - A, np.hstack([A + alpha * np.eye(A.shape[0]), B]))
+    return solved[:, :A.shape[0]], np.sqrt(2 * alpha) * solved[:, A.shape[0]:]
+
+
+def _compress(R: np.ndarray) -> np.ndarray:
+    """A factor of R Rᵀ with no more columns than rows."""
+    return np.transpose(qr(R.T, mode="r")[0][: min(R.shape)]) if R.size else R
