@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..structure.coprime import CoprimeFactors, coprime_factors
+from ..systems.balance import SLOWEST, UNLIKE, Balance, balance
 from ..systems.errors import EngineError, PoleError, ShapeError
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, check_poles, pole_text
-from .directions import choose_directions, row_condition, seen_rows, upper
+from .directions import choose_directions, normalised, row_condition, seen_rows, upper
 from .perturbation import Norm, Perturbations, check_norm, criterion, every_entry
 
 __all__ = ["FunctionalObserver", "functional_observer"]
@@ -105,6 +106,9 @@ def functional_observer(
                           n=plant.n, order=order)
     asked = check_poles(_default_poles(plant, int(order)) if poles is None else poles, int(order))
     check_stable(plant, asked)
+    own = balance(plant.A, None, plant.C)
+    if directions is None and W is None and free is None and own.states.max() > UNLIKE * own.states.min():
+        return _in_like_units(plant, wanted, own, asked, every_entry(plant) if wrong is None else wrong, check_norm(norm))
     factors = coprime_factors(plant)
     heads = upper(asked)
     g = (choose_directions(factors, plant.C, wanted, heads) if directions is None
@@ -116,6 +120,19 @@ def functional_observer(
                           "{output_residual:.2g}); raise the order or move the poles.",
                           order=order, output_residual=observer.output_residual)
     return observer
+
+
+def _in_like_units(plant: Plant, K: np.ndarray, own: Balance, poles: Poles, wrong: Perturbations,
+                   norm: Norm) -> FunctionalObserver:
+    """The observer found in balanced states and outputs, told in those of the plant; J is of the plant's own units."""
+    x, y = own.states, own.outputs
+    like = Plant(own.A(plant.A), plant.B / x[:, None], own.C(plant.C), np.asarray(plant.D) / y[:, None], plant.dt)
+    unit = 2.0 ** np.round(np.log2(np.abs(K * x).max(axis=1, keepdims=True) + SLOWEST))
+    found = functional_observer(like, K * x / unit, len(poles), poles=poles)
+    T, L, M, N = found.T / x, found.L / y, found.M / y * unit, found.N * unit
+    return FunctionalObserver(plant, K, found.F, T, L, N, M, found.poles,
+                              np.array([normalised(g / y) for g in found.directions]), found.W,
+                              criterion(T, L, M, wrong, norm=norm), wrong, norm)
 
 
 def exists(observer: FunctionalObserver) -> bool:
