@@ -9,6 +9,7 @@ from unit_laws import LAWS, breach, random_case, random_units
 from app.engine import Plant, controllability, kalman_decomposition, lqe, lqr, observability, place
 from app.engine.systems import balance, transmission_zeros
 
+
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("law", LAWS)
 def test_a_law_of_units(law: str, seed: int) -> None:
