@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.text import text
 
+from .players import ORDER, SISO
 from .study import Study
+from .world import loop_of
 
 WANTED = 20.0  # dB in every channel
 BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first task
 AHEAD = 10.0  # dB by which the optimum is to be beaten
+STEP = 0.2  # ms within which the least delay is to be found
 KEPT = 12.0  # dB that the full LQG is to keep while the SISO pair is lost
 CHANNELS = ("vertical", "rotation", "horizontal")
 
@@ -45,8 +50,18 @@ def _beaten(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The SISO loops are ahead by {ahead} dB; {ahead2:g} dB are wanted in every "
                                    "channel.",
                                    ahead=_words(ahead), ahead2=AHEAD))
+    if min(ahead) > AHEAD + 1:
+        return Verdict(False, text("Ahead by {ahead} dB: more than is wanted, {least:g} to {most:g} dB where the lead is least.",
+                                   ahead=_words(ahead), least=AHEAD, most=AHEAD + 1))
     return Verdict(True, text("Ahead by {ahead} dB: the LQG is optimal for noise that is not there.",
                               ahead=_words(ahead)))
+
+
+def _holds_without(outcome: Outcome[Study], less: float) -> bool:
+    """Whether the SISO loops are stable in the same world with so many ms of delay less."""
+    world = outcome.study.world
+    earlier = replace(world.hardware, delay=max(world.hardware.delay - less / 1000, 0.0))
+    return loop_of(replace(world, hardware=earlier), outcome.study.five[ORDER.index(SISO)]).stable
 
 
 def _late(outcome: Outcome[Study]) -> Verdict:
@@ -56,6 +71,11 @@ def _late(outcome: Outcome[Study]) -> Verdict:
     if m["siso_stable"]:
         return Verdict(False, text("With a delay of {delay:g} ms the SISO loops are still stable.",
                                    delay=d["delay"]))
+    if not _holds_without(outcome, d["delay"]):
+        return Verdict(False, text("The SISO loops are lost without any delay as well: something else does it."))
+    if not _holds_without(outcome, STEP):
+        return Verdict(False, text("At {delay:g} ms the SISO loops are lost, but they are at {earlier:g} ms too; find where it begins.",
+                                   delay=d["delay"], earlier=d["delay"] - STEP))
     if not m["lqe_stable"] or min(got) < KEPT:
         return Verdict(False, text("The SISO loops are lost, but the full LQG gains only {got} dB; keep {kept:g} "
                                    "dB.",
@@ -73,6 +93,6 @@ def exam(seed: int) -> ExamItem:
 
 TASKS = (
     Task("twenty", _twenty, {"sensor": 1e-11, "v": 1e-11}),
-    Task("beaten", _beaten, {"sensor": 1e-14}),
-    Task("late", _late, {"delay": 8.0}),
+    Task("beaten", _beaten, {"sensor": 4e-13}),
+    Task("late", _late, {"delay": 4.2}),
 )

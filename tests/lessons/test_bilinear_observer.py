@@ -221,3 +221,19 @@ def test_the_exam_answer_places_the_pole(seed):
     item = exam(seed)
     a, b, p = (float(item.numbers[k]) for k in "abp")
     assert a - b * item.answer == pytest.approx(p, abs=1e-9)
+
+
+# --- tasks are not solved by the wrong design, nor by a knob at its stop -----------------------------------------------------
+@pytest.mark.parametrize("task, values", [
+    ("slip", {"line": FATAL, "gain": "printed"}), ("slip", {"line": FATAL, "gain": "typed"}), ("slip", {"gain": "typed", "l4": 9.29}),
+    ("runaway", {"input": "step", "amplitude": 4.0}), ("runaway", {"input": "step", "amplitude": 3.0}),
+    ("lag", {"form": "filtered", "tau": 0.001}), ("lag", {"form": "filtered", "tau": 0.005}), ("lag", {"form": "plain"}),
+    ("three-sensors", {"problem": TUNED}), ("three-sensors", {"problem": TUNED, "chi0": 15.5}), ("three-sensors", {"problem": BLIND}),
+])
+def test_a_task_is_not_solved_by_a_click_or_a_stop(task: str, values: dict[str, object]) -> None:
+    assert not next(t for t in LESSON.tasks if t.id == task).check(outcome(**values)).solved
+
+
+def test_the_first_chi_of_the_third_task_is_g_less_what_the_sensors_say() -> None:
+    o = outcome(problem=TUNED, chi0=4.5)
+    assert abs(o.metrics["first_error"]) < 0.05 and o.metrics["law_gap"] <= 1e-6

@@ -153,3 +153,10 @@ def test_innovations_of_the_falling_ekf_average_about_two():
         ratios.append(last.metrics["nis_ekf"])
         assert last.metrics["nees_ekf"] > 1000
     assert 1.5 < np.median(ratios) < 2.5
+
+
+def test_an_uncertain_start_is_not_called_honest_by_the_luck_of_a_draw():
+    small = next(t for t in LESSON.tasks if t.id == "small")
+    for seed in range(1, 9):
+        for values in ({"hardening": 0.5}, {"hardening": 0.5, "size": 0.8}):
+            assert not small.check(LESSON.compute(LESSON.apply(LESSON.start(), {"case": PLATFORM, "seed": seed, **values}))).solved

@@ -212,3 +212,22 @@ def test_a_controller_that_makes_it_worse_is_said_to_be_higher_and_not_minus_low
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"ground": "shaped"}))
     said = next(f.caption.en for f in LESSON.figures(outcome) if f.id == "sensor_left_h")
     assert "dB higher than" in said and "-" not in said
+
+
+# --- tasks are not solved by the wrong design, nor by a knob at its stop -----------------------------------------------------
+def _task(name: str):
+    return next(t for t in LESSON.tasks if t.id == name)
+
+
+@pytest.mark.parametrize("values", [
+    {"driver": "second", "bandwidth": 30.0}, {"driver": "second", "bandwidth": 30.0, "delay": 4.2}, {"delay": 10.0}, {"delay": 4.6},
+    {"delay": 4.0}, {"pair": "published", "delay": 4.2},
+])
+def test_the_loops_are_lost_by_the_delay_and_where_it_begins(values: dict[str, object]) -> None:
+    assert not _task("late").check(outcome(**values)).solved
+    assert _task("late").check(outcome(delay=4.1)).solved
+
+
+@pytest.mark.parametrize("sensor", [1e-18, 1e-14, 1e-13, 6e-13])
+def test_the_optimum_is_not_beaten_by_the_quietest_sensor_of_all(sensor: float) -> None:
+    assert not _task("beaten").check(outcome(sensor=sensor)).solved
