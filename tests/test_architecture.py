@@ -39,8 +39,6 @@ MAY_IMPORT = {"app": (), **PICTURE, "app.engine": ("app.engine",)}
 ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
 LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
-# lessons to be put into rooms
-NOT_YET = ("duality", "hidden_modes", "kalman", "lqg", "noise", "robust_observer", "sandbox")
 # --- reading -------------------------------------------------------------------------------------------------------
 def layer_of(name: str) -> str | None:
     """The layer of a module, None if it is not ours."""
@@ -104,14 +102,11 @@ def test_imports_run_one_way_through_the_house() -> None:
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:
-    later = tuple(f"lessons.{name}" for name in NOT_YET)
-    found = circles(arrows(modules("app", "lessons")))
-    assert [circle for circle in found if not circle[0].startswith(later)] == []
+    assert circles(arrows(modules("app", "lessons"))) == []
 
 
 def test_no_module_is_too_long_to_be_read_at_once() -> None:
-    later = tuple(f"lessons.{name}." for name in NOT_YET)
-    lengths = [(m, len(m.source.splitlines())) for m in modules("app", "lessons") if not m.name.startswith(later)]
+    lengths = [(m, len(m.source.splitlines())) for m in modules("app", "lessons")]
     assert violations((m, [f"{n} lines"]) for m, n in lengths if n > LONGEST) == []
     assert violations((m, [f"{n} lines"]) for m, n in lengths
                       if re.fullmatch(r"lessons\.\w+\.lesson", m.name) and n > LONGEST_LESSON) == []
@@ -120,9 +115,7 @@ def test_no_module_is_too_long_to_be_read_at_once() -> None:
 def test_every_lesson_has_the_standard_rooms() -> None:
     names = {m.name for m in modules("lessons")}
     homes = {name.removesuffix(".lesson") for name in names if re.fullmatch(r"lessons\.\w+\.lesson", name)}
-    assert set(NOT_YET) <= {home.removeprefix("lessons.") for home in homes}
-    assert [f"{home}.{room}" for home in sorted(homes) for room in ROOMS
-            if home.removeprefix("lessons.") not in NOT_YET and f"{home}.{room}" not in names] == []
+    assert [f"{home}.{room}" for home in sorted(homes) for room in ROOMS if f"{home}.{room}" not in names] == []
 
 
 def test_every_arrow_of_the_picture_points_down() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Any, Generic, TypeVar
@@ -42,11 +42,6 @@ class Design:
     def with_values(self, **changes: Any) -> Design:
         """The same design with some values changed; nothing is checked here, `Lesson.apply` does that."""
         return Design(self.lesson, tuple((key, changes.get(key, value)) for key, value in self.values), self.plant)
-
-    def same_but_for(self, other: Design, names: Iterable[str]) -> bool:
-        """Whether the other design differs from this one in the named values at most; names that it has not are passed over."""
-        theirs = dict(other.values)
-        return self.with_values(**{name: theirs[name] for name in names if name in theirs}) == other
 
 
 @dataclass(frozen=True, eq=False)
@@ -212,7 +207,6 @@ class Lesson(Generic[S]):
     kick: bool = True
     job: Job[S, Any] | None = None
     pick: Callable[[Outcome[S], float, float], Mapping[str, Any]] | None = None
-    carry: Callable[[Outcome, Outcome], Outcome] | None = None
     adapt: Callable[[Lesson, Model], Lesson] | None = None
     universal: bool = False
     plant: str = ""

@@ -37,14 +37,11 @@ class Drafts:
         self._known: OrderedDict[Design, Draft] = OrderedDict()
         self._found: OrderedDict[Key, Any] = OrderedDict()
 
-    def draw(self, lesson: Lesson, design: Design, carried: Callable[[Outcome], Outcome]) -> Drawn:
+    def draw(self, lesson: Lesson, design: Design) -> Drawn:
         """The draft of a design with what a job has found for its key. Raises what the lesson raises."""
         known, found = self._known.get(design), self._found.get(_key(lesson, design))
         if known is None or known.found is not found:
             known = self._draft(lesson, lesson.compute(design) if known is None else known.computed, found)
-        outcome = carried(known.drawn[0])
-        if outcome is not known.drawn[0]:
-            known = Draft(known.computed, known.found, (outcome, tuple(lesson.figures(outcome))))
         _put(self._known, design, known)
         return known.drawn
 

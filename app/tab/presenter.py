@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
-from ..lesson.lesson import Design, Lesson, Outcome
+from ..lesson.lesson import Design, Lesson
 from ..text import text, told
 from .commands import SetKnobs
 from .desk import Desk
@@ -187,15 +187,7 @@ class Presenter:
         self.last_edit = self.clock()
 
     def _draw(self, design: Design) -> Drawn:
-        return self._drafts.draw(self.lesson, design, self._carried)
-
-    def _carried(self, outcome: Outcome) -> Outcome:
-        """The outcome with what the job found for the design on the screen, where the lesson says that it still
-        holds."""
-        shown = self._shown
-        if self.lesson.carry is None or shown is None or shown.lesson is not self.lesson:
-            return outcome
-        return self.lesson.carry(shown.outcome, outcome)
+        return self._drafts.draw(self.lesson, design)
 
     # --- pictures --------------------------------------------------------------------------------------------------
     def change(self, state: State) -> None:

@@ -265,7 +265,7 @@ def test_results_of_jobs_are_kept_within_bounds() -> None:
     designs = [lesson.apply(lesson.start(), {"gain": k / 100}) for k in range(KEPT + 1)]
     for k, design in enumerate(designs):
         drafts.keep_found(lesson, design, k)
-    shown = [drafts.draw(lesson, design, lambda outcome: outcome)[0].study for design in designs]
+    shown = [drafts.draw(lesson, design)[0].study for design in designs]
     assert shown == [None, *range(1, KEPT + 1)]
 
 
