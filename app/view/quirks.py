@@ -16,7 +16,8 @@ import viser
 import websockets.asyncio.server
 from viser import _messages, infra
 
-from . import page
+from ..text import languages
+from . import page, phrases
 from .gate import Gate, Refusal
 from .handshake import Page, guarded
 
@@ -25,10 +26,14 @@ OPENING = threading.Lock()  # two servers opened at once would take each other's
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
 STORAGE = "observer-lab"
+SPOKEN = "observer-lab-language"  # the key of the language that a tab spoke last
 
 
-def page_of_our_own() -> str:
+def page_of_our_own(language: str) -> str:
     """viser's page under our name and sign, with what must run before the view opens in it.
+
+    Until a lesson stands it shows our name in `language`, or in the one that the tab spoke before, instead of viser's form
+    for an address; while the server does not answer, a sentence stands above what was last shown.
 
     Without a graphics card the view is drawn without multisampling, which doubles the price of a frame there; a scene at
     rest is drawn finer instead (`frugal_frames`).
@@ -36,12 +41,20 @@ def page_of_our_own() -> str:
     theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
     icon = "data:image/svg+xml," + quote(page.source("icon.svg"))
-    ours = f'<link rel="icon" href="{icon}" /><title>{NAME}</title><script>{page.call("software")}</script>'
+    words = {web_code(code): {"name": NAME, "loading": phrases.LOADING(code), "lost": phrases.LOST(code)} for code in languages()}
+    link = page.call("link", words=words, language=web_code(language), kept=SPOKEN)
+    ours = (f'<link rel="icon" href="{icon}" /><title>{NAME}</title><style>{page.source("link.css")}</style>'
+            f"<script>{page.call('software')}</script><script>{link}</script>")
     return text.replace("<title>Viser</title>", ours, 1)
 
 
+def web_code(language: str) -> str:
+    """A language's code as browsers write it."""
+    return language.replace("_", "-")
+
+
 def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None],
-                health: Callable[[], Mapping[str, object]]) -> viser.ViserServer:
+                health: Callable[[], Mapping[str, object]], language: str = "en") -> viser.ViserServer:
     """viser's server on a socket that listens, behind a gate, with our own page.
 
     viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB, serves the page that it is
@@ -49,7 +62,7 @@ def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal]
     """
     ready = threading.Event()
     host, port = listener.getsockname()[:2]
-    serve = guarded(listener, Page.of(page_of_our_own()), gate, refused, ready.is_set, health)
+    serve = guarded(listener, Page.of(page_of_our_own(language)), gate, refused, ready.is_set, health)
     with OPENING, mock.patch.object(websockets.asyncio.server, "serve", serve), mock.patch("rich.print"):
         server = viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
     close_shared_doors(server)
@@ -157,8 +170,8 @@ def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused
 
 
 def name_page(client: viser.ClientHandle, title: str, language: str) -> None:
-    """What the browser's own tab is called, and the language that a screen reader speaks."""
-    _run(client, "name", title=title, language=language)
+    """What the browser's own tab is called, and the language that a screen reader and the next loading screen speak."""
+    _run(client, "name", title=title, language=web_code(language), kept=SPOKEN)
 
 
 def _run(client: viser.ClientHandle, name: str, **given: object) -> None:

@@ -88,7 +88,7 @@ class Screen:
                 self._stage.follow_window()
                 self._looked = True
             title = picture.lesson.words[language].title
-            quirks.name_page(self._client, f"{title} · {quirks.NAME}", language.replace("_", "-"))
+            quirks.name_page(self._client, f"{title} · {quirks.NAME}", language)
         self._picture = None
 
     def show(self, picture: Picture) -> None:

@@ -40,7 +40,7 @@ class LabServer:
         self._born = time.monotonic()
         self._host, self._refused = host, set[Refusal]()
         gate = Gate.of(host, is_public(host), names)
-        self._server = quirks.open_server(listen(host, port), gate, self._write_down, self.health)
+        self._server = quirks.open_server(listen(host, port), gate, self._write_down, self.health, language)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
 

@@ -11,7 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import pytest
@@ -51,10 +51,10 @@ def _free_port() -> int:
 
 
 @contextmanager
-def serving() -> Iterator[str]:
-    """`observer-lab serve` on a free port while the context lasts; its address."""
+def serving(port: int = 0) -> Iterator[str]:
+    """`observer-lab serve` on a port, a free one if it is 0, while the context lasts; its address."""
     env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"}
-    process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(_free_port())], cwd=ROOT, env=env,
+    process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(port or _free_port())], cwd=ROOT, env=env,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     try:
         yield _address(process)
@@ -62,6 +62,12 @@ def serving() -> Iterator[str]:
     finally:
         process.terminate()
         process.wait(20)
+
+
+@pytest.fixture
+def serve() -> Callable[..., AbstractContextManager[str]]:
+    """Serves the app for as long as a context lasts, on a port."""
+    return serving
 
 
 @pytest.fixture(scope="session")

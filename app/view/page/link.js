@@ -1,0 +1,35 @@
+// Runs before viser's page: shows our name until a lesson stands, and says so for as long as the server does not answer.
+({words, language, kept}) => {
+  const root = document.documentElement, cover = document.createElement('div'), note = document.createElement('div');
+  const known = code => words[code] ?? words[language];
+  const remembered = () => { try { return sessionStorage.getItem(kept); } catch (error) { return null; } };
+  root.lang = known(remembered()) === words[remembered()] ? remembered() : language;
+  cover.className = 'ol-cover';
+  note.className = 'ol-lost';
+  note.hidden = true;
+  note.setAttribute('role', 'alert');
+  const said = known(root.lang);
+  cover.append(Object.assign(document.createElement('b'), {textContent: said.name}),
+               Object.assign(document.createElement('span'), {textContent: said.loading}));
+  root.append(cover, note);
+  let old = null;
+  const look = () => {
+    const question = document.querySelector('.ol-question');
+    if (question && question !== old) { cover.hidden = true; watch.disconnect(); }
+  };
+  const watch = new MutationObserver(look);
+  const heard = ({data}) => {
+    if (data?.type === 'closed') {
+      note.textContent = known(root.lang).lost;
+      note.hidden = false;
+    } else if (data?.type === 'connected') {
+      note.hidden = true;
+      old = document.querySelector('.ol-question');  // of the connection before: viser keeps it until the new one speaks
+      cover.hidden = false;
+      watch.observe(root, {childList: true, subtree: true});
+    }
+  };
+  window.Worker = class extends Worker {
+    constructor(...how) { super(...how); this.addEventListener('message', heard); }
+  };
+}

@@ -1,0 +1,64 @@
+"""The page before the server speaks and after it has fallen silent."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+
+import pytest
+from playwright.sync_api import Browser, Page
+from tab import Tab, eventually
+
+from app.view import phrases
+
+SLIDER = {"en": "stiffness believed wrong by [%]", "zh": "模型刚度误差 [%]"}
+COVERED = """() => {
+  const at = document.elementFromPoint(innerWidth / 2, innerHeight / 2), form = document.elementFromPoint(innerWidth - 60, 60);
+  return [at, form].every(e => e?.closest('.ol-cover')) && document.querySelector('.ol-cover').innerText;
+}"""
+
+NO_NEWS = "window.Worker = class extends EventTarget { postMessage() {} terminate() {} }"  # a server that never answers
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    context = browser.new_context(viewport={"width": 900, "height": 560})
+    yield context.new_page()
+    context.close()
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_a_dead_server_is_said_and_a_living_one_goes_on(page: Page, serve: Callable[..., AbstractContextManager[str]],
+                                                       language: str) -> None:
+    with serve() as address:
+        tab = Tab(page, address)
+        if language != "en":
+            tab.press("中文")
+            eventually(lambda: page.evaluate("document.documentElement.lang"), lambda code: code == language, "the language")
+        tab.slide(SLIDER[language], "ArrowRight", 4)
+        tab.answered(rests=True)
+        assert not page.locator(".ol-lost").is_visible()
+    page.locator(".ol-lost").wait_for(state="visible")
+    assert page.locator(".ol-lost").inner_text() == phrases.LOST(language)
+    with serve(int(address.rpartition(":")[2])) as again:
+        assert again == address
+        page.locator(".ol-lost").wait_for(state="hidden")
+        page.locator(".ol-cover").wait_for(state="hidden")
+        tab.settle()
+        eventually(lambda: tab.value(SLIDER[language]), lambda value: value == 4.0, "the design as it was left")
+    assert not [line for line in tab.complaints if "ERR_CONNECTION" not in line and "WebSocket" not in line]
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_our_name_stands_until_the_lesson_does(page: Page, server: str, language: str) -> None:
+    page.add_init_script(f"sessionStorage.setItem('observer-lab-language', {language!r})")
+    page.add_init_script(NO_NEWS)
+    page.goto(server)
+    page.wait_for_selector(".mantine-Paper-root", state="attached")  # viser's own form is laid out by now
+    covered = page.evaluate(COVERED)
+    assert covered, "viser's form is not covered"
+    assert "Observer Lab" in covered and phrases.LOADING(language) in covered and "ws:" not in covered
+
+
+def test_the_cover_goes_when_the_lesson_stands(tab: Tab) -> None:
+    assert tab.page.locator(".ol-cover").is_hidden() and tab.page.locator(".ol-lost").is_hidden()
