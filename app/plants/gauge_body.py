@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from ..text import text
+from ..text import lowered, text
 from .body import DARK, METAL, PLANT, STEEL, Arrow, Ball, Body, Box, Cylinder, Part, Pose, Rod, Vector, bounded
 from .body import force_arrow as arrow
 
@@ -52,7 +52,7 @@ def gauge_body(states: int, measured: Sequence[int]) -> Body:
         return ((LARGE, -0.32, level(float(x[states]), PER_G, gain)),)
 
     seen = ", ".join(str(i + 1) for i in sorted(lit))
-    last = "x" + str(states).translate(str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉"))
+    last = lowered(f"x{states}")
     return Body(_parts(states, lit), pose, arrows, anchors, 1.0, text("Small gauges: the states x₁ … {last}, of "
                                                                       "which {seen} are measured and lit; large "
                                                                       "gauge: g and its ghost ĝ",

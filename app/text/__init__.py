@@ -7,7 +7,7 @@ is a sentence. The English is the id that translators see.
 from .languages import languages
 from .message import NO_WORDS, Text, joined, listed, name_of, same, text, text_in, told, wording
 from .numbers import raised, written
-from .symbols import squared, symbol
+from .symbols import lowered, squared, symbol
 
 __all__ = [
     "NO_WORDS",
@@ -15,6 +15,7 @@ __all__ = [
     "joined",
     "languages",
     "listed",
+    "lowered",
     "name_of",
     "raised",
     "same",

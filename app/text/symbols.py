@@ -8,6 +8,11 @@ LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 GREEK = MappingProxyType({"theta": "θ", "omega": "ω", "phi": "φ", "alpha": "α", "beta": "β"})
 
 
+def lowered(words: str) -> str:
+    """Digits as subscripts: σ12 → σ₁₂."""
+    return words.translate(LOWERED)
+
+
 def squared(unit: str) -> str:
     """The square of a unit: A², (m/s)²; 1 where there is none."""
     return "1" if not unit else f"{unit}²" if unit.isalpha() else f"({unit})²"
@@ -18,4 +23,4 @@ def symbol(name: str) -> str:
     if name in GREEK:
         return GREEK[name]
     head = name.rstrip("0123456789")
-    return head + name[len(head):].translate(LOWERED) if 1 <= len(head) <= 2 else name
+    return head + lowered(name[len(head):]) if 1 <= len(head) <= 2 else name

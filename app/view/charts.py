@@ -11,14 +11,13 @@ import numpy as np
 import viser
 
 from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, FrequencyFigure, TimeFigure, calm_range, finite, thin
-from ..text import wording
+from ..text import raised, wording
 from .prose import with_minus
 from .svg import draw
 from .ticks import ticks
 
 DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({"solid": None, "dash": (9, 5), "dot": (2, 4)})
 HEIGHT = 180
-SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, Any]:
@@ -62,7 +61,7 @@ def _named(value: float) -> str:
     if -2 <= power <= 2:
         return f"{value:.6g}"
     times = round(value / 10.0 ** power)
-    return ("" if times == 1 else f"{times}·") + "10" + str(power).translate(SUPERSCRIPT)
+    return ("" if times == 1 else f"{times}·") + "10" + raised(power)
 
 
 def on_the_clock(figure: Figure, horizon: float) -> bool:
@@ -77,7 +76,7 @@ def even(low: float, high: float, most: int) -> tuple[tuple[float, ...], tuple[s
     if not size or 1e-2 <= size < 1e5:
         return tuple(at), tuple(f"{v:.6g}".replace("-", "−") for v in at)
     power = math.floor(math.log10(size) + 1e-9)
-    tail = "·10" + str(power).translate(SUPERSCRIPT)
+    tail = "·10" + raised(power)
     return tuple(at), tuple(f"{v / 10.0 ** power:.4g}{tail}".replace("-", "−") if v else "0" for v in at)
 
 

@@ -11,11 +11,11 @@ import viser
 from ..engine.systems import move_pole
 from ..lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
 from ..tab.picture import Picture
+from ..text import raised
 from . import phrases
 from .readback import ReadBack
 
 Post = Callable[[str, Any], int]  # knob name, value → number of the edit
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 class Widget(Protocol):
@@ -42,7 +42,7 @@ def in_tens(value: float) -> str:
         return f"{float(f'{value:.3g}'):g}"
     mantissa, exponent = f"{value:.2e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".")
-    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + str(int(exponent)).translate(RAISED)
+    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + raised(int(exponent))
 
 
 def ends(knob: Number) -> tuple[tuple[float, str], ...] | None:

@@ -9,6 +9,8 @@ from functools import lru_cache
 
 from latex2mathml.converter import convert
 
+from ..text import raised
+
 
 @lru_cache(maxsize=4096)
 def mathml(latex: str, display: bool = False) -> str:
@@ -24,7 +26,6 @@ MINUS = re.compile(r"(?:(?<=[\s(\[,=≈<>，：（；～…])|^)-(?=\.?\d)")
 
 
 POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([+−-]?\d+)(?!\w)")
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def with_minus(words: str) -> str:
@@ -36,7 +37,7 @@ def _written(number: re.Match[str]) -> str:
     mantissa, power = number[1], int(number[2].replace("−", "-"))
     if -3 <= power <= 4:
         return f"{Decimal(f'{mantissa}e{power}'):f}"
-    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + str(power).translate(RAISED)
+    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + raised(power)
 
 
 @lru_cache(maxsize=1024)

@@ -11,7 +11,7 @@ from scipy.linalg import expm, schur
 
 from app.engine import EngineError, Plant, Scenario, lqe, lqr, observer_gain, place, simulate
 from app.engine.structure import reachability_gramian
-from app.engine.systems import sorted_poles
+from app.engine.systems import sorted_poles, symmetric
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Model, Window
 from app.text.words import Text, same
@@ -226,7 +226,7 @@ def filter_riccati(A: np.ndarray, C: np.ndarray, W: np.ndarray, V: np.ndarray) -
     hamiltonian = np.block([[-A.T, C.T @ np.linalg.solve(V, C)], [W, A]])
     basis = schur(hamiltonian, output="real", sort="rhp")[1][:, :n]
     P = np.linalg.solve(basis[:n].T, basis[n:].T).T
-    return (P + P.T) / 2
+    return symmetric(P)
 
 
 def output_energy(A: np.ndarray, C: np.ndarray, horizon: float) -> np.ndarray:

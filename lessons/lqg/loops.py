@@ -24,6 +24,7 @@ from app.engine.design import Optimal
 from app.engine.feedback import ChannelMargins, LoopMargins, NoisyLoop, state_feedback_margins
 from app.engine.filters import Schedule
 from app.engine.sampled import SampledLqg
+from app.engine.systems import symmetric
 from app.lesson.lesson import Design
 
 from .cases import Case, Factors
@@ -67,7 +68,7 @@ def estimator(case: Case, beta_q: float, beta_r: float, recovery: float) -> Opti
 def believed(case: Case, beta_q: float, recovery: float) -> np.ndarray:
     """The intensity of process noise that the filter is told, n×n."""
     noise = case.G @ case.W @ case.G.T + (10.0**recovery - 1) * case.recovery_unit * case.plant.B @ case.plant.B.T
-    return beta_q * (noise + noise.T) / 2
+    return beta_q * symmetric(noise)
 
 
 def gains(case: Case, setting: Setting) -> tuple[Optimal, Optimal]:

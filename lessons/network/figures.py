@@ -7,7 +7,7 @@ import numpy as np
 from app.engine.network import mean_lower_limit
 from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
 from app.lesson.lesson import Outcome
-from app.text import Text, same, text, text_in
+from app.text import Text, raised, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from .cases import KINDS, SAMPLES
@@ -18,7 +18,6 @@ MEAN_TAB, WALL_TAB, INPUT_TAB = text("Covariance"), text("Separation"), text("Lo
 JUST = 1e-3  # of a period: how long before a sample its upper corner is drawn
 TURN = np.linspace(0, 2 * np.pi, 73)
 NEVER = text_in("network", "none")
-DIGITS, RAISED = "-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
 
 
 def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
@@ -127,7 +126,7 @@ def _big(value: float) -> str:
     if value < 1e4:
         return f"{value:.3g}"
     mantissa, power = f"{value:.1e}".split("e")
-    return f"{mantissa}·10{str(int(power)).translate(str.maketrans(DIGITS, RAISED))}"
+    return f"{mantissa}·10{raised(int(power))}"
 
 
 def _log(values: np.ndarray) -> np.ndarray:

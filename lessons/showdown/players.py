@@ -10,6 +10,7 @@ from scipy.linalg import solve_continuous_lyapunov
 
 from app.engine import Belief, KalmanFilter, Plant, balanced_truncation, compensator, lqe, lqr, sampled_lqg
 from app.engine.sampled import SampledController, SampledLqg, recursive_controller, sampled_controller
+from app.engine.systems import symmetric
 from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.platform_lqg import GROUND_UNIT, H_MAG, V_MAG, Weights, coils, ground
@@ -126,7 +127,7 @@ def gain_gap(v: float) -> tuple[np.ndarray, np.ndarray]:
     for _ in range(round(np.log2(STRIDE))):
         both = np.linalg.solve(eye + H @ G, np.hstack([A, H]))
         A, G, H = A @ both[:, :8], G + A.T @ G @ both[:, :8], H + A @ both[:, 8:] @ A.T
-        H, G = (H + H.T) / 2, (G + G.T) / 2
+        H, G = symmetric(H), symmetric(G)
     goal, P = kf.steady.filter_gain, first_belief(v).covariance
     away = np.empty(STRIDES)
     for i in range(STRIDES):

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from app.text import raised
+
 MOST_ENTRIES = 24  # of a matrix that is written out
 
 
@@ -24,7 +26,7 @@ def tiny(value: float) -> str:
     """The order of magnitude of a rounding error as words: 10⁻¹⁵, or 0."""
     if value == 0 or not np.isfinite(value):
         return "0" if value == 0 else "∞"
-    return "10" + str(round(float(np.log10(abs(value))))).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return "10" + raised(round(float(np.log10(abs(value)))))
 
 
 def matrix(M: np.ndarray, digits: int = 3, changed: Sequence[tuple[int, int]] = ()) -> str:

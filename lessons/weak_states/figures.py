@@ -8,12 +8,12 @@ import numpy as np
 
 from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
-from app.text import same, text, text_in
+from app.text import lowered, same, text, text_in
 
 from .body import share
 from .regulator import PAIRS
 from .study import RELATIVE, REPORT, Study
-from .system import STATES, SUBSCRIPTS, closed_forms, relative, sigmas
+from .system import STATES, closed_forms, relative, sigmas
 
 RANK_TAB, HANKEL_TAB = text("Rank"), text("Hankel values")
 MOTION_TAB, LQG_TAB = text("Motions"), same("LQG")
@@ -120,7 +120,7 @@ def _error(outcome: Outcome[Study]) -> FrequencyFigure:
 
 def _forms(outcome: Outcome[Study]) -> TableFigure:
     s = outcome.study.system
-    rows = tuple((f"σ{2 * s.pair(kind) + 1}".translate(SUBSCRIPTS), words, show(s.hankel[2 * s.pair(kind)], 4), show(value, 4))
+    rows = tuple((lowered(f"σ{2 * s.pair(kind) + 1}"), words, show(s.hankel[2 * s.pair(kind)], 4), show(value, 4))
                  for (kind, value), words in zip(closed_forms(s.parameters, s.unit), (
                      "√2 Nz/(4 cz)", "√2 Nz μ²/(m² cp)", "√2 Nθ μ² s² √(s²+h²)/(J² cp)"), strict=True))
     return TableFigure(

@@ -11,7 +11,7 @@ from app.engine import Plant, balanced_truncation, frequency_response
 from app.engine.structure import Truncation
 from app.plants.platform import Parameters, plant
 from app.plants.platform_lqg import COILS
-from app.text import Text, text
+from app.text import Text, lowered, text
 
 STATES = 10
 HEARD = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, np.sqrt(2.0), 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]])  # HR = −HL: three rows do
@@ -166,9 +166,6 @@ def _kind(p: Parameters, shape: np.ndarray) -> int:
     return (ACROSS, VERTICAL, PITCH)[int(energy[:3].argmax())]
 
 
-SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-
-
 def sigmas(pair: int) -> str:
     """σ₁, σ₂ of the first pair, and so on; pair counts from 0."""
-    return f"σ{2 * pair + 1},\N{NO-BREAK SPACE}σ{2 * pair + 2}".translate(SUBSCRIPTS)
+    return lowered(f"σ{2 * pair + 1},\N{NO-BREAK SPACE}σ{2 * pair + 2}")

@@ -86,7 +86,7 @@ def riccati_step(P: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: 
     h = np.asarray(heard, dtype=float)[..., None, None]
     mixed = P + h * (measured(P, C, R)[0] - P)
     moved = A @ mixed @ A.T
-    return (moved + np.swapaxes(moved, -1, -2)) / 2 + Q
+    return symmetric(moved) + Q
 
 
 def intermittent_steps(A: object, C: object, Q: object, R: object, P0: object, heard: object) -> Iterator[np.ndarray]:

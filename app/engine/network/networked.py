@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_covariance, symmetric
 from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
@@ -230,12 +230,7 @@ def _plan(s: NetworkScenario, sensed: np.ndarray, order: str) -> FilterPlan:
         P = np.where(heard[:, i, None, None], after, P)
         if i < window:
             P = np.where((source[:, i] >= 0)[:, None, None], A @ P @ A.T + Q, P)
-    return FilterPlan(window, heard, source, gains, _symmetric(P))
-
-
-def _symmetric(P: np.ndarray) -> np.ndarray:
-    """(P + Pᵀ)/2 of each."""
-    return (P + np.swapaxes(P, -1, -2)) / 2
+    return FilterPlan(window, heard, source, gains, symmetric(P))
 
 
 class _Watch:

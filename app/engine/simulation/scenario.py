@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..systems.arrays import as_covariance
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 
@@ -54,22 +55,6 @@ def _positive(value: Any, name: str, zero_allowed: bool = False) -> float:
             raise EngineError("{name} must be a non-negative number of seconds.", name=name)
         raise EngineError("{name} must be a positive number of seconds.", name=name)
     return number
-
-
-def _intensity(value: object, name: str, size: int) -> np.ndarray | None:
-    if value is None:
-        return None
-    matrix = as_matrix(value, name)
-    if matrix.shape == (1, 1) and size > 1:
-        matrix = matrix[0, 0] * np.eye(size)
-    if matrix.shape != (size, size):
-        raise ShapeError("{name} must be {size}×{size}; it is {rows}×{columns}.",
-                         name=name, size=size, rows=matrix.shape[0], columns=matrix.shape[1])
-    scale = float(np.max(np.abs(matrix)))
-    if np.max(np.abs(matrix - matrix.T)) > 1e-9 * scale or np.linalg.eigvalsh(matrix)[0] < -1e-9 * scale:
-        raise EngineError("{name} must be symmetric with no negative eigenvalue, as every covariance is.",
-                          name=name)
-    return matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,8 +166,8 @@ class Scenario:
                                  n=plant.n, rows=G.shape[0])
         elif W is not None:
             G = np.eye(plant.n) if as_matrix(W, "W").shape[0] == plant.n != plant.m else plant.B
-        return {"G": G, "W": None if G is None else _intensity(W, "W", G.shape[1]),
-                "V": _intensity(self.V, "V", plant.p)}
+        return {"G": G, "W": None if W is None or G is None else as_covariance(W, "W", G.shape[1]),
+                "V": None if self.V is None else as_covariance(self.V, "V", plant.p)}
 
     @property
     def t(self) -> np.ndarray:

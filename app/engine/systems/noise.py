@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
+from .arrays import symmetric
+
 __all__ = ["process_noise", "step_covariance"]
 
 
@@ -23,7 +25,7 @@ def step_covariance(A: np.ndarray, intensity: np.ndarray, duration: float) -> np
     for _ in range(doublings):
         Q = Q + Phi @ Q @ Phi.T
         Phi = Phi @ Phi
-    return (Q + Q.T) / 2
+    return symmetric(Q)
 
 
 def root(covariance: np.ndarray) -> np.ndarray:
@@ -57,5 +59,5 @@ def process_noise(M: np.ndarray, G: np.ndarray, W: np.ndarray, duration: float, 
     slope = joint[:N, N:] @ _inverse(W * duration)  # of the jump on ∫w
     rest = joint[:N, :N] - slope @ joint[N:, :N]
     total = rng.standard_normal((steps, q)) @ root(W * duration).T
-    jumps = total @ slope.T + rng.standard_normal((steps, N)) @ root((rest + rest.T) / 2).T
+    jumps = total @ slope.T + rng.standard_normal((steps, N)) @ root(symmetric(rest)).T
     return total / duration, jumps
