@@ -116,7 +116,7 @@ def _halves(found: Study) -> TimeFigure:
         "halves", text("half axes of the ellipsoid, start = 1"), s.t, curves,
         "σ(t) / σ(0)", log=True, window=(1e-3, 1.0),
         tab=CLOUD_TAB,
-        caption=text("{known} of {n} axes have shrunk to a tenth. An axis that stays at 1 was not heard at all.",
+        caption=text("{known} of {n} axes have shrunk to a tenth. Of an axis that stays at 1 the noise lets nothing through.",
                      known=found.belief.known, n=n))
 
 
@@ -127,9 +127,10 @@ def _energy(found: Study) -> TimeFigure:
         "energy", text("eigenvalues of the Gramian W(t)"), s.t,
         (Curve(text("largest"), most, "plant"), Curve(text("smallest"), least, "error", "dash")), "λ(W)",
         log=True, window=(1e-6, 1.0), tab=CLOUD_TAB,
-        caption=text("At the end: largest {most:.2g}, smallest {least:.1g}. W(t) > 0 is what “y determines x(0)” "
-                     "means.",
-                     most=most[-1], least=least[-1]))
+        caption=text("At the end: largest {most:.2g}, smallest {least:.1g}. W(t) > 0 is what “y determines x(0)” means.",
+                     most=most[-1], least=least[-1]) if least[-1] > s.dust else
+        text("At the end: largest {most:.2g}, smallest below rounding. W(t) > 0 is what “y determines x(0)” means.",
+             most=most[-1]))
 
 
 def _bar(mode: Mode) -> str:
@@ -165,8 +166,8 @@ def _sweep(sweep: Sweep, found: Study) -> PlaneFigure:
          Curve(text("σ_min/σ_max(O), log₁₀"), sweep.ratio, "second", "dash", 1.8, sweep.along)),
         (Point(sweep.at, now, "reference", "circle", text("now")),), sweep.label, "log₁₀",
         (float(sweep.along.min()), float(sweep.along.max())), (LOWEST - 0.5, 1.0), tab=MODES_TAB,
-        caption=text("The weakest mode is farthest from hidden at {words}. The curve of O is another matter: it "
-                     "depends on the unit of time.",
+        caption=text("The weakest mode is farthest from hidden at {words}. Both curves count time in "
+                     "seconds; in another unit of time they are others.",
                      words=words)
         if np.max(sweep.distance) > HIDDEN else
         text("Some mode stays hidden wherever this knob stands."))

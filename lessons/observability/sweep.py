@@ -61,11 +61,11 @@ def _along(design: Design, name: str, grid: tuple[float, ...]) -> np.ndarray:
     for value in grid:
         moved = design.with_values(**{name: value})
         A, C = dynamics(case, moved), rows(case, moved)
-        out.append((_distance(A, C), _ratio(A, C)))
+        out.append((least_distance(A, C), least_ratio(A, C)))
     return decades(np.array(out).T)
 
 
-def _distance(A: np.ndarray, C: np.ndarray) -> float:
+def least_distance(A: np.ndarray, C: np.ndarray) -> float:
     n = len(A)
     values = np.asarray(np.linalg.eigvals(A), dtype=complex)
     poles = values[np.imag(values) >= 0]
@@ -74,7 +74,7 @@ def _distance(A: np.ndarray, C: np.ndarray) -> float:
     return float(np.linalg.svd(stack, compute_uv=False)[:, -1].min())
 
 
-def _ratio(A: np.ndarray, C: np.ndarray) -> float:
+def least_ratio(A: np.ndarray, C: np.ndarray) -> float:
     blocks = [C]
     for _ in range(len(A) - 1):
         blocks.append(blocks[-1] @ A)

@@ -12,6 +12,7 @@ from .study import Study
 
 CLEARLY = 0.05  # distance of the weakest mode asked of one sensor
 BLIND = 0.002  # distance below which a direction of the notes' sensor counts as blind
+FINE = 1e-12  # tolerance above which a rank is cut by choice and not by rounding
 PAPER = 1e-4  # distance below which full rank is only on paper
 
 
@@ -69,6 +70,10 @@ def _low_rank(outcome: Outcome[Study]) -> Verdict:
     if m["hidden"] > 0 or d < 0.4:
         return Verdict(False, text("The weakest mode is {d:.2g} from hidden; the task wants every mode beyond 0.4.",
                                    d=d))
+    tolerance = outcome.design["tolerance"]
+    if tolerance > FINE:
+        return Verdict(False, text("A tolerance of {tolerance:.2g} cuts the rank by choice, not by rounding; take {fine:.0g} or less.",
+                                   tolerance=tolerance, fine=FINE))
     if 2 * rank >= n:
         return Verdict(False, text("rank(O) = {rank} of {n}; the task wants less than half of n.", rank=rank, n=n))
     return Verdict(True, text("rank(O) = {rank} of {n}, yet every mode is at least {d:.2g} from hidden: the "

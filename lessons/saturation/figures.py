@@ -57,9 +57,10 @@ def _position_words(outcome: Outcome[Study]) -> Text:
 
 
 def _error_words(outcome: Outcome[Study]) -> Text:
-    meter = outcome.metrics["separation_meter"]
+    meter, clipped = outcome.metrics["separation_meter"], outcome.metrics["clipped_for"]
     if meter < EXACT:
-        return text("The error keeps its promise, clipped or not.")
+        return (text("The force is clipped, and the error keeps its promise.") if clipped > 0 else
+                text("Nothing is clipped, so the error keeps its promise."))
     return text("The error leaves its promise; separation meter {meter}.", meter=amount(meter))
 
 

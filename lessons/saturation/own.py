@@ -110,8 +110,10 @@ def compute(model: Model, design: Design) -> Outcome[OwnStudy]:
 
 def _live(design: Design, m: Mapping[str, float]) -> Text:
     end = text("This start comes home.") if m["comes_home"] else text("This start does not come home.")
-    limit = text("An input is clipped for {clipped_for:.3g} s.", clipped_for=m["clipped_for"])
-    wall = (text("The error obeys A − LC all the same.") if m["separation_meter"] < 1e-8 else
+    clipped = m["clipped_for"]
+    limit = text("An input is clipped for {clipped:.3g} s.", clipped=clipped) if clipped > 0 else text("No input is ever clipped.")
+    wall = (text("The error obeys A − LC all the same.") if m["separation_meter"] < 1e-8 and clipped > 0 else
+            text("So the error obeys A − LC, whatever the observer is told.") if m["separation_meter"] < 1e-8 else
             text("Separation meter {separation_meter}.", separation_meter=amount(m["separation_meter"])))
     return joined(end, limit, wall)
 

@@ -162,8 +162,9 @@ def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -
     end = (text("The pole comes home.") if home else
            text("The pole does not come home.") if stopped is None else
            text("The pole falls: past 45° at {stopped:.2f} s.", stopped=stopped))
-    limit = text("The force is clipped for {clipped:.2f} s.", clipped=clipped)
-    wall = (text("The error obeys A − LC all the same.") if meter < EXACT else
+    limit = text("The force is clipped for {clipped:.2f} s.", clipped=clipped) if clipped > 0 else text("The force is never clipped.")
+    wall = (text("The error obeys A − LC all the same.") if meter < EXACT and clipped > 0 else
+            text("So the error obeys A − LC, whatever the observer is told.") if meter < EXACT else
             text("Separation meter {meter}: what the motor did not give drives the error.", meter=amount(meter)))
     return joined(end, limit, wall)
 

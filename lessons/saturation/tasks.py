@@ -34,7 +34,10 @@ def _false_sentence(outcome: Outcome[Study]) -> Verdict:
 
 
 def _lost_by_belief(outcome: Outcome[Study]) -> Verdict:
+    """Lost through the first belief alone: both experts' poles on the left, the error's law intact."""
     m = outcome.metrics
+    if max(slowest(outcome, "controller"), slowest(outcome, "observer")) >= 0:
+        return Verdict(False, text("A pole is not in the left half plane: this start is lost by the poles, not by the belief."))
     if m["separation_meter"] >= EXACT:
         return Verdict(False, text("The error does not obey A − LC: the meter reads {separation_meter}.",
                                    separation_meter=amount(m["separation_meter"])))

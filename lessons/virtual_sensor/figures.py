@@ -10,7 +10,7 @@ from app.lesson.lesson import Outcome
 from app.text import Text, joined, same, text
 
 from ..toolkit.figures import TIME_TAB
-from .knobs import HORIZON
+from .knobs import HORIZON, MOST_TRUST
 from .study import Study
 
 ERROR_TAB = text("Error")
@@ -82,8 +82,11 @@ def _locus(outcome: Outcome[Study], seen: Study) -> PlaneFigure:
     curves = tuple(Curve(path, branch.imag, "muted", width=1.6, x=branch.real) for branch in seen.poles.T)
     points = (*(Point(float(p.real), float(p.imag), "second", "circle") for p in outcome.poles["copy"]),
               *(Point(float(p.real), float(p.imag), "estimate") for p in outcome.poles["observer"]))
-    least = outcome.metrics["least_trust"]
-    need = (text("This chip needs θ above {least:.3f}.", least=least) if least > 0 else
+    least, most = seen.stable
+    need = (text("No θ up to 2 is stable with these poles.") if least >= min(most, MOST_TRUST) or most <= 0 else
+            text("With these poles θ must lie between {least:.3f} and {most:.3f}.", least=max(least, 0.0), most=most)
+            if most <= MOST_TRUST else
+            text("This chip needs θ above {least:.3f}.", least=least) if least >= 0 else
             text("This chip forgives θ = 0, slowly."))
     return PlaneFigure("locus", text("poles of A − θL₁C as trust grows"), curves, points,
                        "Re s", "Im s", (-5.0, 1.0), (-2.2, 2.2), unstable=True, tab=TRUST_TAB,

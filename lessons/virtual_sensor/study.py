@@ -29,6 +29,7 @@ class Study:
     copy: Run
     trusts: np.ndarray
     poles: np.ndarray  # (n_trusts, 2)
+    stable: tuple[float, float]  # the open interval of θ for which the observer is stable, empty if low ≥ high
 
 
 @lru_cache(maxsize=128)
@@ -63,14 +64,22 @@ def _trusts(model: Plant, L: np.ndarray) -> np.ndarray:
     return np.unique(np.concatenate([np.linspace(0.0, MOST_TRUST, 81), close[(close > 0) & (close < MOST_TRUST)]]))
 
 
-def least_trust(model: Plant, L: np.ndarray) -> float:
-    """The θ above which A − θLC is stable, given that it is so at θ = 1; 0 if the plant is stable by itself.
+def stable_trusts(model: Plant, L: np.ndarray) -> tuple[float, float]:
+    """The open interval of all θ for which A − θLC is stable; low ≥ high where there is none.
 
-    LC has rank one, so trace and determinant of A − θLC are straight lines in θ.
+    LC has rank one, so trace and determinant of A − θLC are straight lines in θ, and both −trace and det are to be positive.
     """
     A, full = model.A, model.A - L @ model.C
-    lines = ((-np.trace(A), -np.trace(full)), (np.linalg.det(A), np.linalg.det(full)))
-    return float(max(0.0, *(start / (start - end) if start < 0 < end else 0.0 for start, end in lines)))
+    low, high = -np.inf, np.inf
+    for start, end in ((-np.trace(A), -np.trace(full)), (np.linalg.det(A), np.linalg.det(full))):
+        slope = float(end - start)
+        if slope > 0:
+            low = max(low, -float(start) / slope)
+        elif slope < 0:
+            high = min(high, -float(start) / slope)
+        elif start <= 0:
+            high = -np.inf
+    return low, high
 
 
 def compute(design: Design) -> Outcome[Study]:
@@ -88,15 +97,15 @@ def compute(design: Design) -> Outcome[Study]:
         impulses=kicks(design, model), seed=int(design["seed"]))
     run, copy = simulate(watched), simulate(replace(watched, L=None))
     poles, own = np.sort_complex(_poles_of(belief.A - L @ belief.C)), belief.poles
-    trusts = _trusts(belief, L_full)
-    seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)))
+    trusts, (low, high) = _trusts(belief, L_full), stable_trusts(belief, L_full)
+    seen = Study(copy, trusts, _poles_of(belief.A - trusts[:, None, None] * (L_full @ belief.C)), (low, high))
     metrics = _metrics(run, copy) | {
         "slowest_observer": float(np.max(np.real(poles))), "slowest_copy": float(np.max(np.real(own))),
-        "largest_gain": float(np.max(np.abs(L))), "least_trust": least_trust(belief, L_full)}
+        "largest_gain": float(np.max(np.abs(L))), "least_trust": max(0.0, low)}
     return Outcome(
         design, {"L": L}, {"observer": poles, "copy": own}, metrics, checks_of(metrics), run,
         _boards(design, poles, own, belief.A - L @ belief.C), stage(model, run), _formulas(belief, L, design["trust"]),
-        _live(metrics, run, copy), seen)
+        _live(metrics, run, seen, design["trust"]), seen)
 
 
 def checks_of(metrics: dict[str, float]) -> tuple[Check, Check]:
@@ -144,10 +153,14 @@ def _formulas(belief: Plant, L: np.ndarray, trust: float) -> tuple[Formula, ...]
     )
 
 
-def _live(m: dict[str, float], run: Run, copy: Run) -> Text:
-    true, guess, other = (float(v) for v in (run.x[-1, 0], run.xhat[-1, 0], copy.xhat[len(run.t) - 1, 0]))
-    doubt = (text("The observer's error grows: L is too small for this chip.")
-             if m["slowest_observer"] >= 0 else NO_WORDS)
+def _live(m: dict[str, float], run: Run, study: Study, trust: float) -> Text:
+    true, guess, other = (float(v) for v in (run.x[-1, 0], run.xhat[-1, 0], study.copy.xhat[len(run.t) - 1, 0]))
+    low, high = study.stable
+    doubt = (NO_WORDS if m["slowest_observer"] < 0 else
+             text("The observer's error grows: no θ up to 2 is stable with these poles.")
+             if low >= min(high, MOST_TRUST) or high <= 0 else
+             text("The observer's error grows: L is too small for this chip.") if trust <= low else
+             text("The observer's error grows: L is too large for this chip."))
     end = text("At the end the core is {true:.1f} K above ambient; the observer says {guess:.1f} K, the copy {other:.1f} K.",
                true=true, guess=guess, other=other)
     return joined(end, doubt)

@@ -16,6 +16,7 @@ from lessons.observability.criteria import DET, GRAMIAN, PBH, RANK
 from lessons.observability.knowledge import KNOWN, learn
 from lessons.observability.lesson import LESSON
 from lessons.observability.study import Study, judged
+from lessons.observability.sweep import least_distance, least_ratio
 
 
 def outcome(**changes):
@@ -253,3 +254,26 @@ def test_exam_answer_reproduces_the_readings():
         A, x0 = np.array([[v["a"], v["b"]], [v["c"], v["d"]]]), np.array([v["y"], item.answer])
         h = 1e-6
         assert ((expm(A * h) - expm(-A * h)) @ x0)[0] / (2 * h) == pytest.approx(v["dy"], abs=1e-6)
+
+
+# --- sentences -----------------------------------------------------------------------------------------------------
+def test_both_curves_of_the_sweep_depend_on_the_unit_of_time_as_its_caption_says():
+    for A, C in ((np.array([[1.0, 2.0], [3.0, 4.0]]), np.array([[1.0, 0.0]])), (np.diag([-1.0, -2.0, -3.0]), np.ones((1, 3)))):
+        assert least_distance(A, C) > 1.5 * least_distance(A / 10, C) > 0
+        assert not np.isclose(least_ratio(A, C), least_ratio(A / 10, C), rtol=0.1)
+
+
+@pytest.mark.parametrize("count", [2, 8, 14, 20])
+def test_an_eigenvalue_below_rounding_is_not_called_zero(count):
+    o = outcome(plant="many", count=count)
+    words = next(f for f in LESSON.figures(o) if f.id == "energy").caption("en")
+    s = o.study.sensed
+    assert ("below rounding" in words) == (s.heard[-1, 0] <= s.dust)
+    assert "smallest 0. W" not in words and "not heard at all" not in next(f for f in LESSON.figures(o) if f.id == "halves").caption("en")
+
+
+def test_a_rank_cut_by_a_coarse_tolerance_is_not_called_rounding():
+    task = next(t for t in LESSON.tasks if t.id == "low-rank")
+    assert task.check(outcome(plant="many", count=20)).solved
+    coarse = task.check(outcome(plant="many", count=4, tolerance=0.1))
+    assert not coarse.solved and "rounding" in coarse.text("en")

@@ -264,3 +264,23 @@ def test_what_is_drawn_at_the_edge_is_said_so_and_what_fits_is_not():
     assert max(abs(lost["state0"].curves[1].y)) == 49.0 and "edge" in lost["state0"].caption.en and "边缘" in lost["state0"].caption.zh
     calm = {f.id: f for f in LESSON.figures(LESSON.compute(design(fed="applied")))}
     assert not any("edge" in f.caption.en for f in calm.values())
+
+
+# --- sentences -----------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("fed", ["commanded", "applied"])
+@pytest.mark.parametrize("start", [{"angle0": 0.5, "error0": 0.0}, {"angle0": 6.0, "error0": 4.0}, {"angle0": 3.0, "error0": 0.0}])
+@pytest.mark.parametrize("u_max", [1.0, 4.0, 10.0])
+def test_clipped_and_promise_are_said_of_a_force_that_was_clipped(fed: str, start: dict[str, float], u_max: float) -> None:
+    o = LESSON.compute(design(fed=fed, u_max=u_max, **start))
+    clipped = bool(np.any(np.abs(o.run.u_asked) > u_max * (1 + 1e-9)))
+    caption = next(f for f in LESSON.figures(o) if f.id == "error").caption("en")
+    assert ("all the same" in o.live("en")) == (clipped and fed == "applied")
+    assert ("never clipped" in o.live("en")) == ("Nothing is clipped" in caption) == (not clipped)
+    assert ("is clipped, and the error keeps" in caption) == (clipped and fed == "applied")
+
+
+def test_a_start_lost_by_an_unstable_observer_is_not_lost_by_belief() -> None:
+    task = next(t for t in LESSON.tasks if t.id == "lost-by-belief")
+    assert task.check(LESSON.compute(LESSON.apply(LESSON.start(), task.solution))).solved
+    for fed in ("commanded", "applied"):
+        assert not task.check(LESSON.compute(design(fed=fed, observer_poles=(1, -8, -9, -10)))).solved

@@ -14,7 +14,7 @@ from app.lesson.figures import columns
 from app.plants import MODELS
 from lessons.virtual_sensor.knobs import RUNAWAY
 from lessons.virtual_sensor.lesson import LESSON
-from lessons.virtual_sensor.study import burst, least_trust
+from lessons.virtual_sensor.study import burst, stable_trusts
 from lessons.virtual_sensor.tasks import exam
 
 
@@ -67,10 +67,35 @@ def test_the_gain_is_trust_times_the_gain_of_the_poles():
 def test_least_trust_is_where_the_observer_of_the_runaway_chip_becomes_stable():
     plant = MODELS[RUNAWAY].plant
     L = outcome(plant=RUNAWAY).gains["L"]
-    theta = least_trust(plant, L)
+    theta, most = stable_trusts(plant, L)
     slow = [max(np.linalg.eigvals(plant.A - k * theta * L @ plant.C).real) for k in (0.999, 1.001)]
-    assert slow[0] > 0 > slow[1]
-    assert least_trust(MODELS["chip"].plant, L) == 0.0
+    assert slow[0] > 0 > slow[1] and most > 2
+    assert stable_trusts(MODELS["chip"].plant, L)[0] < 0
+
+
+@pytest.mark.parametrize("plant", ["chip", RUNAWAY])
+@pytest.mark.parametrize("poles", [(-1.6 - 0.5j, -1.6 + 0.5j), (-4.0, 0.5), (-3.9, 0.9),
+                                   (0.2 - 1j, 0.2 + 1j), (0.5, 0.8), (-0.05, -0.06)], ids=str)
+@pytest.mark.parametrize("trust", [0.0, 0.3, 1.0, 2.0])
+def test_too_small_too_large_and_forgives_are_said_of_eigenvalues_that_say_so(plant, poles, trust):
+    o = outcome(plant=plant, observer_poles=poles, trust=trust)
+    L = outcome(plant=plant, observer_poles=poles).gains["L"]
+    model = MODELS[plant].plant
+    grid = np.linspace(0, 2, 401)
+    stable = np.array([max(np.linalg.eigvals(model.A - theta * L @ model.C).real) < -1e-9 for theta in grid])
+    live, locus = o.live("en"), next(f for f in LESSON.figures(o) if f.id == "locus").caption("en")
+    if "too small" in live:
+        assert stable[grid > trust].any() and not stable[grid <= trust].any()
+    if "too large" in live:
+        assert stable[grid < trust].any() and not stable[grid >= trust].any()
+    assert ("grows" in live) == (o.metrics["slowest_observer"] >= 0)
+    assert ("No θ" in locus) == (not stable.any())
+    if "forgives" in locus:
+        assert stable.all()
+    if "between" in locus:
+        assert stable.any() and not stable[-1]
+    if "needs θ above" in locus:
+        assert not stable[0] and stable[-1]
 
 
 def test_the_locus_starts_at_the_copy_and_passes_the_present_poles():
