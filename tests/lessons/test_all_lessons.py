@@ -6,6 +6,7 @@ import json
 import re
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from lesson_checks import check_figures, contents, every_lesson, numbers_of, others, shown
@@ -44,6 +45,7 @@ def test_conditions_of_knobs_name_knobs_and_values_that_exist(lesson: Lesson) ->
             assert knob.when[1] and all(other.check(v) == v for v in knob.when[1]), knob.name
 
 
+@pytest.mark.slow
 @every_lesson
 def test_compute_is_pure(lesson: Lesson) -> None:
     design, written = lesson.start(), repr(lesson.start())

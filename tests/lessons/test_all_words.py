@@ -94,6 +94,7 @@ def test_a_tab_holds_at_most_three_figures(lesson: Lesson) -> None:
         assert sum(f.tab == tab for f in figures) <= 3, tab.en
 
 
+@pytest.mark.slow
 @every_lesson
 def test_figures_keep_their_ids_when_knobs_move(lesson: Lesson) -> None:
     """The screen makes its charts once, from the ids of the first picture."""

@@ -129,6 +129,7 @@ def test_the_threshold_is_the_quantile(statistic, window, rate):
     assert outcome(statistic=statistic, window=window, rate=rate).metrics["threshold"] == test.threshold
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", [{"rate": 1e-2}, {"rate": 0.05, "statistic": MEAN, "window": 10},
                                     {"rate": 1e-2, "loop": OPEN, "force": 4.0}])
 def test_false_alarms_come_as_designed(values):
@@ -138,16 +139,19 @@ def test_false_alarms_come_as_designed(values):
     assert trials.any <= 7 * values["rate"] * trials.windows * 1.2
 
 
+@pytest.mark.slow
 def test_a_wrong_model_breaks_the_promise():
     trials = worked_through(place=NONE, stiffer=15.0)
     assert trials.alarms.max() / trials.windows > 3 * trials.band(1e-3)[1]
 
 
+@pytest.mark.slow
 def test_many_runs_accuse_the_right_one_and_never_another():
     trials = worked_through(place="VR", kind=DRIFT)
     assert trials.right == trials.runs and trials.wrong == 0
 
 
+@pytest.mark.slow
 def test_the_promised_delay_holds_for_nine_runs_in_ten():
     """Six members at 99 % each: at least 94 % of the runs have all six alarms at the promised time."""
     for place in ("HL", "u3"):
@@ -259,6 +263,7 @@ def test_the_exam_answer_is_where_the_pencil_loses_rank(seed):
     assert np.linalg.det([[s - a, -b, -e1], [-c, s - d, -e2], [1, 0, 0]]) == pytest.approx(0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_counts_carry_over_to_another_reaction_only():
     *_, (_, done) = LESSON.job.outcomes(outcome())
     assert carried(LESSON, done.design, done.study.trials, outcome(loop=SWITCH)).study.trials is done.study.trials

@@ -69,6 +69,7 @@ def test_one_step_by_hand_is_the_first_step_of_the_record():
 
 
 # --- the tests of consistency ----------------------------------------------------------------------------------------
+@pytest.mark.slow
 def test_tuned_nis_is_the_number_of_measurements_and_nees_of_states(tried):
     """NIS of different samples are independent: χ² over all of them. NEES is not: a wider look, from a tenth of them."""
     for name in ("tuned", "carried"):
@@ -93,6 +94,7 @@ def test_detuned_filters_are_flagged(changes, expected):
     assert expected <= found if expected else not found
 
 
+@pytest.mark.slow
 def test_how_often_the_right_filter_is_flagged_is_what_the_levels_say():
     """240 seeds: innovation tests at 5 %, NEES at 5 %, together one record of ten. Bounds at 1e-3 of those rates."""
     runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(240)]
@@ -104,6 +106,7 @@ def test_how_often_the_right_filter_is_flagged_is_what_the_levels_say():
     assert low <= sum(bool(flags(o) - {"riccati"}) for o in runs) <= high
 
 
+@pytest.mark.slow
 def test_251_errors_count_as_thirty():
     """Var of the mean of NEES over 240 records is 2n/N′; 251 independent ones would have an eighth of it."""
     runs = [outcome(seed=seed, q=1.0, r=1.0) for seed in range(240)]
@@ -112,6 +115,7 @@ def test_251_errors_count_as_thirty():
     assert np.var([o.study.settled.mean for o in runs]) == pytest.approx(12 / count, rel=0.35)  # 3.5 of its σ
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise, q, r", [("white", 1.0, 1.0), ("white", 0.05, 1.73), ("white", 20.0, 0.47), ("white", 0.3, 1.0),
                                          ("coloured", 1.0, 1.0), ("carried", 1.0, 1.0), ("carried", 3.0, 1.0)])
 def test_expected_statistics_are_the_averages_of_records(noise, q, r):

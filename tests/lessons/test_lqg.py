@@ -143,6 +143,7 @@ def test_the_recursive_filter_finds_the_state_long_before_the_steady_one() -> No
     assert size[0][-1] == pytest.approx(0.23 * size[0][0], rel=0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("values", [{}, {"filter": "recursive"}, {"case": "doyle"}, {"case": "doyle", "filter": "recursive"},
                                     {"beta_r": 1e8, "sensor": 1e9, "seed": 5}])
 def test_the_runs_lie_on_the_prediction(values: dict) -> None:

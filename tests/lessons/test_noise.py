@@ -100,6 +100,7 @@ def test_slow_and_fast_twins_have_opposite_causes():
     assert slow["sensor_share"] < 0.01 and 0.7 < fast["sensor_share"] < 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed, seed", [(1.0, 1), (5.0, 2), (0.3, 3)])
 def test_lyapunov_is_the_variance_of_many_runs(speed, seed):
     """At single instants the mean square over independent runs is exactly χ²: 99.99 % bands, no tuning."""
@@ -115,6 +116,7 @@ def test_lyapunov_is_the_variance_of_many_runs(speed, seed):
     assert promised[0] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_runs_carry_over_to_another_view_of_the_same_design_only():
     *_, (_, done) = LESSON.job.outcomes(outcome())
     assert carried(LESSON, done.design, done.study.trials, outcome(watch="position")).study.trials is done.study.trials

@@ -26,6 +26,7 @@ def says(study: Study, name: str) -> str:
     return verdict(study.nees[name], study.x.shape[1], study.runs).en
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("more", [{}, {"steer": True, "filter": UKF}, {"alpha": 0.4, "kappa": 1.0, "beta": 0.0}])
 def test_without_bends_extended_and_unscented_are_the_kalman_filter_to_rounding(seed, more):
@@ -35,6 +36,7 @@ def test_without_bends_extended_and_unscented_are_the_kalman_filter_to_rounding(
         np.testing.assert_allclose(study.nees[name], study.nees[KF], rtol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_all_three_are_consistent_where_nothing_bends(seed):
     study = many(**LINEAR, seed=seed)
@@ -42,6 +44,7 @@ def test_all_three_are_consistent_where_nothing_bends(seed):
     assert ((study.nees[KF] > low) & (study.nees[KF] < high)).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_algorithm_3_as_printed_is_not_the_kalman_filter_where_nothing_bends(seed, capsys):
     study = many(**LINEAR, seed=seed, redraw=False)

@@ -164,6 +164,7 @@ def run(m) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return x, e, -(x - e) @ K.T
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:Convergence was not reached")
 @pytest.mark.parametrize("m", MODELS.values(), ids=lambda m: m.id)
 def test_model_estimate_converges_in_view_with_natural_inputs(m):

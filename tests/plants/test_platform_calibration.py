@@ -132,6 +132,7 @@ def test_speed_is_free(solved, path, vertical):
     assert [f"{v:.4f}" for v in found.hankel[8:]] == ["0.0001", "0.0001"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path, pitch", [((0.15, 0.138), 1.04), ((0.165, 0.179), 1.35)])
 def test_pitch_is_free_even_with_the_splits(solved, path, pitch):
     """Another `a`, and all six equations hold again, for kx, h and s follow; σ9 still prints as 0.0001."""
@@ -143,6 +144,7 @@ def test_pitch_is_free_even_with_the_splits(solved, path, pitch):
     assert [f"{v:.4f}" for v in found.hankel[8:]] == ["0.0001", "0.0001"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("a", [0.13, 0.19])
 def test_the_last_digit_of_the_list_bounds_the_pitch(solved, a):
     found = calibrate(replace(calibrate(replace(solved.parameters, a=(a + 0.158) / 2)).parameters, a=a))

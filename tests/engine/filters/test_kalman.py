@@ -238,6 +238,7 @@ def test_platform_filter_started_steady_is_the_steady_observer():
     np.testing.assert_allclose(every.gains[-1], steady.filter_gain, rtol=1e-6, atol=1e-9 * np.abs(every.gains).max())
 
 
+@pytest.mark.slow
 def test_critical_loss_of_a_scalar_plant():
     """E P⁺ = a²(1 − λ)E P … grows without bound when more than 1/a² of the packets are lost, and not when fewer."""
     a, steps, runs = 1.5, 60, 400

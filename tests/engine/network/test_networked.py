@@ -56,6 +56,7 @@ def test_at_every_sample_the_estimate_is_the_optimal_one_of_what_has_arrived(lin
         assert run.P[k] == pytest.approx(best.covariance, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_promised_covariance_is_the_one_that_many_runs_have() -> None:
     link = Link(0.3, 1, 3)
     total, believed = np.zeros((2, 2)), np.zeros((2, 2))

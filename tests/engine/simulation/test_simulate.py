@@ -29,6 +29,7 @@ def loop_matrix(plant: Plant, K: np.ndarray, L: np.ndarray) -> np.ndarray:
     return np.block([[A, -B @ K], [L @ C, A - L @ C - B @ K]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [2, 10])
 def test_linear_run_agrees_with_forty_digits(n: int) -> None:
     plant, gain, observer = random_loop(n, 2, 2)
