@@ -16,7 +16,7 @@ HINTS = MappingProxyType({
     "q": Text("Q = α_Q I: how dear a deviation of the state is.", "Q = α_Q I：状态偏离的代价。"),
     "r": Text("R = α_R: how dear the input is.", "R = α_R：输入的代价。"),
     "w": Text("W = α_W I: how hard unknown forces shake the plant.", "W = α_W I：未知扰动有多强。"),
-    "v": Text("V = α_V: how noisy the sensor is.", "V = α_V：传感器噪声有多大。"),
+    "v": Text("V = α_V: how noisy the sensor is.", "V = α_V：测量噪声有多大。"),
 })
 
 

@@ -121,7 +121,7 @@ def margins_of(case: Case) -> TableFigure:
                     f"没有隐藏模态，但最近的离隐藏只有 {weakest.distance:.1g}。")
                if not hidden
                else Text(f"Hidden from the sensor: {words}.", f"对传感器隐藏：{words}。") if case.unseen
-               else Text(f"Out of reach of the force: {words}.", f"力够不着：{words}。"))
+               else Text(f"Out of reach of the force: {words}.", f"对力不能控：{words}。"))
     return TableFigure(
         "margins", Text("PBH distance of each mode from being hidden", "各模态离“隐藏”的 PBH 距离"),
         (Text("mode", "模态"), Text("by itself", "自由运动"), Text("from y", "对 y（能观程度）"),
@@ -151,7 +151,7 @@ def blocks_of(case: Case) -> MatrixFigure:
     edges = tuple(k for k in accumulate(d.sizes) if 0 < k < n)
     shown = d.sizes[0]
     if d.sizes[1]:
-        block = Text("the force reaches it, and its column in the row of y is empty", "力够得着它，但它在 y 这一行是空的")
+        block = Text("the force reaches it, and its column in the row of y is empty", "力能控制它，但它在 y 这一行是空的")
     elif d.sizes[2]:
         block = Text("the sensor sees it, and its row in the column of u is empty", "传感器看得见它，但它在 u 这一列是空的")
     else:

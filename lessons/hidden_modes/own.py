@@ -118,7 +118,7 @@ def _live(here: Setting) -> Text:
         return Text(f"Weakest mode {name}. Hidden from y: {unseen}; it settles by itself.",
                     f"最弱的模态 {name}。对 y 隐藏：{unseen}；它自行衰减。")
     if case.unmoved:
-        return Text(f"Weakest mode {name}. Out of reach of u: {unmoved}.", f"最弱的模态 {name}。u 够不着：{unmoved}。")
+        return Text(f"Weakest mode {name}. Out of reach of u: {unmoved}.", f"最弱的模态 {name}。对 u 不能控：{unmoved}。")
     return Text(f"Nothing is bolted. The mode nearest to hidden is {name}, by {here.weakest.distance:.2g}.",
                 f"没有螺栓。离隐藏最近的模态是 {name}，距离 {here.weakest.distance:.2g}。")
 

@@ -55,9 +55,9 @@ def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
               metrics["weakest_seen"]),
         Check("detectable", Text("detectable: what leaves no trace settles", "可检测：不留痕迹的模态自行衰减"),
               case.seen.detectable, metrics["weakest_seen"]),
-        Check("controllable", Text("controllable: every mode is reached", "能控：每个模态都够得着"),
+        Check("controllable", Text("controllable: every mode is reached", "能控：每个模态都受输入控制"),
               case.reached.controllable, metrics["weakest_reached"]),
-        Check("stabilizable", Text("stabilizable: what is out of reach settles", "可镇定：够不着的模态自行衰减"),
+        Check("stabilizable", Text("stabilizable: what is out of reach settles", "可镇定：不能控的模态自行衰减"),
               case.reached.stabilizable, metrics["weakest_reached"]),
         Check("error", Text("with this L the error dies out", "用这个 L，误差衰减到零"), error < 0, error),
         Check("loop", Text("with this K and L the plant settles", "用这组 K、L，对象稳定下来"), max(error, state) < 0,
@@ -104,4 +104,4 @@ def _live(case: Case) -> Text:
         return Text(f"The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
                     f"极点 {words} 在 y 中不留痕迹。无论 L 取什么，e 中总有一部分按 e^({rate} t) 变化。")
     return Text(f"The poles at {words} are out of reach of u. Whatever K is, part of x follows e^({rate} t).",
-                f"输入 u 够不着极点 {words}。无论 K 取什么，x 中总有一部分按 e^({rate} t) 变化。")
+                f"极点 {words} 对输入 u 不能控。无论 K 取什么，x 中总有一部分按 e^({rate} t) 变化。")

@@ -90,7 +90,7 @@ def modes_table(found: Structure) -> TableFigure:
     more = Text(f" The {left} others are farther from hidden.", f" 其余 {left} 个离隐藏更远。") if left > 0 else Text("", "")
     hidden, fixed = len(found.seen.unobservable), len(found.reached.uncontrollable)
     return TableFigure("modes", title, heads, rows, tab=VERDICT_TAB, caption=Text(
-        f"Hidden from y: {hidden}. Out of reach of u: {fixed}.{more.en}", f"对 y 隐藏：{hidden} 个；u 够不着：{fixed} 个。{more.zh}"))
+        f"Hidden from y: {hidden}. Out of reach of u: {fixed}.{more.en}", f"对 y 隐藏：{hidden} 个；对 u 不能控：{fixed} 个。{more.zh}"))
 
 
 def _paired(seen: tuple[Mode, ...], reached: tuple[Mode, ...]) -> list[tuple[Mode, Mode]]:

@@ -62,7 +62,7 @@ def exam(seed: int) -> ExamItem:
     """A = [a 1; 0 b], C = [1 c]: the mode at b has the direction (1, b − a) and is hidden where 1 + c (b − a) = 0."""
     rng = np.random.default_rng(seed)
     a, b = (int(v) for v in rng.choice(np.arange(-9, 0), 2, replace=False))
-    return ExamItem({"a": str(a), "b": str(b)}, 1.0 / (a - b), 0.005)
+    return ExamItem({"a": str(a), "b": str(b)}, 1.0 / (a - b), 0.0051)  # two decimals
 
 
 TASKS = (
