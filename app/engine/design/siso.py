@@ -78,16 +78,17 @@ def coefficients(value: object, name: str) -> np.ndarray:
 
 
 def polynomial_roots(polynomial: object) -> Poles:
-    """Roots of a polynomial, coefficients from the highest power down; each is as exact as its own conditioning allows.
+    """Roots of a polynomial, coefficients from the highest power down, complex ones in exact pairs.
 
     Eigenvalues of the companion matrix lose the small roots of a badly scaled polynomial; Aberth's iteration on the
-    polynomial itself finds them again. Raises EngineError for coefficients that are no finite real numbers.
+    polynomial itself finds them again. Of a multiple root it would scatter the copies, each by itself, so the two sets are
+    multiplied out and the one nearer to the coefficients is kept. Raises EngineError for coefficients that are no finite real numbers.
     """
     p = coefficients(polynomial, phrase("The polynomial"))
     roots = np.roots(p).astype(complex)
     if not len(roots):
         return roots
-    slope = np.polyder(p)
+    first, slope = _in_pairs(roots), np.polyder(p)
     for _ in range(POLISH):
         with np.errstate(all="ignore"):
             newton = np.polyval(p, roots) / np.polyval(slope, roots)
@@ -98,8 +99,27 @@ def polynomial_roots(polynomial: object) -> Poles:
         roots = roots - step
         if np.all(np.abs(step) <= 4e-16 * np.abs(roots)):
             break
-    real = np.abs(np.imag(roots)) <= 1e-14 * np.abs(roots)
-    return np.sort_complex(np.where(real, np.real(roots), roots))
+    polished = _in_pairs(roots)
+    return polished if _coefficient_error(polished, p) <= _coefficient_error(first, p) else first
+
+
+def _in_pairs(roots: Poles) -> Poles:
+    """The roots of a real polynomial, sorted, each complex one beside its exact conjugate."""
+    upper = roots.copy()
+    upper[np.abs(np.imag(upper)) <= 1e-14 * np.abs(upper)] = np.real(upper[np.abs(np.imag(upper)) <= 1e-14 * np.abs(upper)])
+    above, below = upper[np.imag(upper) > 0], upper[np.imag(upper) < 0].conj()
+    if len(above) != len(below):  # the iteration took one of a pair elsewhere: no set of a real polynomial
+        return np.full(len(roots), np.nan + 0j)
+    middle = (above + below[match_poles(above, below)[0]]) / 2
+    return np.sort_complex(np.concatenate([upper[np.imag(upper) == 0], middle, middle.conj()]))
+
+
+def _coefficient_error(roots: Poles, p: np.ndarray) -> float:
+    """Largest relative error of a coefficient of the product of the roots; ∞ where it is no number."""
+    with np.errstate(all="ignore"):
+        own = p[0] * np.poly(roots)
+        error = float(np.abs(np.where(p != 0, own / p - 1, np.abs(own) > 1e-12 * np.abs(p).max())).max())
+    return error if np.isfinite(error) else np.inf
 
 
 def rational(numerator: object, denominator: object) -> Plant:

@@ -15,7 +15,7 @@ from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, all_stable, sorted_poles
 from ..systems.scan import step_matrices
-from ..systems.spectrum import modal_coordinates, solved_response
+from ..systems.spectrum import modal_coordinates, response_at
 
 __all__ = ["NoisyLoop", "noisy_loop"]
 
@@ -104,12 +104,8 @@ class NoisyLoop:
         omega = 2 * np.pi * np.asarray(frequency, dtype=float).reshape(-1)
         points = np.exp(1j * omega * self.dt) if self.dt else 1j * omega
         C, D = rows @ self.C, rows @ self.D
-        if self._modal is None:
-            return solved_response(self.A, self.B, C, D, points)
-        poles, out, into = self._modal
-        residues = (rows @ out).T[:, :, None] * into[:, None, :]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            return (1 / (points[:, None] - poles) @ residues.reshape(len(poles), D.size)).reshape(-1, *D.shape) + D
+        modal = None if self._modal is None else (self._modal[0], rows @ self._modal[1], self._modal[2])
+        return response_at(modal, self.A, self.B, C, D, points)
 
     @cached_property
     def covariance(self) -> np.ndarray:

@@ -12,7 +12,7 @@ from .plant import Plant, as_matrix
 from .pole_sets import Poles, all_stable, check_poles, match_poles, move_pole, pole_text, sorted_poles
 from .sampling import continuous_of, discretise
 from .scan import affine_scan, held_scan, step_matrices
-from .spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd, solved_response
+from .spectrum import Spectrum, amplitude_response, frequency_response, modal_coordinates, psd
 from .zeros import invariant_zeros, transmission_zeros
 
 __all__ = [
@@ -56,7 +56,6 @@ __all__ = [
     "root",
     "settled_covariance",
     "slopes",
-    "solved_response",
     "sorted_poles",
     "stable_poles",
     "state_scale",

@@ -8,11 +8,14 @@ import numpy as np
 from scipy import signal
 from scipy.linalg import matrix_balance
 
+from .balance import balance
 from .errors import EngineError, ShapeError
 from .plant import as_matrix
 
 __all__ = ["Spectrum", "amplitude_response", "frequency_response", "modal_coordinates", "psd"]
 
+CANCELLATION = 1e-6  # of the sum of the sizes of the residues' terms: less is not told by them
+ABSENT, FEW = 1e-12, 64
 WORST_EIGENVECTORS = 1e6  # condition beyond which modal residues lose too many digits
 
 
@@ -93,18 +96,39 @@ def frequency_response(A: object, B: object, C: object, D: object, omega: object
     if n == 0:
         return np.tile(d.astype(complex), (len(w), 1, 1))
     points = np.exp(1j * w * dt) if dt else 1j * w
-    modal = modal_coordinates(a, b, c)
+    return response_at(modal_coordinates(a, b, c), a, b, c, d, points)
+
+
+def response_at(modal: tuple[np.ndarray, np.ndarray, np.ndarray] | None, a: np.ndarray, b: np.ndarray, c: np.ndarray,
+                d: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """C (λ I − A)⁻¹ B + D at each of `points` λ (n_λ,): (n_λ, p, m), from the `modal_coordinates` of A, B, C.
+
+    Where residues cancel, as in the roll-off of a chain of lags, too few digits would be left: there it is solved.
+    """
     if modal is None:
         return solved_response(a, b, c, d, points)
     poles, out, into = modal
-    residues = out.T[:, :, None] * into[:, None, :]  # (n, p, m)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    residues = (out.T[:, :, None] * into[:, None, :]).reshape(len(poles), -1)
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         weights = 1 / (points[:, None] - poles)
-        return (weights @ residues.reshape(n, -1)).reshape(-1, *d.shape) + d
+        found = (weights @ residues).reshape(-1, *d.shape) + d
+        terms = (np.abs(weights) @ np.abs(residues)).reshape(-1, *d.shape)
+        told = np.where(terms > 0, np.abs(found) / terms, 1.0)
+    # an entry of a whole sweep that never rises above rounding is a channel that is not there
+    there = (told.max(axis=0, initial=0.0) > ABSENT) | (len(points) <= FEW)
+    lost = np.flatnonzero(((told < CANCELLATION) & there).any(axis=(1, 2)) & np.isfinite(terms).all(axis=(1, 2)))
+    if lost.size:
+        found[lost] = solved_response(a, b, c, d, points[lost])
+    return found
 
 
 def solved_response(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """C (λ I − A)⁻¹ B + D at each of `points` λ (n_λ,), infinite where λ is a pole: (n_λ, p, m)."""
+    """C (λ I − A)⁻¹ B + D at each of `points` λ (n_λ,), infinite where λ is a pole: (n_λ, p, m).
+
+    In balanced states, where each state of a chain has its own size, the elimination keeps relative accuracy.
+    """
+    own = balance(a, b, c)
+    a, b, c = own.A(a), b / own.states[:, None], c * own.states
     pencil = points[:, None, None] * np.eye(len(a)) - a
     try:
         return c @ np.linalg.solve(pencil, b.astype(complex)) + d
