@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
@@ -76,7 +78,7 @@ def shares(values: np.ndarray, band: tuple[float, float]) -> tuple[float, float]
     return float(np.mean((values >= band[0]) & (values <= band[1]))), float(np.mean(values > band[1]))
 
 
-def _squares(outcome: Outcome[Study], id: str, title: Text, dof: int, values: dict[str, np.ndarray]) -> TimeFigure:
+def _squares(outcome: Outcome[Study], id: str, title: Text, dof: int, values: Mapping[str, np.ndarray]) -> TimeFigure:
     s = outcome.study
     band = band_of(dof, s.runs)
     curves = [Curve(name_of(n), np.clip(values[n], FLOOR, CEILING), role, dash) for n, role, dash in LOOKS]  # type: ignore[arg-type]

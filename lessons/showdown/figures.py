@@ -45,14 +45,15 @@ def _width(outcome: Outcome[Study], i: int) -> float:
 def _measured(outcome: Outcome[Study], column: int, scale: float = 1.0) -> list[Curve]:
     """The Monte-Carlo of the controller on the stage with its band of two standard errors, on the figure's frequencies."""
     m, i = outcome.study, ORDER.index(outcome.design["play"])
-    if m.trials is None or m.trials.noise[i] is None:
+    tried = None if m.trials is None else m.trials.noise[i]
+    if tried is None:
         return []
-    tried = m.trials.noise[i]
     low, high = tried.band()
     keep = tried.frequency > 1.5 * tried.frequency[1]
+    f = np.log(tried.frequency[keep])
 
     def on_grid(values: np.ndarray) -> np.ndarray:
-        return np.exp(np.interp(np.log(m.f), np.log(tried.frequency[keep]), np.log(np.maximum(scale * values[keep, column], FLOOR))))
+        return np.exp(np.interp(np.log(m.f), f, np.log(np.maximum(scale * values[keep, column], FLOOR))))
 
     return [Curve(text("Monte-Carlo"), on_grid(tried.density), "estimate", "dot", 1.6),
             Curve(text("band"), on_grid(low), "estimate", "dot", 0.8),
@@ -137,12 +138,14 @@ def _gain(outcome: Outcome[Study]) -> TimeFigure:
 def _test(outcome: Outcome[Study], j: int) -> TimeFigure:
     m = outcome.study
     key, name, unit = CHANNELS[j]
-    t = m.responses[0].t
+    bare = m.responses[0]
+    assert bare is not None  # the deck alone is stable
+    t = bare.t
     seen = t <= 6.0
     curves = [Curve(NAMES[i], np.zeros(int(seen.sum())) if r is None else np.interp(t[seen], r.t, r.velocity[:, j]), role, dash,
                     _width(outcome, i))
               for i, ((role, dash), r) in enumerate(zip(LOOKS, m.responses, strict=True))]
-    high = float(np.abs(m.responses[0].velocity[:, j]).max())
+    high = float(np.abs(bare.velocity[:, j]).max())
     parts = [_recovery(measured, j) for measured in m.measures[1:]]
     return TimeFigure(f"test_{key}", text("velocity after the test: {name}", name=name), t[seen],
                       tuple(curves), f"v [{unit}]",
