@@ -16,6 +16,7 @@ from ..engine.systems import move_pole
 from ..lesson.figures import COLOURS
 from ..lesson.lesson import Board
 from . import phrases
+from .grips import Grips
 from .lettering import width
 from .meshes import bolt, cross, landscape
 from .pane import GLASS, INK, pane
@@ -53,7 +54,8 @@ class BoardView:
         self._signature: tuple[Any, ...] = ()
         self._shown: tuple[complex, ...] | None = None
         self._grip = time.monotonic_ns()  # told apart from the grips of every other board
-        self._grabbed: tuple[int, tuple[complex, ...]] | None = None
+        self._grabbed: tuple[int, tuple[complex, ...], complex] | None = None  # which pole, all poles, from hand to pole
+        self._grips = Grips(client, self._root, rgb(COLOURS[board.role]), self._origin, self._pulled)
         self._surface: viser.MeshHandle | None = None
         self._draw(language)
 
@@ -79,7 +81,7 @@ class BoardView:
         b, offset = self._board, hit - self._origin
         re = (float(offset @ along) / WIDTH + 0.5) * (b.re_high - b.re_low) + b.re_low
         im = float(offset[2]) / (HEIGHT / 2) * b.im_high
-        return complex(min(max(re, b.re_low), b.re_high), min(max(im, -b.im_high), b.im_high))
+        return b.hold(complex(re, im))
 
     # --- drawing ---------------------------------------------------------------------------------------------------
     def _draw(self, language: str) -> None:
@@ -122,6 +124,7 @@ class BoardView:
         self._shown = board.poles
         if before == board.poles:
             return  # nothing moved: no message, and no frame of the scene
+        self._grips.show([self.local(pole) for pole in board.poles] if board.knob is not None else [])
         marks = [(at[0], at[2]) for at in map(self.local, (*board.poles, *board.zeros, *board.fixed))]
         taken = list(self._bolted)
         for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
@@ -152,8 +155,6 @@ class BoardView:
             handle = self._scene.add_mesh_simple(f"{self._root}/pole{i}", vertices, faces,
                                                  color=rgb(COLOURS[board.role]), cast_shadow=False,
                                                  receive_shadow=False, position=self.local(pole, 0.03))
-            if board.knob is not None:
-                handle.on_drag("left")(self._dragger(i))
             self._poles.append(handle)
             self._labels.append(self._scene.add_label(f"{self._root}/name{i}", "", anchor="center-center",
                                                       font_screen_scale=0.85 * self._size))
@@ -181,23 +182,31 @@ class BoardView:
             self._rings.append(self._scene.add_line_segments(
                 f"{self._root}/zero{i}", np.array(list(pairwise(points)), dtype=np.float32), INK, thickness=0.025))
 
-    def _dragger(self, index: int) -> Callable[[viser.SceneNodeDragEvent], Any]:
-        async def moved(event: viser.SceneNodeDragEvent) -> None:
-            board = self._board
-            if board.knob is None:
-                return
-            if event.phase == "start" or self._grabbed is None:
-                self._grabbed = (index, board.held)
-                self._grip += 1
-            origin, poles = self._grabbed
-            to = self.s_at(event.end_position)
-            if not (math.isfinite(to.real) and math.isfinite(to.imag)):
-                return  # a camera or a pointer of nonsense
-            self._drag({board.knob: move_pole(poles, origin, to, axis_snap=SNAP * board.im_high), **dict(board.also)},
-                       self._grip)
-            if event.phase == "end":
-                self._grabbed = None
-        return moved
+    def fit(self) -> bool:
+        """Make what the hand takes hold of as large as the camera asks for; whether that changed anything."""
+        return self._grips.fit()
+
+    async def _pulled(self, event: viser.SceneNodeDragEvent) -> None:
+        board = self._board
+        if board.knob is None:
+            return
+        if event.phase == "start" or self._grabbed is None:
+            self._grabbed = self._taken(event.start_position)
+            self._grip += 1
+        index, origin, offset = self._grabbed
+        to = board.hold(self.s_at(event.end_position) + offset)
+        if not (math.isfinite(to.real) and math.isfinite(to.imag)):
+            return  # a camera or a pointer of nonsense
+        self._drag({board.knob: move_pole(origin, index, to, axis_snap=SNAP * board.im_high), **dict(board.also)}, self._grip)
+        if event.phase == "end":
+            self._grabbed = None
+
+    def _taken(self, point: tuple[float, float, float]) -> tuple[int, tuple[complex, ...], complex]:
+        """The pole nearest to where a hand takes hold, all poles then, and the way from the hand to that pole."""
+        poles, hand = self._board.held, self.s_at(point)
+        index = min(range(len(poles)), key=lambda i: math.dist(self.local(poles[i]), self.local(hand)))
+        offset = poles[index] - hand
+        return index, poles, offset if math.isfinite(abs(offset)) else 0j
 
     def show_landscape(self, visible: bool) -> None:
         """The surface of |det(sI − M)|⁻¹ in front of the stage, or nothing."""

@@ -58,6 +58,15 @@ def cross(size: float = 0.2, thickness: float = 0.05, depth: float = 0.07) -> Me
 
 
 @lru_cache(maxsize=8)
+def disc(sides: int = 32) -> Mesh:
+    """A disc of radius 1 in the x–z plane, seen from −y."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    rim = np.column_stack([np.cos(angle), np.zeros(sides), np.sin(angle)])
+    faces = [(i, (i + 1) % sides, sides) for i in range(sides)]
+    return np.vstack([rim, np.zeros((1, 3))]).astype(np.float32), np.array(faces, dtype=np.uint32)
+
+
+@lru_cache(maxsize=8)
 def bolt(radius: float = 0.11, depth: float = 0.1) -> Mesh:
     """A hexagonal bolt head lying in the x–z plane."""
     ring = np.pi / 3 * np.arange(6)

@@ -196,6 +196,16 @@ def one_meaning_per_key(client: viser.ClientHandle) -> None:
     _run(client, "keys")
 
 
+def stay_above_the_floor(client: viser.ClientHandle) -> None:
+    """Keep the camera from turning or sliding under the floor, from where nothing can be seen."""
+    _run(client, "floor")
+
+
+def pulse_once(client: viser.ClientHandle, ending: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
+    """Let the nodes whose name ends so swell in colour when a pointer first comes over the stage: they can be dragged."""
+    _run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)
+
+
 def folders_by_key(client: viser.ClientHandle) -> None:
     """Let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone."""
     _run(client, "folders")

@@ -18,6 +18,7 @@ from ..text import Text
 from . import phrases, quirks
 from .boards import BoardView
 from .charts import Chart
+from .grips import FAINT, GRIPS
 from .mapboard import MapBoard
 from .mark import Mark
 from .panel import Panel
@@ -84,8 +85,11 @@ class Screen:
                 quirks.frugal_frames(self._client)
                 quirks.folders_by_key(self._client)
                 quirks.one_meaning_per_key(self._client)
+                quirks.stay_above_the_floor(self._client)
+                quirks.pulse_once(self._client, GRIPS, FAINT)
                 self._stage.camera("all")
                 self._stage.follow_window()
+                self._fit_grips()
                 self._looked = True
             title = picture.lesson.words[language].title
             quirks.name_page(self._client, f"{title} · {quirks.NAME}", language)
@@ -234,6 +238,13 @@ class Screen:
                 self._client, board, picture.state.language, print_size(picture, aspect_of(self._client.camera)),
                 lambda values, grip: self._post(SetKnobs(values, grip)))
         return self._boards[board.id]
+
+    def _fit_grips(self) -> None:
+        """Whatever the camera does, what a hand takes hold of stays as large on the screen."""
+        @self._client.camera.on_update
+        async def _(_: viser.CameraHandle) -> None:
+            if any([board.fit() for board in list(self._boards.values())]):
+                self._client.flush()
 
     def _show_map(self, picture: Picture) -> None:
         if picture.lesson.pick is None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import viser
 
-from ..tab.commands import ChangeSpeed, Command, Edit, Kick, Play, Redo, Reset, Rewind, Seek, ToggleHelp, Undo
+from ..tab.commands import ChangeSpeed, Command, Edit, Kick, LookFrom, Play, Redo, Reset, Rewind, Seek, ToggleHelp, Undo
 from ..tab.picture import Picture
 from . import phrases
 from .readback import ReadBack
@@ -40,7 +40,8 @@ class Transport:
                 phrases.PLAY(lang): Play(), phrases.PAUSE(lang): Play(), phrases.KICK(lang): Kick(),
                 phrases.REWIND(lang): Rewind(), phrases.SLOWER(lang): ChangeSpeed(-1),
                 phrases.FASTER(lang): ChangeSpeed(+1), phrases.UNDO(lang): Undo(), phrases.REDO(lang): Redo(),
-                phrases.RESET(lang): Reset(), phrases.HELP(lang): ToggleHelp()}
+                phrases.RESET(lang): Reset(), phrases.VIEW(lang): LookFrom("all"),
+                phrases.HELP(lang): ToggleHelp()}
             self._row = gui.add_button_group("", self._options(picture))
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
             self._back = ReadBack(self._time, lambda t: post(Seek(t)))
@@ -57,7 +58,8 @@ class Transport:
         words: list[Any] = [phrases.PAUSE if picture.state.playing else phrases.PLAY]
         if picture.lesson.kick:
             words.append(phrases.KICK)
-        words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.HELP]
+        words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW,
+                  phrases.HELP]
         return tuple(w(self._lang) for w in words)
 
     def _listen(self, commands: dict[str, Command], post: Callable[[Edit], int]) -> None:

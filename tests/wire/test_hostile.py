@@ -128,7 +128,7 @@ GARBAGE = [
     msgspec.msgpack.encode({"type": "NoSuchMessage"}), msgspec.msgpack.encode({"type": "GuiUpdateMessage"}),
     msgspec.msgpack.encode({"type": "GuiUpdateMessage", "uuid": 3, "updates": [1]}),
     msgspec.msgpack.encode({"type": "GuiUpdateMessage", "uuid": "nobody", "updates": {"value": 1}}),
-    msgspec.msgpack.encode({"type": "SceneNodeDragMessage", "name": "/board/observer/pole0"}),
+    msgspec.msgpack.encode({"type": "SceneNodeDragMessage", "name": "/board/observer/grips"}),
     msgspec.msgpack.encode({"type": "ViewerCameraMessage", "position": "here"}), "text instead of bytes",
 ]
 
@@ -154,10 +154,10 @@ def test_a_camera_of_nonsense_does_not_hurt_dragging(enter: Enter, newest: Newes
     tab.send("ViewerCameraMessage", wxyz=(nan, 0.0, 0.0, 0.0), position=(nan, nan, nan), fov=nan, near=0.0, far=0.0,
              image_height=0, image_width=0, look_at=(nan, nan, nan), up_direction=(0.0, 0.0, 0.0))
     for phase in ("start", "update", "end"):
-        tab.send("SceneNodeDragMessage", phase=phase, name="/board/observer/pole0", instance_index=None,
+        tab.send("SceneNodeDragMessage", phase=phase, name="/board/observer/grips", instance_index=None,
                  start_position=(0.0, 0.0, 0.0), start_screen_pos=(0.0, 0.0), end_position=(nan, 1e9, -1e9),
                  end_screen_pos=(0.0, 0.0), button="left", modifier=None,
-                 owner=tab.nodes["/board/observer/pole0"].get("owner", ""))
+                 owner=tab.nodes["/board/observer/grips"].get("owner", ""))
     tab.answered()
     assert newest().picture.design["observer_poles"] == START["observer_poles"]  # type: ignore[union-attr]
     still_works(tab, newest())
@@ -165,7 +165,7 @@ def test_a_camera_of_nonsense_does_not_hurt_dragging(enter: Enter, newest: Newes
 
 def test_a_dragged_cross_moves_its_pole_and_its_twin(enter: Enter, newest: Newest) -> None:
     tab = enter()
-    name = "/board/observer/pole0"
+    name = "/board/observer/grips"
     x, y, z = (float(v) for v in (1.9, 1.45, 3.7))
     for phase, dx in (("start", 0.0), ("update", 0.2), ("update", 0.4), ("end", 0.5)):
         tab.send("SceneNodeDragMessage", phase=phase, name=name, instance_index=None, start_position=(x, y, z),

@@ -8,9 +8,14 @@
   note.className = 'ol-lost';
   note.hidden = true;
   note.setAttribute('role', 'alert');
-  const said = known(root.lang);
-  cover.append(Object.assign(document.createElement('b'), {textContent: said.name}),
-               Object.assign(document.createElement('span'), {textContent: said.loading}));
+  const speak = () => {
+    const said = known(root.lang), name = document.createElement('b'), loading = document.createElement('span');
+    name.textContent = said.name;
+    loading.textContent = said.loading;
+    cover.replaceChildren(name, loading);
+    note.textContent = said.lost;
+  };
+  speak();
   root.append(cover, note);
   let old = null;
   const look = () => {
@@ -20,7 +25,7 @@
   const watch = new MutationObserver(look);
   const heard = ({data}) => {
     if (data?.type === 'closed') {
-      note.textContent = known(root.lang).lost;
+      speak();
       note.hidden = false;
     } else if (data?.type === 'connected') {
       note.hidden = true;

@@ -1,0 +1,79 @@
+"""Discs about the poles of a board: what a hand takes hold of, as large on the screen as a finger or a pointer needs."""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import viser
+
+from .meshes import disc
+from .stage import PHONE, aspect_of
+
+POINTER, FINGER = 22.0, 44.0  # px, radius of a disc
+SMALLEST, LARGEST = 0.12, 0.9  # stage units
+SAME = 0.06  # a radius that differs by less is not sent
+FAINT = 0.16  # how much of the colour a disc has
+GRIPS = "/grips"  # how the name of such a node ends
+Vector = tuple[float, float, float]
+
+
+def radius(camera: viser.CameraHandle, place: Sequence[float]) -> float:
+    """The radius (stage units) of a disc at `place` that is POINTER px on the screen, FINGER px on a phone.
+
+    A browser that says nothing sensible of its camera gets a radius within the bounds all the same.
+    """
+    eye, aim = np.asarray(camera.position, dtype=float), np.asarray(camera.look_at, dtype=float)
+    ahead = aim - eye
+    depth = float((np.asarray(place) - eye) @ ahead) / max(float(np.linalg.norm(ahead)), 1e-9)
+    wanted = FINGER if aspect_of(camera) < PHONE else POINTER
+    size = wanted * 2.0 * math.tan(camera.fov / 2) * depth / max(float(camera.image_height), 1.0)
+    return min(max(size, SMALLEST), LARGEST) if math.isfinite(size) else 2 * SMALLEST
+
+
+class Grips:
+    """The discs of one board in one node: one more thing to draw, however many poles there are."""
+
+    def __init__(self, client: viser.ClientHandle, root: str, colour: tuple[int, int, int], middle: np.ndarray,
+                 moved: Callable[[viser.SceneNodeDragEvent], Any]) -> None:
+        self._client, self._name, self._colour, self._middle, self._moved = client, root + GRIPS, colour, middle, moved
+        self._node: viser.BatchedMeshHandle | None = None
+        self._count, self._radius = 0, 0.0
+        self._lock = threading.Lock()  # the tab's thread moves the discs, the server's loop fits them to the camera
+
+    def show(self, places: Sequence[Vector]) -> None:
+        """One disc at each place of the board's own frame; none where nothing can be dragged."""
+        with self._lock:
+            at = np.array(places, dtype=np.float32).reshape(-1, 3)
+            if self._node is not None and len(at) == self._count:
+                self._node.batched_positions = at
+                return
+            if self._node is not None:
+                self._node.remove()
+            self._node, self._count = None, len(at)
+            if self._count:
+                self._make(at)
+
+    def _make(self, at: np.ndarray) -> None:
+        self._radius = radius(self._client.camera, self._middle)
+        upright = np.tile(np.array([1.0, 0.0, 0.0, 0.0], dtype=np.float32), (len(at), 1))
+        self._node = self._client.scene.add_batched_meshes_simple(
+            self._name, *disc(), upright, at, batched_scales=self._scales(), batched_colors=self._colour, opacity=FAINT, lod="off",
+            side="double", cast_shadow=False, receive_shadow=False)
+        self._node.on_drag("left")(self._moved)
+
+    def _scales(self) -> np.ndarray:
+        return np.full(self._count, self._radius, dtype=np.float32)
+
+    def fit(self) -> bool:
+        """Make the discs as large as they have to be now; whether that changed anything."""
+        with self._lock:
+            wanted = radius(self._client.camera, self._middle)
+            if self._node is None or abs(wanted - self._radius) <= SAME * self._radius:
+                return False
+            self._radius = wanted
+            self._node.batched_scales = self._scales()
+            return True
