@@ -9,7 +9,7 @@ import numpy as np
 
 from ..design.placement import observer_gain
 from ..systems.arrays import definite, solve_even, symmetric
-from ..systems.balance import balance, without_dust
+from ..systems.balance import UNLIKE, balance, without_dust
 from ..systems.errors import EngineError, Phrase, PoleError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
@@ -85,7 +85,8 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
 
     They are rank(C E) = rank(E), and no invariant zero of (A, E, C), s with rank [sI − A, −E; C, 0] < n + rank(E), in
     the closed right half plane (on or outside the unit circle for a sampled plant). H = E ((C E)ᵀ V⁻¹ C E)⁻¹ (C E)ᵀ V⁻¹
-    with V = `weight` (p×p > 0, default I): with the covariance of the sensor noise, what is left of y after H tells
+    with V = `weight` (p×p > 0; default I, of balanced outputs where the units given are far apart): with the
+    covariance of the sensor noise, what is left of y after H tells
     nothing about the noise that H lets in. Raises ShapeError, EngineError. Chen and Patton (1999), theorem 3.1.
     """
     E, V = _unknown(plant, E), np.eye(plant.p) if weight is None else as_matrix(weight, "weight")
@@ -105,7 +106,10 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
                           phrase("rank(CE) = {rank} is less than rank(E) = {q}: the unknown input does not reach the outputs "
                                  "at once; measure nearer to where it enters.", rank=rank, q=q))
     CE = C @ E
-    weighted = solve_even(symmetric(V) / own.outputs / own.outputs[:, None], CE).T
+    V = symmetric(V) / own.outputs / own.outputs[:, None]
+    if weight is None and own.outputs.max() > UNLIKE * own.outputs.min():
+        V = np.eye(plant.p)  # no output is surer than another: in like units
+    weighted = solve_even(V, CE).T
     H = E @ np.linalg.solve(weighted @ CE, weighted)
     T = np.eye(plant.n) - H @ C
     zeros = invariant_zeros(A, E, C)

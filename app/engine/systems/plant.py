@@ -61,7 +61,10 @@ class Plant:
         if D.shape != (C.shape[0], B.shape[1]):
             raise ShapeError("D must be {rows}×{columns}; it is {rows2}×{columns2}.",
                              rows=C.shape[0], columns=B.shape[1], rows2=D.shape[0], columns2=D.shape[1])
-        dt = float(self.dt)
+        try:
+            dt = float(self.dt)
+        except (TypeError, ValueError, OverflowError):
+            dt = np.nan
         if not np.isfinite(dt) or dt < 0:
             raise EngineError("dt must be 0 (continuous time) or a positive sampling period in seconds.")
         units = self.units.items() if isinstance(self.units, dict) else self.units
