@@ -21,13 +21,13 @@ from app.lesson.figures import (
     FLOOR,
     Curve,
     Figure,
-    FrequencyFigure,
+    LineFigure,
     MapFigure,
     MatrixFigure,
     PlaneFigure,
     Point,
     TableFigure,
-    TimeFigure,
+    over_frequency,
 )
 from app.lesson.lesson import Check, Design, Outcome
 from app.text import Text, same
@@ -35,13 +35,13 @@ from app.text import Text, same
 T = np.linspace(0.0, 2.0, 120)
 F = np.geomspace(0.1, 100.0, 90)
 CAPTION = Text("What this figure shows now, in one sentence.", "这幅图现在所展示的内容，用一句话说明。")
-TIME = TimeFigure("time", Text("height of the deck", "平台高度"), T, (
+TIME = LineFigure("time", Text("height of the deck", "平台高度"), T, (
     Curve(Text("true", "真实"), np.cos(3 * T)), Curve(Text("estimate", "估计"), np.exp(-T) * 0.3, "estimate", "dash"),
     Curve(Text("limit", "限幅"), np.full(120, 1.5), "reference", "dot", 1.4),
     Curve(Text("limit", "限幅"), np.full(120, -1.5), "reference", "dot", 1.4)), "z [mm]", caption=CAPTION)
-LOG = TimeFigure("log", Text("estimation error", "估计误差"), T, (Curve(same("‖e‖"), -np.exp(-9 * T), "error"),), "‖x − x̂‖",
-                 log=True)
-FREQUENCY = FrequencyFigure("frequency", Text("spectrum", "频谱"), F, (
+LOG = LineFigure("log", Text("estimation error", "估计误差"), T, (Curve(same("‖e‖"), -np.exp(-9 * T), "error"),), "‖x − x̂‖",
+                 log_y=True)
+FREQUENCY = over_frequency("frequency", Text("spectrum", "频谱"), F, (
     Curve(Text("open loop", "开环"), 1 / F**2, "reference"), Curve(Text("closed loop", "闭环"), 1e-3 / F, "force", "dot")),
     "PSD [(m/s)²/Hz]")
 PLANE = PlaneFigure("plane", Text("poles", "极点"), (Curve(same("path"), np.sin(T), "error", x=np.cos(T)),), (
@@ -104,11 +104,10 @@ def test_drawn_curves_are_the_records_curves(figure) -> None:
     axes = axes_of(figure)
     drawn = curves(axes)
     assert len(drawn) == len(figure.curves)
-    log = getattr(figure, "log", True)
+    log = figure.log_y
     assert axes.get_yscale() == ("log" if log else "linear")
     for line, curve in zip(drawn, figure.curves, strict=True):
-        x = figure.f if isinstance(figure, FrequencyFigure) else figure.t
-        assert np.array_equal(line.get_xdata(), x)
+        assert np.array_equal(line.get_xdata(), figure.x)
         assert np.array_equal(line.get_ydata(), np.maximum(np.abs(curve.y), FLOOR) if log else curve.y)
         assert to_hex(line.get_color()).upper() == COLOURS[curve.role].upper()
         assert line.get_linestyle() == ("-" if curve.dash == "solid" else "--")
@@ -184,15 +183,15 @@ def test_a_direct_label_stands_nearest_to_its_own_curve() -> None:
 
 def test_names_that_find_no_room_go_to_a_legend() -> None:
     crowd = tuple(Curve(same(f"output number {k}"), np.sin(9 * T) + 0.001 * k) for k in range(6))
-    axes = axes_of(TimeFigure("crowd", same("crowd"), T, crowd))
+    axes = axes_of(LineFigure("crowd", same("crowd"), T, crowd))
     assert [text.get_text() for text in axes.get_legend().get_texts()] == [c.name.en for c in crowd]
     assert not axes.texts
 
 
 def test_nan_infinity_and_huge_values_are_drawn_all_the_same(tmp_path: Path) -> None:
     wild = np.where(T > 1, np.inf, 1e300) * np.where(T > 1.5, np.nan, 1.0)
-    figures = [TimeFigure("a", same("a"), T, (Curve(same("y"), wild),)),
-               TimeFigure("b", same("b"), T, (Curve(same("y"), wild),), log=True),
+    figures = [LineFigure("a", same("a"), T, (Curve(same("y"), wild),)),
+               LineFigure("b", same("b"), T, (Curve(same("y"), wild),), log_y=True),
                PlaneFigure("c", same("c"), (Curve(same("y"), wild, x=wild),), (Point(float("nan"), float("inf")),))]
     save_figures(figures, tmp_path / "wild.png")
     assert (tmp_path / "wild.png").stat().st_size > 2000
@@ -265,7 +264,7 @@ def test_csv_read_back_is_the_record_to_the_last_bit(tmp_path: Path) -> None:
 
 
 def test_csv_keeps_what_is_not_finite_readable() -> None:
-    odd = TimeFigure("odd", same("odd"), T[:3], (Curve(same("y"), np.array([np.nan, np.inf, 5e-324])),))
+    odd = LineFigure("odd", same("odd"), T[:3], (Curve(same("y"), np.array([np.nan, np.inf, 5e-324])),))
     written = [repr(row[4]) for row in csv_rows([odd])]
     assert written == ["nan", "inf", "5e-324"]
 

@@ -13,19 +13,19 @@ from laws import each
 from app.lesson.figures import (
     FLOOR,
     Curve,
-    FrequencyFigure,
+    LineFigure,
     MapFigure,
     MatrixFigure,
     PlaneFigure,
     Point,
     TableFigure,
-    TimeFigure,
     axis_range,
     calm_range,
     columns,
     finite,
     legal_range,
     nice,
+    over_frequency,
     tabs,
     thin,
 )
@@ -36,10 +36,10 @@ sane = st.floats(-1e9, 1e9)
 anything = st.floats(allow_nan=True, allow_infinity=True)
 
 
-def time_figure(*series: list[float], log: bool = False, window: tuple[float, float] | None = None) -> TimeFigure:
+def time_figure(*series: list[float], log: bool = False, window: tuple[float, float] | None = None) -> LineFigure:
     n = max((len(s) for s in series), default=1)
-    return TimeFigure("x", same("x"), np.arange(float(n)), tuple(Curve(same("y"), np.array(s, dtype=float)) for s in series),
-                      log=log, window=window)
+    return LineFigure("x", same("x"), np.arange(float(n)), tuple(Curve(same("y"), np.array(s, dtype=float)) for s in series),
+                      log_y=log, window=window)
 
 
 # --- finite, nice, thin ----------------------------------------------------------------------------------------------
@@ -161,7 +161,7 @@ def test_a_resting_axis_tightens_when_the_data_have_become_small() -> None:
 
 
 def test_a_spectrum_is_logarithmic() -> None:
-    figure = FrequencyFigure("f", same("f"), np.array([1.0, 10.0]), (Curve(same("y"), np.array([3e-3, 20.0])),))
+    figure = over_frequency("f", same("f"), np.array([1.0, 10.0]), (Curve(same("y"), np.array([3e-3, 20.0])),))
     assert axis_range(figure) == pytest.approx((1e-3, 100.0))
 
 
@@ -169,9 +169,9 @@ def test_a_spectrum_is_logarithmic() -> None:
 def test_columns_hold_what_is_drawn() -> None:
     t, y = np.array([0.0, 1.0]), np.array([2.0, 3.0])
     curve = Curve(Text("speed", "速度"), y)
-    names, data = columns(TimeFigure("a", same("a"), t, (curve, curve)))
+    names, data = columns(LineFigure("a", same("a"), t, (curve, curve)))
     assert names == ["t [s]", "speed", "speed"] and data.tolist() == [[0, 2, 2], [1, 3, 3]]
-    names, data = columns(FrequencyFigure("a", same("a"), t, (curve,)))
+    names, data = columns(over_frequency("a", same("a"), t, (curve,)))
     assert names == ["f [Hz]", "speed"] and data.tolist() == [[0, 2], [1, 3]]
     names, data = columns(PlaneFigure("a", same("a"), (Curve(same("c"), y, x=t),), (Point(5.0, 6.0),), "Re", "Im"))
     assert names == ["Re", "Im"] and data.tolist() == [[5, 6], [0, 2], [1, 3]]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from laws import each
 
-from app.lesson.figures import Curve, FrequencyFigure, TimeFigure
+from app.lesson.figures import Curve, LineFigure, over_frequency
 from app.lesson.lesson import Lesson
 from app.plants import platform
 from app.plants.body import with_longer_arrows
@@ -33,11 +33,11 @@ def test_the_numbers_of_a_logarithmic_axis_are_written_as_one_writes_them() -> N
 
 
 def test_no_cursor_stands_in_a_chart_whose_time_is_not_the_runs() -> None:
-    def chart(end: float) -> TimeFigure:
-        return TimeFigure("t", same("t"), np.linspace(0.0, end, 11), (Curve(same("y"), np.zeros(11)),))
+    def chart(end: float) -> LineFigure:
+        return LineFigure("t", same("t"), np.linspace(0.0, end, 11), (Curve(same("y"), np.zeros(11)),))
     assert on_the_clock(chart(2.4), 2.4) and on_the_clock(chart(8.0), 7.9)
     assert not on_the_clock(chart(20.0), 2.4) and not on_the_clock(chart(6.0), 2.4)
-    assert not on_the_clock(FrequencyFigure("f", same("f"), np.ones(2), ()), 1.0)
+    assert not on_the_clock(over_frequency("f", same("f"), np.ones(2), ()), 1.0)
 
 
 @each("horizon", [0.002, 0.35, 2.0, 2.4, 6.0, 7.9, 12.0, 16.0, 600.0])
@@ -64,5 +64,5 @@ def test_chinese_sentences_that_are_joined_have_no_space_between_them() -> None:
 @pytest.mark.parametrize("lesson", LESSONS.values(), ids=lambda lesson: lesson.id)
 def test_every_picture_of_a_lesson_can_be_drawn(lesson: Lesson, language: str) -> None:
     for figure in lesson.figures(lesson.compute(lesson.start())):
-        if not isinstance(figure, (TimeFigure, FrequencyFigure)):
+        if not isinstance(figure, LineFigure):
             assert figure.title(language)[:12] in html.unescape(draw(figure, language))

@@ -14,12 +14,11 @@ import numpy as np
 from ..lesson.figures import (
     Curve,
     Figure,
-    FrequencyFigure,
+    LineFigure,
     MapFigure,
     MatrixFigure,
     PlaneFigure,
     TableFigure,
-    TimeFigure,
 )
 from ..lesson.lesson import Design, Outcome
 from ..text import languages, wording
@@ -59,10 +58,8 @@ def save_csv(figures: Sequence[Figure], path: str | Path) -> None:
 def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
     """The rows of `save_csv` below the header, numbers as Python floats."""
     for figure in figures:
-        if isinstance(figure, TimeFigure):
-            yield from _curves(figure.id, "time", figure.curves, figure.t)
-        elif isinstance(figure, FrequencyFigure):
-            yield from _curves(figure.id, "frequency", figure.curves, figure.f)
+        if isinstance(figure, LineFigure):
+            yield from _curves(figure.id, "frequency" if figure.log_x else "time", figure.curves, figure.x)
         elif isinstance(figure, PlaneFigure):
             yield from _curves(figure.id, "plane", figure.curves, None)
             for point in figure.points:

@@ -11,9 +11,9 @@ from typing import Any
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Page
 
-from ..lesson.figures import Figure, FrequencyFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, TimeFigure
+from ..lesson.figures import Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, TableFigure
 from .grids import draw_matrix, draw_table
-from .panels import draw_frequency, draw_map, draw_plane, draw_time
+from .panels import draw_lines, draw_map, draw_plane
 from .style import INK, SMALL, TITLE, look, words
 from .wrap import wrap
 
@@ -30,9 +30,8 @@ CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page,
 LEFT, RIGHT, HEAD, FOOT = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
 CURVES, LINE, ROW = 1.72, 0.125, 0.165  # height of axes, of a caption's line, of a table's row, in inches
 COLUMN_NAMES = 0.34
-DRAW: Mapping[type, Any] = MappingProxyType({TimeFigure: draw_time, FrequencyFigure: draw_frequency,
-                                             PlaneFigure: draw_plane,
-                         MapFigure: draw_map, MatrixFigure: draw_matrix, TableFigure: draw_table})
+DRAW: Mapping[type, Any] = MappingProxyType({LineFigure: draw_lines, PlaneFigure: draw_plane, MapFigure: draw_map,
+                                             MatrixFigure: draw_matrix, TableFigure: draw_table})
 
 
 class ExportError(ValueError):

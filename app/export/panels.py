@@ -16,10 +16,9 @@ from ..lesson.figures import (
     COLOURS,
     FLOOR,
     Curve,
-    FrequencyFigure,
+    LineFigure,
     MapFigure,
     PlaneFigure,
-    TimeFigure,
     axis_range,
     finite,
 )
@@ -27,7 +26,7 @@ from ..text import wording
 from .labels import label_curves
 from .style import GRID, INK, RULE, SMALL, pen, words
 
-__all__ = ["draw_frequency", "draw_map", "draw_plane", "draw_time"]
+__all__ = ["draw_lines", "draw_map", "draw_plane"]
 
 MARKS = MappingProxyType({
     "cross": {"marker": "x", "markersize": 5.0, "markeredgewidth": 1.3},
@@ -39,19 +38,13 @@ BOLT = "#282C34"
 MAP_STRENGTH = 0.75  # opacity of a map's colours on white paper
 
 
-def draw_time(axes: Axes, figure: TimeFigure, language: str) -> None:
-    """Curves over time; magnitudes on a logarithmic axis where the record says so."""
-    axes.set_xlabel("$t$ [s]")
-    _span(axes, figure.t)
-    _curves(axes, figure, figure.t, figure.log, language)
-
-
-def draw_frequency(axes: Axes, figure: FrequencyFigure, language: str) -> None:
-    """Curves over frequency, both axes logarithmic."""
-    axes.set_xscale("log")
-    axes.set_xlabel("$f$ [Hz]")
-    _span(axes, figure.f[figure.f > 0])
-    _curves(axes, figure, figure.f, True, language)
+def draw_lines(axes: Axes, figure: LineFigure, language: str) -> None:
+    """Curves over time or frequency; magnitudes on a logarithmic axis where the record says so."""
+    if figure.log_x:
+        axes.set_xscale("log")
+    axes.set_xlabel(f"${figure.x_label.replace(' ', '$ ')}")
+    _span(axes, figure.x[figure.x > 0] if figure.log_x else figure.x)
+    _curves(axes, figure, language)
 
 
 def _span(axes: Axes, x: np.ndarray) -> None:
@@ -59,9 +52,9 @@ def _span(axes: Axes, x: np.ndarray) -> None:
         axes.set_xlim(float(x[0]), float(x[-1]))
 
 
-def _curves(axes: Axes, figure: TimeFigure | FrequencyFigure, x: np.ndarray, log: bool, language: str) -> None:
+def _curves(axes: Axes, figure: LineFigure, language: str) -> None:
     low, high = axis_range(figure)
-    if log:
+    if figure.log_y:
         axes.set_yscale("log")
         axes.yaxis.set_major_locator(LogLocator(numticks=6))
         axes.yaxis.set_minor_formatter(NullFormatter())
@@ -71,7 +64,7 @@ def _curves(axes: Axes, figure: TimeFigure | FrequencyFigure, x: np.ndarray, log
             axes.axhline(0.0, color=GRID, linewidth=0.6, zorder=0)
     axes.set_ylim(low, high)
     axes.set_ylabel(words(wording(figure.y_label, language)))
-    lines = [_plot(axes, curve, x, np.maximum(np.abs(finite(curve.y)), FLOOR) if log else finite(curve.y),
+    lines = [_plot(axes, curve, figure.x, np.maximum(np.abs(finite(curve.y)), FLOOR) if figure.log_y else finite(curve.y),
                    language, figure.curves[:k]) for k, curve in enumerate(figure.curves)]
     label_curves(axes, lines)
 

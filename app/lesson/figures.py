@@ -47,32 +47,30 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class TimeFigure:
-    """Curves over time in seconds; `log` draws magnitudes on a logarithmic axis."""
+class LineFigure:
+    """Curves over time in seconds or, where `log_x`, over frequency in hertz; `log_y` draws their magnitudes in decades."""
 
     id: str
     title: Text
-    t: np.ndarray
+    x: np.ndarray
     curves: tuple[Curve, ...]
     y_label: Text | str = ""
-    log: bool = False
+    log_x: bool = False
+    log_y: bool = False
     caption: Text = NO_WORDS
     tab: Text = TIME
     window: tuple[float, float] | None = None  # the least range that the y axis shows
 
+    @property
+    def x_label(self) -> str:
+        """What the curves run over."""
+        return "f [Hz]" if self.log_x else "t [s]"
 
-@dataclass(frozen=True, eq=False)
-class FrequencyFigure:
+
+def over_frequency(id: str, title: Text, f: np.ndarray, curves: tuple[Curve, ...], y_label: Text | str = "",
+                   caption: Text = NO_WORDS, tab: Text = SPECTRUM, window: tuple[float, float] | None = None) -> LineFigure:
     """Curves over frequency in hertz, both axes logarithmic."""
-
-    id: str
-    title: Text
-    f: np.ndarray
-    curves: tuple[Curve, ...]
-    y_label: Text | str = ""
-    caption: Text = NO_WORDS
-    tab: Text = SPECTRUM
-    window: tuple[float, float] | None = None
+    return LineFigure(id, title, f, curves, y_label, True, True, caption, tab, window)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +148,7 @@ class TableFigure:
     tab: Text = NUMBERS
 
 
-Figure = TimeFigure | FrequencyFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure
+Figure = LineFigure | PlaneFigure | MatrixFigure | MapFigure | TableFigure
 
 
 def finite(values: np.ndarray, bound: float = 1e12) -> np.ndarray:
@@ -169,10 +167,10 @@ def nice(value: float) -> float:
     return 10.0 * decade
 
 
-def axis_range(figure: TimeFigure | FrequencyFigure) -> tuple[float, float]:
+def axis_range(figure: LineFigure) -> tuple[float, float]:
     """A calm y range for all curves of a figure: round numbers, zero inside, decades when logarithmic."""
     data = [finite(curve.y) for curve in figure.curves if len(curve.y)]
-    if getattr(figure, "log", True):
+    if figure.log_y:
         top = max((float(np.max(np.abs(y))) for y in data), default=1.0)
         bottom = min((float(np.min(np.abs(y[np.abs(y) > FLOOR]), initial=top)) for y in data), default=top)
         if figure.window is not None:
@@ -195,12 +193,12 @@ def legal_range(low: float, high: float, log: bool) -> bool:
     return math.isfinite(low) and math.isfinite(high) and low < high and (low > 0 or not log)
 
 
-def calm_range(figure: TimeFigure | FrequencyFigure, last: tuple[float, float] | None, resting: bool) -> tuple[float, float]:
+def calm_range(figure: LineFigure, last: tuple[float, float] | None, resting: bool) -> tuple[float, float]:
     """The y range to show now: it stays put while a knob moves and follows, if it must, when the knob rests.
 
     A range that is kept is one that the figure can have now: finite, rising, and positive on a logarithmic axis.
     """
-    log = getattr(figure, "log", True)
+    log = figure.log_y
     kept = last if last is not None and legal_range(*last, log) else None
     if kept is not None and not resting:
         return kept
@@ -219,10 +217,8 @@ def calm_range(figure: TimeFigure | FrequencyFigure, last: tuple[float, float] |
 
 def columns(figure: Figure) -> tuple[list[str], np.ndarray]:
     """The data of a figure as named columns, for a CSV file and for tests."""
-    if isinstance(figure, TimeFigure):
-        return ["t [s]", *(c.name("en") for c in figure.curves)], np.column_stack([figure.t, *(c.y for c in figure.curves)])
-    if isinstance(figure, FrequencyFigure):
-        return ["f [Hz]", *(c.name("en") for c in figure.curves)], np.column_stack([figure.f, *(c.y for c in figure.curves)])
+    if isinstance(figure, LineFigure):
+        return [figure.x_label, *(c.name("en") for c in figure.curves)], np.column_stack([figure.x, *(c.y for c in figure.curves)])
     if isinstance(figure, PlaneFigure):
         rows = [(float(p.x), float(p.y)) for p in figure.points]
         rows += [(float(a), float(b)) for c in figure.curves for a, b in zip(_xs(c), c.y, strict=True)]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, FrequencyFigure, TimeFigure, calm_range, finite, thin
+from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, finite, thin
 from ..text import raised, wording
 from .prose import with_minus
 from .svg import draw
@@ -29,13 +29,11 @@ def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, An
     return series
 
 
-def data_of(figure: TimeFigure | FrequencyFigure, span: tuple[float, float]) -> tuple[np.ndarray, ...]:
+def data_of(figure: LineFigure, span: tuple[float, float]) -> tuple[np.ndarray, ...]:
     """The arrays of a chart: sorted x, finite y, at most 500 points, within reach of the shown range."""
-    logarithmic = isinstance(figure, FrequencyFigure) or figure.log
-    x = figure.f if isinstance(figure, FrequencyFigure) else figure.t
-    rows = thin(np.asarray(x, dtype=float), *(finite(c.y) for c in figure.curves))
+    rows = thin(np.asarray(figure.x, dtype=float), *(finite(c.y) for c in figure.curves))
     reach = 3 * (span[1] - span[0])
-    if logarithmic:
+    if figure.log_y:
         return rows[0], *(np.clip(np.abs(y), max(span[0] / 1e3, FLOOR), span[1] * 1e3) for y in rows[1:])
     return rows[0], *(np.clip(y, span[0] - reach, span[1] + reach) for y in rows[1:])
 
@@ -66,7 +64,7 @@ def _named(value: float) -> str:
 
 def on_the_clock(figure: Figure, horizon: float) -> bool:
     """Whether a chart's time is that of the run, so that the clock's cursor stands where it should."""
-    return isinstance(figure, TimeFigure) and abs(float(figure.t[-1]) - horizon) <= 0.02 * horizon
+    return isinstance(figure, LineFigure) and not figure.log_x and abs(float(figure.x[-1]) - horizon) <= 0.02 * horizon
 
 
 def even(low: float, high: float, most: int) -> tuple[tuple[float, ...], tuple[str, ...]]:
@@ -90,7 +88,7 @@ class Chart:
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
-        if isinstance(figure, (TimeFigure, FrequencyFigure)):
+        if isinstance(figure, LineFigure):
             self._range = calm_range(figure, None, True)
             self._plot = gui.add_uplot(data_of(figure, self._range), self._all_series(figure), **self._frame(figure))
         else:
@@ -100,39 +98,34 @@ class Chart:
     def _words(self, figure: Figure) -> str:
         return f'<p class="ol-caption" data-figure="{figure.id}">{with_minus(figure.caption(self._language))}</p>'
 
-    def _all_series(self, figure: TimeFigure | FrequencyFigure) -> tuple[Any, ...]:
+    def _all_series(self, figure: LineFigure) -> tuple[Any, ...]:
         mark = "ol-time" if self._cursor else "ol-still"
-        x: dict[str, Any] = {"label": "t" if isinstance(figure, TimeFigure) else "f", "class": "ol-x"}
+        x: dict[str, Any] = {"label": figure.x_label[0], "class": "ol-x"}
         told = [(c.name, c.role, c.dash) for c in figure.curves]
         return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}", self._bold)
                      for k, c in enumerate(figure.curves)))
 
-    def _frame(self, figure: TimeFigure | FrequencyFigure) -> dict[str, Any]:
+    def _frame(self, figure: LineFigure) -> dict[str, Any]:
         assert self._range is not None
-        time = isinstance(figure, TimeFigure)
-        x = figure.t if isinstance(figure, TimeFigure) else figure.f
-        logarithmic = not time or figure.log  # type: ignore[union-attr]
+        ends = float(figure.x[0]), float(figure.x[-1])
         y: dict[str, Any] = {"range": self._range, "auto": False}
-        if logarithmic:
+        if figure.log_y:
             y["distr"] = 3
-        xs: dict[str, Any] = {"time": False, "range": (float(x[0]), float(x[-1]))}
-        if not time:
+        xs: dict[str, Any] = {"time": False, "range": ends}
+        if figure.log_x:
             xs["distr"] = 3
         size = 18 if self._bold > 1 else 12
         font = f"{size}px sans-serif"
         look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
                 "ticks": {"stroke": "#c9ced6", "width": 1}}
         vertical: dict[str, Any] = {**look, "label": wording(figure.y_label, self._language), "labelSize": size + 6, "size": 4 * size + 8}
-        if logarithmic:
+        if figure.log_y:
             vertical["splits"], vertical["values"] = decades(*self._range)
         else:
             vertical["splits"], vertical["values"] = even(*self._range, 5)
-        horizontal: dict[str, Any] = {**look, "label": "t [s]" if time else "f [Hz]", "labelSize": size + 6,
+        horizontal: dict[str, Any] = {**look, "label": figure.x_label, "labelSize": size + 6,
                                       "size": size + 16}
-        if not time:
-            horizontal["splits"], horizontal["values"] = decades(float(x[0]), float(x[-1]))
-        else:
-            horizontal["splits"], horizontal["values"] = even(float(x[0]), float(x[-1]), 6)
+        horizontal["splits"], horizontal["values"] = decades(*ends) if figure.log_x else even(*ends, 6)
         return {
             "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": round(HEIGHT * (1.25 if self._bold > 1 else 1.0)),
             "axes": (horizontal, vertical),
@@ -143,7 +136,7 @@ class Chart:
     def show_curves(self, figure: Figure, resting: bool, horizon: float) -> None:
         """Draw present data over time or frequency; `show_words` draws the rest."""
         before, self._figure = self._figure, figure
-        if isinstance(figure, (TimeFigure, FrequencyFigure)):
+        if isinstance(figure, LineFigure):
             self._show_plot(figure, before, resting, on_the_clock(figure, horizon))
 
     def show_words(self, figure: Figure) -> None:
@@ -156,19 +149,17 @@ class Chart:
         if words != self._caption.content:
             self._caption.content = words
 
-    def _show_plot(self, figure: TimeFigure | FrequencyFigure, before: Figure, resting: bool, cursor: bool) -> None:
-        assert self._plot is not None and isinstance(before, (TimeFigure, FrequencyFigure))
+    def _show_plot(self, figure: LineFigure, before: Figure, resting: bool, cursor: bool) -> None:
+        assert self._plot is not None and isinstance(before, LineFigure)
         wanted = calm_range(figure, self._range, resting)
         turned, self._cursor = cursor != self._cursor, cursor
         if turned or len(figure.curves) != len(before.curves) or any(
                 (a.name, a.role, a.dash) != (b.name, b.role, b.dash) for a, b in zip(figure.curves, before.curves, strict=True)):
             self._plot.series = self._all_series(figure)
-        x = figure.t if isinstance(figure, TimeFigure) else figure.f
-        old = before.t if isinstance(before, TimeFigure) else before.f
         if figure.title != before.title:
             self._plot.title = figure.title(self._language)
-        log = [getattr(shown, "log", True) for shown in (figure, before)]
-        if wanted != self._range or log[0] != log[1] or float(x[-1]) != float(old[-1]) or figure.y_label != before.y_label:
+        if (wanted != self._range or figure.log_y != before.log_y or float(figure.x[-1]) != float(before.x[-1])
+                or figure.y_label != before.y_label):
             self._range = wanted
             frame = self._frame(figure)
             self._plot.scales, self._plot.axes = frame["scales"], frame["axes"]

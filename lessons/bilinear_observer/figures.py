@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine.observers import BilinearObserver
-from app.lesson.figures import Curve, Dash, Figure, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Dash, Figure, LineFigure, TableFigure
 from app.lesson.lesson import Check, Outcome
 from app.plants.bilinear import POLE
 from app.text import same, text, text_in
@@ -79,17 +79,17 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
             _forms(run), _fed(run, design["tau"]))
 
 
-def _functional(outcome: Outcome[Study], run: Watch) -> TimeFigure:
+def _functional(outcome: Outcome[Study], run: Watch) -> LineFigure:
     guess = run.estimates[:, form_index(outcome.design)]
     met = outcome.metrics["settled_after"]
     caption = (text("After {met:.3f} s the error of ĝ stays below 2 % of what it was at first.", met=met) if met <= HORIZON
                else text("Within this run ĝ does not settle on g."))
-    return TimeFigure("functional", text("the number wanted, g = K x"), run.t,
+    return LineFigure("functional", text("the number wanted, g = K x"), run.t,
                       (Curve(same("g"), run.g), Curve(same("ĝ"), guess, "estimate", "dash")), "g", window=(-10.0, 30.0),
                       tab=TIME_TAB, caption=caption)
 
 
-def _error(outcome: Outcome[Study], run: Watch) -> TimeFigure:
+def _error(outcome: Outcome[Study], run: Watch) -> LineFigure:
     m = outcome.metrics
     pole = words(np.array([m["pole"]]), 2)
     if m["law_gap"] <= 1e-6:
@@ -99,15 +99,15 @@ def _error(outcome: Outcome[Study], run: Watch) -> TimeFigure:
         caption = text("|ε| leaves the line e^({pole}t): in the last tenth of the run it is up to "
                        "{late_error:.2g}.",
                        pole=pole, late_error=m["late_error"])
-    return TimeFigure("error", text("error ε = ĝ − g"), run.t,
+    return LineFigure("error", text("error ε = ĝ − g"), run.t,
                       (Curve(same("|ε|"), np.abs(run.errors[:, form_index(outcome.design)]), "error"),
                        Curve(text("e^({pole}t)", pole=pole), np.abs(run.law), "reference", "dash", 1.6)), "|ε|",
-                      log=True, window=(1e-6, 10.0), tab=TIME_TAB, caption=caption)
+                      log_y=True, window=(1e-6, 10.0), tab=TIME_TAB, caption=caption)
 
 
-def _input(run: Watch) -> TimeFigure:
+def _input(run: Watch) -> LineFigure:
     peak = float(np.max(np.abs(run.u)))
-    return TimeFigure("input", text("input u, which also multiplies the state"), run.t,
+    return LineFigure("input", text("input u, which also multiplies the state"), run.t,
                       (Curve(same("u"), run.u, "force"),), "u", window=(-1.0, 1.0), tab=TIME_TAB,
                       caption=text("Largest |u|: {peak:.3g}.", peak=peak))
 
@@ -153,12 +153,12 @@ def _problems(chosen: str) -> TableFigure:
                                                                 "may no longer be watched."))
 
 
-def _forms(run: Watch) -> TimeFigure:
+def _forms(run: Watch) -> LineFigure:
     late = np.max(np.abs(run.errors[len(run.t) // 2:]), axis=0)
     styles: tuple[tuple[str, Dash], ...] = (("error", "solid"), ("second", "dot"), ("disturbance", "dash"))
     curves = tuple(Curve(name, np.abs(size), *style)
                    for name, size, style in zip(FORM_NAMES, run.errors.T, styles, strict=True))
-    return TimeFigure("forms", text("|ε| of the three ways to run it"), run.t, curves, "|ε|", log=True,
+    return LineFigure("forms", text("|ε| of the three ways to run it"), run.t, curves, "|ε|", log_y=True,
                       window=(1e-6, 10.0), tab=FORMS_TAB, caption=text("In the second half of the run the error "
                                                                        "is up to {late:.2g} without ẏ, "
                                                                        "{late2:.2g} with the true ẏ and "
@@ -166,9 +166,9 @@ def _forms(run: Watch) -> TimeFigure:
                                                                        late=late[0], late2=late[1], late3=late[2]))
 
 
-def _fed(run: Watch, tau: float) -> TimeFigure:
+def _fed(run: Watch, tau: float) -> LineFigure:
     gap = float(np.max(np.abs(run.fed[:, 0] - run.fed[:, 1])))
-    return TimeFigure("fed", text("L ẏ, true and from the differentiator"), run.t,
+    return LineFigure("fed", text("L ẏ, true and from the differentiator"), run.t,
                       (Curve(text("true"), run.fed[:, 0], "second"),
                        Curve(text("differentiator"), run.fed[:, 1], "disturbance", "dash")), "L ẏ",
                       window=(-200.0, 200.0), tab=FORMS_TAB, caption=text("The differentiator lags by about "

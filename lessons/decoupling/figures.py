@@ -13,12 +13,12 @@ from app.lesson.figures import (
     FLOOR,
     Curve,
     Figure,
-    FrequencyFigure,
+    LineFigure,
     MapFigure,
     PlaneFigure,
     Point,
     TableFigure,
-    TimeFigure,
+    over_frequency,
 )
 from app.lesson.lesson import Outcome
 from app.plants import platform_siso as siso
@@ -55,7 +55,7 @@ def _nano(density: np.ndarray) -> np.ndarray:
     return np.clip(NANO * np.sqrt(np.maximum(density, 0.0)), LOW, HIGH)
 
 
-def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> FrequencyFigure:
+def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> LineFigure:
     s, gain = outcome.study.spectra, outcome.metrics[name]
     noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
     caption = (text("The loop is unstable: what is drawn is no spectrum.")
@@ -65,14 +65,14 @@ def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> Freque
                text("Peak in 0.1–10 Hz down by {gain:.1f} dB, before sensor noise; the report prints {printed} dB.",
                     gain=gain, printed=PRINTED_DB[name]) if gain >= 0 else
                text("Peak in 0.1–10 Hz up by {gain:.1f} dB; the report prints {printed} dB down.", gain=-gain, printed=PRINTED_DB[name]))
-    return FrequencyFigure(f"spectrum-{name}", text("{title} velocity", title=title), s.f,
-                           (Curve(BARE, _nano(s.bare[:, i]), "muted"), Curve(CLOSED, _nano(s.closed[:, i]), "plant"),
-                            Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "[nm/s/√Hz]", caption=caption,
-                           tab=SPECTRA_TAB, window=(1.0, 1e6))
+    return over_frequency(f"spectrum-{name}", text("{title} velocity", title=title), s.f,
+                          (Curve(BARE, _nano(s.bare[:, i]), "muted"), Curve(CLOSED, _nano(s.closed[:, i]), "plant"),
+                           Curve(SENSOR, _nano(noise), "disturbance", "dash", 1.6)), "[nm/s/√Hz]", caption=caption,
+                          tab=SPECTRA_TAB, window=(1.0, 1e6))
 
 
 # --- channels ----------------------------------------------------------------------------------------------------------
-def _dominance(outcome: Outcome[Study]) -> FrequencyFigure:
+def _dominance(outcome: Outcome[Study]) -> LineFigure:
     """Row ratios of rotation and horizontal with the mixing of the design."""
     mixed, plain = outcome.study.mixed, channels(lower_of(outcome.design))
     G = plain.response @ mixed.S
@@ -82,11 +82,11 @@ def _dominance(outcome: Outcome[Study]) -> FrequencyFigure:
     curves = [Curve(text("into rotation"), np.clip(rows[:, 0], 1e-4, 1e3), "plant"),
               Curve(text("into horizontal"), np.clip(rows[:, 1], 1e-4, 1e3), "estimate", "dash"),
               Curve(text("equal to the diagonal"), np.ones(len(CHANNELS)), "reference", "dot", 1.4)]
-    return FrequencyFigure("dominance", text("off the diagonal over on it, by row"), CHANNELS,
-                           tuple(curves), text("|off-diagonal| / |diagonal|"), tab=CHANNEL_TAB, window=(1e-3, 1e2),
-                           caption=text("Dominance is lost on {lost:.0f} % of the decades from 0.1 to 10 Hz; "
-                                        "vertical is decoupled exactly.",
-                                        lost=100 * lost))
+    return over_frequency("dominance", text("off the diagonal over on it, by row"), CHANNELS,
+                          tuple(curves), text("|off-diagonal| / |diagonal|"), tab=CHANNEL_TAB, window=(1e-3, 1e2),
+                          caption=text("Dominance is lost on {lost:.0f} % of the decades from 0.1 to 10 Hz; "
+                                       "vertical is decoupled exactly.",
+                                       lost=100 * lost))
 
 
 def _map(outcome: Outcome[Study]) -> MapFigure:
@@ -133,7 +133,7 @@ def _decibel(ratio: float) -> str:
 
 
 # --- controllers -------------------------------------------------------------------------------------------------------
-def _magnitudes(outcome: Outcome[Study]) -> FrequencyFigure:
+def _magnitudes(outcome: Outcome[Study]) -> LineFigure:
     built = outcome.study.controllers
     curves = []
     for name, role, dash, plant in ((text_in("channel", "vertical"), "plant", "solid", built.vertical),
@@ -147,8 +147,8 @@ def _magnitudes(outcome: Outcome[Study]) -> FrequencyFigure:
                text("Between 0.1 and 10 Hz the vertical controller's phase strays from −180° by at most "
                     "{phase:.2g}°.",
                     phase=phase))
-    return FrequencyFigure("controllers", text("size of the three controllers"), CONTROLLER_SWEEP,
-                           tuple(curves), "|C| [N s/m]", caption=caption, tab=LOOP_TAB, window=(1e2, 1e6))
+    return over_frequency("controllers", text("size of the three controllers"), CONTROLLER_SWEEP,
+                          tuple(curves), "|C| [N s/m]", caption=caption, tab=LOOP_TAB, window=(1e2, 1e6))
 
 
 def _size(plant: Plant) -> np.ndarray:
@@ -212,18 +212,18 @@ def _root(p: complex) -> str:
 
 
 # --- time --------------------------------------------------------------------------------------------------------------
-def _velocity(outcome: Outcome[Study], i: int, name: str, title: Text) -> TimeFigure:
+def _velocity(outcome: Outcome[Study], i: int, name: str, title: Text) -> LineFigure:
     run = outcome.study.shaken
     row = 1e6 * (T_y[i] @ PLATFORM.C)
     now, bare = run.x @ row, run.bare @ row
     size, without = float(np.std(now)), float(np.std(bare))
-    return TimeFigure(f"velocity-{name}", text("{title} velocity", title=title), run.t,
+    return LineFigure(f"velocity-{name}", text("{title} velocity", title=title), run.t,
                       (Curve(BARE, bare, "muted"), Curve(CLOSED, np.clip(now, -1e4, 1e4), "plant")), "[µm/s]", tab=TIME_TAB,
                       caption=text("Root mean square {size:.2g} µm/s, without control {without:.2g} µm/s.",
                                    size=size, without=without))
 
 
-def _force_spectrum(outcome: Outcome[Study]) -> FrequencyFigure:
+def _force_spectrum(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study.spectra
     size = np.clip(1e3 * np.sqrt(np.maximum(s.forces, 0.0)), 1e-8, 1e4)
     inside = (s.f >= 0.1) & (s.f <= 10)
@@ -231,20 +231,20 @@ def _force_spectrum(outcome: Outcome[Study]) -> FrequencyFigure:
     curves = tuple(Curve(n, size[:, j], role, dash)  # type: ignore[arg-type]
                    for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
                                                            strict=True)))
-    return FrequencyFigure("force-spectrum", text("forces asked of the coils"), s.f, curves, "[mN/√Hz]",
-                           tab=FORCE_TAB, window=(1e-2, 10.0),
-                           caption=text("Largest between 0.1 and 10 Hz: {size:.3g} mN/√Hz.",
-                                        size=float(size[inside].max())))
+    return over_frequency("force-spectrum", text("forces asked of the coils"), s.f, curves, "[mN/√Hz]",
+                          tab=FORCE_TAB, window=(1e-2, 10.0),
+                          caption=text("Largest between 0.1 and 10 Hz: {size:.3g} mN/√Hz.",
+                                       size=float(size[inside].max())))
 
 
-def _forces(outcome: Outcome[Study]) -> TimeFigure:
+def _forces(outcome: Outcome[Study]) -> LineFigure:
     run = outcome.study.shaken
     u, largest = np.clip(1e3 * run.u, -1e7, 1e7), 1e3 * float(np.abs(run.u).max())
     names = (text("left vertical"), text("right vertical"), text_in("channel", "horizontal"))
     curves = tuple(Curve(n, u[:, j], role, dash)  # type: ignore[arg-type]
                    for j, (n, role, dash) in enumerate(zip(names, ("plant", "estimate", "force"), ("solid", "dash", "dot"),
                                                            strict=True)))
-    return TimeFigure("forces", text("forces on the shaking ground"), run.t, curves, "[mN]", tab=FORCE_TAB,
+    return LineFigure("forces", text("forces on the shaking ground"), run.t, curves, "[mN]", tab=FORCE_TAB,
                       caption=text("Largest force: {largest:.3g} mN.", largest=largest) if outcome.design["mix"] == NONE else
                       text("Largest force: {largest:.3g} mN, after the mixing.", largest=largest))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure, nice
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, TableFigure, nice
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same, symbol
 
@@ -58,9 +58,9 @@ def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> Tabl
                      f"W₁₁ = {W[0, 0]:.3g}，V₁₁ = {V[0, 0]:.3g}：LQE 最慢极点的实部 {_entry(slow[1])}。"))
 
 
-def _pairing(twins: Twins, relative: float) -> TimeFigure:
+def _pairing(twins: Twins, relative: float) -> LineFigure:
     value = f"{twins.pairing[0]:.4g}".replace("-", "−")
-    return TimeFigure(
+    return LineFigure(
         "pairing", Text("observer forward, dual backward", "观测器向前，对偶回路向后"), twins.t,
         (Curve(Text("‖e(t)‖", "‖e(t)‖"), np.linalg.norm(twins.e, axis=1), "error"),
          Curve(Text("‖x_d(T − t)‖", "‖x_d(T − t)‖"), np.linalg.norm(twins.z, axis=1), "second", "dash"),

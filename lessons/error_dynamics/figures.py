@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from app.engine.simulation import Run
-from app.lesson.figures import Curve, Figure, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, TableFigure
 from app.lesson.lesson import Outcome
 from app.text import same, text
 
@@ -27,10 +27,10 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
             _components(here, outcome, run, twin.quiet), _proof(here, outcome, run, twin.quiet), *page)
 
 
-def _force(here: Setting, run: Run) -> TimeFigure:
+def _force(here: Setting, run: Run) -> LineFigure:
     peak, unit = float(np.max(np.abs(run.u_applied))), here.model.input_unit
     calm = 0.5 * here.model.u_max if here.model.controller is not None else 1.0
-    return TimeFigure("force", text("force on the block, told to the observer") if here.notes else
+    return LineFigure("force", text("force on the block, told to the observer") if here.notes else
                       text("input, told to the observer"), run.t,
                       (Curve(text("force") if here.notes else text("input"), run.u_applied[:, 0], "force"),),
                       f"u [{unit}]", tab=TIME_TAB, window=(-calm, calm),
@@ -42,17 +42,17 @@ def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
     return quiet[:count] if len(quiet) >= count else np.concatenate([quiet, np.full(count - len(quiet), quiet[-1])])
 
 
-def _size(outcome: Outcome[Study], run: Run, quiet: Run) -> TimeFigure:
+def _size(outcome: Outcome[Study], run: Run, quiet: Run) -> LineFigure:
     after = outcome.metrics["settled_after"]
     said = (text("The error stays below 2 % of its peak after {after:.2f} s.", after=after)
             if after <= run.scenario.horizon else text("The error does not settle within this run."))
-    return TimeFigure("error", text("size of the error"), run.t, (
+    return LineFigure("error", text("size of the error"), run.t, (
         Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error"),
         Curve(text("without input"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),
-        "‖e‖", log=True, tab=ERROR_TAB, window=(1e-6, 1.0), caption=said)
+        "‖e‖", log_y=True, tab=ERROR_TAB, window=(1e-6, 1.0), caption=said)
 
 
-def _components(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) -> TimeFigure:
+def _components(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) -> LineFigure:
     m, dashes = outcome.metrics, ("solid", "dash")
     curves, units = [], []
     for (name, unit), signal, dash in zip(here.parts, here.model.watched, dashes, strict=False):
@@ -63,7 +63,7 @@ def _components(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) ->
     title = (text("error in position e₁ and velocity e₂") if here.notes else
              text("error in two signals"))
     calm = (-1.0, 1.0) if here.notes else None
-    return TimeFigure("components", title, run.t, tuple(curves), f"e [{', '.join(units)}]", tab=ERROR_TAB, window=calm,
+    return LineFigure("components", title, run.t, tuple(curves), f"e [{', '.join(units)}]", tab=ERROR_TAB, window=calm,
                       caption=text("Largest gap between the curves and their twins without input: {error_moved:.1e}.",
                                    error_moved=m["error_moved"]))
 

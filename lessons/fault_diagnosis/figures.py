@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.figures import Curve, Dash, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Dash, Figure, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from app.lesson.lesson import Outcome
 from app.text import Text, listed, same, text, text_in
 
@@ -32,7 +32,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 
 
 # --- residuals ---------------------------------------------------------------------------------------------------------
-def _residuals(s: Study, name: str, title: Text, which: range) -> TimeFigure:
+def _residuals(s: Study, name: str, title: Text, which: range) -> LineFigure:
     curves = [Curve(same(NAMES[i]), np.maximum(s.verdict.values[:, i], FLOOR), *LOOKS[i % 4]) for i in which]
     curves.append(Curve(text("threshold"), np.ones(COUNT), "reference", "dash", 1.4))
     at = _decisive(s)
@@ -40,7 +40,7 @@ def _residuals(s: Study, name: str, title: Text, which: range) -> TimeFigure:
     when = f"{DT * at:.2f} s"
     said = (text("At {when} over the threshold: {loud}.", when=when, loud=listed(map(same, loud))) if loud else
             text("At {when} none is over the threshold.", when=when))
-    return TimeFigure(name, title, T, tuple(curves), "T / χ²", log=True, window=(0.1, 10.0), caption=said,
+    return LineFigure(name, title, T, tuple(curves), "T / χ²", log_y=True, window=(0.1, 10.0), caption=said,
                       tab=RESIDUAL_TAB)
 
 
@@ -51,10 +51,10 @@ def _decisive(s: Study) -> int:
     return COUNT - 1 - int(np.argmax((s.verdict.values > 1).sum(axis=1)[::-1]))
 
 
-def _reading(s: Study) -> TimeFigure:
+def _reading(s: Study) -> LineFigure:
     coil = s.case.coil
     if coil is not None:
-        return TimeFigure("reading", text("force of the weak coil"), T,
+        return LineFigure("reading", text("force of the weak coil"), T,
                           (Curve(text("asked"), s.record.asked[:, coil], "force", "dash"),
                            Curve(text("delivered"), s.record.applied[:, coil], "error")), "u [N]", window=(-1.0, 1.0),
                           tab=RESIDUAL_TAB, caption=text("{coils} delivers {case_size:.0f} % from {dt:.1f} s on; "
@@ -64,7 +64,7 @@ def _reading(s: Study) -> TimeFigure:
     i = 1 if s.case.sensor is None else s.case.sensor
     said = (text("{places} lies from {dt:.1f} s on.", places=PLACES[i], dt=DT * s.case.start)
             if s.case.sensor is not None else text("All four sensors are honest."))
-    return TimeFigure("reading", text("reading of {places}", places=PLACES[i]), T,
+    return LineFigure("reading", text("reading of {places}", places=PLACES[i]), T,
                       (Curve(text("reading"), 1e3 * s.record.y[:, i], "error", width=1.4),
                        Curve(text("true velocity"), 1e3 * s.record.honest[:, i])), "v [mm/s]", window=(-5.0, 5.0),
                       caption=said, tab=RESIDUAL_TAB)
@@ -121,7 +121,7 @@ def _members() -> TableFigure:
 
 
 # --- loop --------------------------------------------------------------------------------------------------------------
-def _motion(s: Study, name: str, title: Text, i: int, unit: str) -> TimeFigure:
+def _motion(s: Study, name: str, title: Text, i: int, unit: str) -> LineFigure:
     true, guess = 1e3 * s.record.x[:, i], 1e3 * s.record.xhat[:, i]
     curves = [Curve(text("true"), true), Curve(text("what the loop believes"), guess, "estimate", "dash")]
     if s.record is not s.blind:
@@ -130,24 +130,24 @@ def _motion(s: Study, name: str, title: Text, i: int, unit: str) -> TimeFigure:
     mean, error = float(true[late].mean()), float((true - guess)[late].mean())
     said = text("Mean of the last 2 s: {mean:.2f} {unit}; the estimate is off by {error:.2f} {unit}.", mean=mean, unit=unit,
                 error=error)
-    return TimeFigure(name, title, T, tuple(curves), f"[{unit}]", window=(-2.0, 2.0), caption=said, tab=LOOP_TAB)
+    return LineFigure(name, title, T, tuple(curves), f"[{unit}]", window=(-2.0, 2.0), caption=said, tab=LOOP_TAB)
 
 
-def _pitch(s: Study) -> TimeFigure:
+def _pitch(s: Study) -> LineFigure:
     return _motion(s, "pitch", text("pitch of the deck θ"), 2, "mrad")
 
 
-def _across(s: Study) -> TimeFigure:
+def _across(s: Study) -> LineFigure:
     return _motion(s, "across", text("horizontal position x"), 0, "mm")
 
 
-def _forces(s: Study) -> TimeFigure:
+def _forces(s: Study) -> LineFigure:
     looks: tuple[tuple[str, Dash], ...] = (("force", "solid"), ("disturbance", "dash"), ("second", "dot"))
     curves = tuple(Curve(same(COILS[j]), s.record.applied[:, j], *looks[j]) for j in range(3))
     said = (text("Open loop: the coils only do what the known force asks.") if s.case.loop == OPEN else
             _acted(s) if s.case.loop == SWITCH else
             text("The loop keeps believing all four sensors."))
-    return TimeFigure("forces", text("forces delivered"), T, curves, "u [N]", window=(-1.0, 1.0), caption=said,
+    return LineFigure("forces", text("forces delivered"), T, curves, "u [N]", window=(-1.0, 1.0), caption=said,
                       tab=LOOP_TAB)
 
 
@@ -209,7 +209,7 @@ def _counts(s: Study) -> TableFigure:
 
 
 # --- reach -------------------------------------------------------------------------------------------------------------
-def _tones(s: Study) -> FrequencyFigure:
+def _tones(s: Study) -> LineFigure:
     values = np.clip(least_force(s.test), 1e-2, 1e2)
     missing = 0.0
     if s.case.coil is not None:
@@ -221,8 +221,8 @@ def _tones(s: Study) -> FrequencyFigure:
     best = TONES[int(np.argmin(values[:, 0]))]
     said = text("A missing force of u1 is seen best at {best:.2f} Hz, from {values:.2g} N on.",
                 best=best, values=values[:, 0].min())
-    return FrequencyFigure("tones", text("least missing force that all six see"), TONES, tuple(curves),
-                           "N", window=(0.1, 10.0), caption=said, tab=REACH_TAB)
+    return over_frequency("tones", text("least missing force that all six see"), TONES, tuple(curves),
+                          "N", window=(0.1, 10.0), caption=said, tab=REACH_TAB)
 
 
 def _least(s: Study) -> TableFigure:

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine.simulation import Run
 from app.engine.structure import Mode
-from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Check, Outcome
 from app.text.words import Text, same, symbol
 
@@ -34,11 +34,11 @@ def all_figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
             _every_observer(case.id, seed), _every_controller(case.id, seed))
 
 
-def _measured(run: Run) -> TimeFigure:
+def _measured(run: Run) -> LineFigure:
     y, late = run.y[:, 0], run.y[-max(len(run.y) // 8, 1):, 0]
     size = float(np.max(np.abs(late)))
     quiet = size < 0.02 * max(float(np.max(np.abs(y))), 1e-12)
-    return TimeFigure(
+    return LineFigure(
         "measured", Text("what the sensor says", "传感器的读数"), run.t,
         (Curve(Text("measured y", "测量值 y"), y),
          Curve(Text("predicted ŷ", "预测值 ŷ"), run.yhat[:, 0], "estimate", "dash")), "y [m]", window=(-0.2, 0.2),
@@ -49,11 +49,11 @@ def _measured(run: Run) -> TimeFigure:
              f"在运行的最后八分之一，读数仍达 {size:.2g} m。"))
 
 
-def _centre(run: Run, case: Case) -> TimeFigure:
+def _centre(run: Run, case: Case) -> LineFigure:
     signal = case.model.watched[-1]
     true, guess = signal.of(run.x), signal.of(run.xhat)
     end, gap = float(abs(true[-1])), float(abs(true[-1] - guess[-1]))
-    return TimeFigure(
+    return LineFigure(
         "centre", Text("the motion of both blocks together", "两滑块同步的运动"), run.t,
         (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
         "[m]", window=(-0.5, 0.5), tab=TIME_TAB,
@@ -67,22 +67,22 @@ def _fixed(bolts: tuple[complex, ...], what: str, gain: str) -> Text:
                 f"不论 {gain} 取什么，{what} 的同步部分都按 e^({rate} t) 变化。")
 
 
-def _parts(name: str, what: str, title: Text, run: Run, values: np.ndarray, caption: Text) -> TimeFigure:
+def _parts(name: str, what: str, title: Text, run: Run, values: np.ndarray, caption: Text) -> LineFigure:
     common, relative = (np.linalg.norm(values @ part.T, axis=1) for part in (COMMON, RELATIVE))
-    return TimeFigure(
+    return LineFigure(
         name, title, run.t,
         (Curve(Text("both blocks together", "两块同步"), common, "error"),
-         Curve(Text("one against the other", "两块相对"), relative, "second", "dash")), f"‖{what}‖", log=True,
+         Curve(Text("one against the other", "两块相对"), relative, "second", "dash")), f"‖{what}‖", log_y=True,
         window=(1e-3, 1.0), caption=caption, tab=ERROR_TAB)
 
 
-def _error_parts(run: Run, case: Case) -> TimeFigure:
+def _error_parts(run: Run, case: Case) -> LineFigure:
     caption = (_fixed(case.unseen, "e", "L") if case.unseen
                else Text("L moves both parts of e.", "e 的两部分都由 L 支配。"))
     return _parts("error_parts", "e", Text("estimation error e, in two parts", "估计误差 e 的两个部分"), run, run.e, caption)
 
 
-def _state_parts(run: Run, case: Case) -> TimeFigure:
+def _state_parts(run: Run, case: Case) -> LineFigure:
     if case.unmoved:
         caption = _fixed(case.unmoved, "x", "K")
     elif case.unseen:

@@ -12,7 +12,7 @@ from app.engine.design import in_natural_units
 from app.engine.simulation import Run
 from app.engine.structure import Mode
 from app.engine.systems import sorted_poles
-from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, nice
 from app.lesson.knobs import Knob, Number
 from app.lesson.lesson import Check, Design, Formula, Lesson, Outcome
 from app.plants import Model
@@ -133,31 +133,31 @@ def figures(here: Setting, outcome: Outcome[Case]) -> tuple[Figure, ...]:
             input_figure(run, here.model), *_modes(here, outcome.checks), *_every(here, seed))
 
 
-def _measured(here: Setting, run: Run) -> TimeFigure:
+def _measured(here: Setting, run: Run) -> LineFigure:
     name = here.model.plant.output_names[0]
     said = Text("what sensor {} says", "传感器 {} 的读数").format(called(here.model.plant, name))
-    return TimeFigure("measured", said, run.t,
+    return LineFigure("measured", said, run.t,
                       (Curve(Text("measured y", "测量值 y"), run.y[:, 0]),
                        Curve(Text("predicted ŷ", "预测值 ŷ"), run.yhat[:, 0], "estimate", "dash")), f"[{here.model.plant.unit(name)}]",
                       tab=TIME_TAB, caption=Text(f"At the end they differ by {abs(run.y[-1, 0] - run.yhat[-1, 0]):.2g}.",
                                                  f"末时刻二者相差 {abs(run.y[-1, 0] - run.yhat[-1, 0]):.2g}。"))
 
 
-def _mode(here: Setting, run: Run) -> TimeFigure:
+def _mode(here: Setting, run: Run) -> LineFigure:
     true, guess = _amount(here, run.x), _amount(here, run.xhat)
-    return TimeFigure("centre", Text("the weakest mode", "最弱的模态"), run.t,
+    return LineFigure("centre", Text("the weakest mode", "最弱的模态"), run.t,
                       (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")), "c(t)", tab=TIME_TAB,
                       caption=Text(f"Mode {_name(here.weakest)}; at the end the estimate of its part is off by "
                                    f"{abs(true[-1] - guess[-1]):.2g}.",
                                    f"模态 {_name(here.weakest)}；末时刻对它的估计偏差 {abs(true[-1] - guess[-1]):.2g}。"))
 
 
-def _parts(here: Setting, name: str, axis: str, title: Text, run: Run, values: np.ndarray) -> TimeFigure:
+def _parts(here: Setting, name: str, axis: str, title: Text, run: Run, values: np.ndarray) -> LineFigure:
     weak = np.abs(_amount(here, values)) * float(np.linalg.norm(here.along))
     rest = np.linalg.norm(values, axis=1)
     grown = weak[-1] / max(weak[0], 1e-300)
-    return TimeFigure(name, title, run.t, (Curve(Text("weakest mode", "最弱的模态"), weak, "error"),
-                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), axis, log=True, tab=ERROR_TAB,
+    return LineFigure(name, title, run.t, (Curve(Text("weakest mode", "最弱的模态"), weak, "error"),
+                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), axis, log_y=True, tab=ERROR_TAB,
                       caption=Text(f"From start to end the weakest mode's part changes by a factor of {grown:.2g}.",
                                    f"自始至终，最弱模态的份量变为 {grown:.2g} 倍。")
                       if weak[0] > 1e-12 * rest[0] else

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import chi2_band, psd
-from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same
 
@@ -87,11 +87,11 @@ def _step(outcome: Outcome[Study]) -> TableFigure:
                                     f"t = {k * DT:.2f} s；这次采样的 NIS 为 {s.nis[k]:.2f}。"))
 
 
-def _state(outcome: Outcome[Study], name: str, title: Text, i: int, unit: str) -> TimeFigure:
+def _state(outcome: Outcome[Study], name: str, title: Text, i: int, unit: str) -> LineFigure:
     s = outcome.study
     spread, mean, e = 2e3 * np.sqrt(s.track.variances[:, i]), 1e3 * s.track.means[:, i], s.truth.x[:, i] - s.track.means[:, i]
     inside = 100 * float(np.mean(1e3 * np.abs(e[SKIP:]) <= spread[SKIP:]))
-    return TimeFigure(name, title, _time(outcome),
+    return LineFigure(name, title, _time(outcome),
                       (Curve(Text("true", "真实"), 1e3 * s.truth.x[:, i]), Curve(Text("estimate", "估计"), mean, "estimate", "dash"),
                        Curve(same("+ 2σ"), mean + spread, "muted", "dot", 1.2), Curve(same("− 2σ"), mean - spread, "muted", "dot", 1.2)),
                       f"[{unit}]", window=(-10.0, 10.0), tab=TIME_TAB,
@@ -99,40 +99,40 @@ def _state(outcome: Outcome[Study], name: str, title: Text, i: int, unit: str) -
                                    f"2 s 以后，真实值有 {inside:.0f} % 的时间落在滤波器自报的 2σ 之内；应为 95 %。"))
 
 
-def _height(outcome: Outcome[Study]) -> TimeFigure:
+def _height(outcome: Outcome[Study]) -> LineFigure:
     return _state(outcome, "height", Text("height of the deck z", "平台高度 z"), 1, "mm")
 
 
-def _pitch(outcome: Outcome[Study]) -> TimeFigure:
+def _pitch(outcome: Outcome[Study]) -> LineFigure:
     return _state(outcome, "pitch", Text("pitch of the deck θ", "平台俯仰角 θ"), 2, "mrad")
 
 
 # --- gain ------------------------------------------------------------------------------------------------------------
-def _gain(outcome: Outcome[Study]) -> TimeFigure:
+def _gain(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     M, goal = s.track.gains[:100], s.watcher.steady.filter_gain
     shown = ((4, 0, "vz ← VL", "estimate"), (1, 0, "z ← VL", "force"), (3, 1, "vx ← HL", "second"))
     curves = [curve for i, j, name, role in shown for curve in (
         Curve(same(name), M[:, i, j], role), Curve(same(f"{name} ∞"), np.full(100, goal[i, j]), "reference", "dot", 1.2))]
-    return TimeFigure("gain", Text("entries of the gain M", "增益 M 的元素"), _time(outcome)[:100], tuple(curves), "M", tab=GAIN_TAB,
+    return LineFigure("gain", Text("entries of the gain M", "增益 M 的元素"), _time(outcome)[:100], tuple(curves), "M", tab=GAIN_TAB,
                       window=(-0.1, 0.6), caption=Text("Dotted: the gain that the Riccati equation promises for ever.",
                                                        "点线：Riccati 方程给出的稳态增益。"))
 
 
-def _distance(outcome: Outcome[Study]) -> TimeFigure:
+def _distance(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     goal = s.watcher.steady.filter_gain
     away = np.abs(s.track.gains - goal).max(axis=(1, 2)) / np.abs(goal).max()
     late = np.flatnonzero(away > 0.01)
     after = DT * (late[-1] + 1) if len(late) else 0.0
-    return TimeFigure("distance", Text("distance to the Riccati gain", "与 Riccati 增益的距离"), _time(outcome),
+    return LineFigure("distance", Text("distance to the Riccati gain", "与 Riccati 增益的距离"), _time(outcome),
                       (Curve(Text("relative distance", "相对距离"), np.maximum(away, 1e-12), "error"),), "‖M − M∞‖ / ‖M∞‖",
-                      log=True, window=(1e-10, 1.0), tab=GAIN_TAB,
+                      log_y=True, window=(1e-10, 1.0), tab=GAIN_TAB,
                       caption=Text(f"Within 1 % after {after:.2f} s. No reading has any part in this.",
                                    f"{after:.2f} s 后相差不到 1 %。这与任何读数都无关。"))
 
 
-def _forms(outcome: Outcome[Study]) -> TimeFigure:
+def _forms(outcome: Outcome[Study]) -> LineFigure:
     f, m = outcome.study.forms, outcome.metrics
     single = outcome.design["arithmetic"] == "single"
     lost = (Text("; neither is a covariance any more.", "；两者都已不再是协方差。") if m["joseph_least"] < 0 else
@@ -143,18 +143,18 @@ def _forms(outcome: Outcome[Study]) -> TimeFigure:
             Text(f"With the final gain from the start the short form is wrong by up to {m['short_gap']:.1e}; Joseph's is right for "
                  "every gain.",
                  f"从一开始就用稳态增益时，简短形式最多偏差 {m['short_gap']:.1e}；Joseph 形式对任何增益都正确。"))
-    return TimeFigure("forms", Text("two updates of P, distance to the right one", "P 的两种更新：与正确值的距离"), _time(outcome)[:STEPS],
+    return LineFigure("forms", Text("two updates of P, distance to the right one", "P 的两种更新：与正确值的距离"), _time(outcome)[:STEPS],
                       (Curve(Text("short form", "简短形式"), np.maximum(f.short, 1e-12), "error"),
-                       Curve(Text("Joseph's form", "Joseph 形式"), np.maximum(f.joseph, 1e-12), "force", "dash")), "‖ΔP‖ / ‖P‖", log=True,
+                       Curve(Text("Joseph's form", "Joseph 形式"), np.maximum(f.joseph, 1e-12), "force", "dash")), "‖ΔP‖ / ‖P‖", log_y=True,
                       window=(1e-9, 1.0), caption=said, tab=GAIN_TAB)
 
 
 # --- innovations -------------------------------------------------------------------------------------------------------
-def _innovation(outcome: Outcome[Study]) -> TimeFigure:
+def _innovation(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     spread, nu = 2e3 * np.sqrt(s.track.S[:, 0, 0]), 1e3 * s.track.innovations[:, 0]
     inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
-    return TimeFigure("innovation", Text("innovation of sensor VL", "传感器 VL 的新息"), _time(outcome),
+    return LineFigure("innovation", Text("innovation of sensor VL", "传感器 VL 的新息"), _time(outcome),
                       (Curve(same("ν"), nu, "error", width=1.4), Curve(same("+ 2√S"), spread, "muted", "dot", 1.4),
                        Curve(same("− 2√S"), -spread, "muted", "dot", 1.4)), "ν [mm/s]", window=(-5.0, 5.0), tab=INNOVATION_TAB,
                       caption=Text(f"After 2 s, {inside:.0f} % within 2√S; mean {s.test.scores[0]:+.2f} of its σ.",
@@ -175,30 +175,30 @@ def _correlation(outcome: Outcome[Study]) -> PlaneFigure:
                        "k", "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
 
-def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, values: np.ndarray, tried: np.ndarray | None) -> TimeFigure:
+def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, values: np.ndarray, tried: np.ndarray | None) -> LineFigure:
     trials = outcome.study.trials
     count = 1 if trials is None else trials.count
     low, high = chi2_band(dof, count=count)
     shown, n = values if tried is None else tried, len(values)
     inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
     who = Text("One run", "单次运行") if trials is None else Text(f"Mean of {count} runs", f"{count} 次运行的平均")
-    return TimeFigure(name, title, _time(outcome),
+    return LineFigure(name, title, _time(outcome),
                       (Curve(Text(who.en.lower(), who.zh), np.maximum(shown, 1e-3), "error", width=1.4),
                        Curve(Text(f"expected, {dof}", f"期望值 {dof}"), np.full(n, float(dof)), "reference", "dash", 1.4),
                        Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),
                        Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)),
-                      name.upper(), log=True, window=(0.1, 100.0), tab=TEST_TAB,
+                      name.upper(), log_y=True, window=(0.1, 100.0), tab=TEST_TAB,
                       caption=Text(f"{who.en}: after 2 s, {inside:.0f} % of the samples lie in the χ² band [{low:.3g}, {high:.3g}].",
                                    f"{who.zh}：2 s 以后 {inside:.0f} % 的采样在 χ² 带 [{low:.3g}, {high:.3g}] 内。"))
 
 
-def _nis(outcome: Outcome[Study]) -> TimeFigure:
+def _nis(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     return _squares(outcome, "nis", Text("NIS of a sample of four readings", "每次采样（四个读数）的 NIS"), 4, s.nis,
                     None if s.trials is None else s.trials.nis)
 
 
-def _nees(outcome: Outcome[Study]) -> TimeFigure:
+def _nees(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     return _squares(outcome, "nees", Text("NEES, six states", "NEES（六个状态）"), 6, s.nees, None if s.trials is None else s.trials.nees)
 
@@ -234,7 +234,7 @@ def _verdict(outcome: Outcome[Study], quiet: bool) -> Text:
 
 
 # --- spectra -----------------------------------------------------------------------------------------------------------
-def _tracking(outcome: Outcome[Study]) -> FrequencyFigure:
+def _tracking(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     clean = s.truth.clean[SKIP:, 0]
     guess = s.track.means[SKIP:, :6] @ s.watcher.filter.C[0, :6]
@@ -245,13 +245,13 @@ def _tracking(outcome: Outcome[Study]) -> FrequencyFigure:
     said = (Text(f"At 0.16 Hz the error lies {drop:.0f} dB below the output.", f"在 0.16 Hz 处，误差比输出低 {drop:.0f} dB。")
             if drop >= 0 else
             Text(f"At 0.16 Hz the error lies {-drop:.0f} dB above the output.", f"在 0.16 Hz 处，误差比输出高 {-drop:.0f} dB。"))
-    return FrequencyFigure("tracking", Text("output VL and its error", "输出 VL 及其误差"), f,
-                           (Curve(Text("true output", "真实输出"), floor[:, 0]),
-                            Curve(Text("output error", "输出误差"), floor[:, 1], "error", "dash")), "(mm/s)²/Hz", tab=SPECTRUM_TAB,
-                           window=(1e-4, 1e3), caption=said)
+    return over_frequency("tracking", Text("output VL and its error", "输出 VL 及其误差"), f,
+                          (Curve(Text("true output", "真实输出"), floor[:, 0]),
+                           Curve(Text("output error", "输出误差"), floor[:, 1], "error", "dash")), "(mm/s)²/Hz", tab=SPECTRUM_TAB,
+                          window=(1e-4, 1e3), caption=said)
 
 
-def _colour(outcome: Outcome[Study]) -> FrequencyFigure:
+def _colour(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     seen = psd(1e3 * s.track.innovations[SKIP:, 0], 1 / DT, segment=64)
     f, promised = seen.frequency[1:], 2e6 * DT * float(s.track.S[-1, 0, 0])
@@ -261,10 +261,10 @@ def _colour(outcome: Outcome[Study]) -> FrequencyFigure:
                 f"3 Hz 以下的密度是 6 Hz 以上的 {low / high:.2g} 倍；白噪声应当平坦。")
     if carried:
         said = Text(said.en + " The converter's noise is carried as 16 states.", said.zh + "ADC 噪声由 16 个状态承担。")
-    return FrequencyFigure("colour", Text("spectrum of the innovation of VL", "VL 新息的频谱"), f,
-                           (Curve(Text("seen", "实测"), np.maximum(seen.density[1:], 1e-9), "error"),
-                            Curve(Text("promised by S", "S 给出的值"), np.full(len(f), promised), "reference", "dash", 1.4)),
-                           "(mm/s)²/Hz", window=(1e-2, 10.0), caption=said, tab=SPECTRUM_TAB)
+    return over_frequency("colour", Text("spectrum of the innovation of VL", "VL 新息的频谱"), f,
+                          (Curve(Text("seen", "实测"), np.maximum(seen.density[1:], 1e-9), "error"),
+                           Curve(Text("promised by S", "S 给出的值"), np.full(len(f), promised), "reference", "dash", 1.4)),
+                          "(mm/s)²/Hz", window=(1e-2, 10.0), caption=said, tab=SPECTRUM_TAB)
 
 
 PRINTED_MEAN, PRINTED_SIGMA, PRINTED_SAMPLES = 5.46e-10, 1e-9, 20_000  # (61), (77), 20 s at 1 kHz as assumed here

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.engine import chi2_band, innovation_test, nees, nis
 from app.engine.filters import FilterTrial, InnovationTest, SquaredError, simulate_filter
-from app.lesson.figures import Curve, Figure, PlaneFigure, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, TableFigure
 from app.lesson.knobs import Choice, Knob, KnobError, Number
 from app.lesson.lesson import Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model, Signal
@@ -149,12 +149,12 @@ def _step(model: Model, outcome: Outcome[Study]) -> TableFigure:
                                     f"其 NIS 为 {study.nis[k]:.3g}。"))
 
 
-def _state(outcome: Outcome[Study], name: str, signal: Signal) -> TimeFigure:
+def _state(outcome: Outcome[Study], name: str, signal: Signal) -> LineFigure:
     found, row = outcome.study.found, np.array(signal.weights)
     true, mean = signal.of(found.run.x), signal.of(found.track.means)
     spread = 2 * np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, found.track.covariances, row), 0.0))
     inside = 100 * float(np.mean(np.abs(true - mean)[SKIP:] <= spread[SKIP:] + 1e-300))
-    return TimeFigure(name, signal.name, found.run.t, (
+    return LineFigure(name, signal.name, found.run.t, (
         Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), mean, "estimate", "dash"),
         Curve(same("+ 2σ"), mean + spread, "muted", "dot", 1.2), Curve(same("− 2σ"), mean - spread, "muted", "dot", 1.2)),
         f"[{signal.unit}]", tab=TIME_TAB, caption=Text(
@@ -162,7 +162,7 @@ def _state(outcome: Outcome[Study], name: str, signal: Signal) -> TimeFigure:
             f"稳定之后，真实值有 {inside:.0f} % 的时间落在滤波器自报的 2σ 之内；应为 95 %。"))
 
 
-def _gain(outcome: Outcome[Study]) -> TimeFigure:
+def _gain(outcome: Outcome[Study]) -> LineFigure:
     found = outcome.study.found
     M, goal, count = found.track.gains, found.steady.filter_gain, min(len(found.run.t), 80)
     largest = np.argsort(np.abs(goal).ravel())[::-1][:3]
@@ -171,27 +171,27 @@ def _gain(outcome: Outcome[Study]) -> TimeFigure:
         i, j = divmod(int(place), goal.shape[1])
         curves += [Curve(same(symbol(f"M{i + 1}{j + 1}")), M[:count, i, j], role),
                    Curve(same(symbol(f"M{i + 1}{j + 1}") + " ∞"), np.full(count, goal[i, j]), "reference", "dot", 1.2)]
-    return TimeFigure("gain", Text("largest entries of the gain M", "增益 M 的最大元素"), found.run.t[:count], tuple(curves),
+    return LineFigure("gain", Text("largest entries of the gain M", "增益 M 的最大元素"), found.run.t[:count], tuple(curves),
                       "M", tab=GAIN_TAB,
                       caption=Text("Dotted: the gain that the Riccati equation promises for ever.", "点线：Riccati 方程给出的稳态增益。"))
 
 
-def _distance(outcome: Outcome[Study]) -> TimeFigure:
+def _distance(outcome: Outcome[Study]) -> LineFigure:
     found = outcome.study.found
     late = np.flatnonzero(found.distance > 0.01)
     after = f"{found.run.t[min(late[-1] + 1, len(found.run.t) - 1)]:.3g}" if len(late) else "0"
-    return TimeFigure("distance", Text("distance to the Riccati gain", "与 Riccati 增益的距离"), found.run.t,
+    return LineFigure("distance", Text("distance to the Riccati gain", "与 Riccati 增益的距离"), found.run.t,
                       (Curve(Text("relative distance", "相对距离"), np.maximum(found.distance, 1e-12), "error"),),
-                      "‖M − M∞‖ / ‖M∞‖", log=True,
+                      "‖M − M∞‖ / ‖M∞‖", log_y=True,
                       window=(1e-10, 1.0), tab=GAIN_TAB, caption=Text(f"Within 1 % after {after} s. No reading has any part in this.",
                                                                       f"{after} s 后相差不到 1 %。这与任何读数都无关。"))
 
 
-def _innovation(model: Model, outcome: Outcome[Study]) -> TimeFigure:
+def _innovation(model: Model, outcome: Outcome[Study]) -> LineFigure:
     found, name = outcome.study.found, model.plant.output_names[0]
     nu, spread = found.track.innovations[:, 0], 2 * np.sqrt(found.track.S[:, 0, 0])
     inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
-    return TimeFigure("innovation", Text("innovation of {}", "{} 的新息").format(called(model.plant, name)), found.run.t, (
+    return LineFigure("innovation", Text("innovation of {}", "{} 的新息").format(called(model.plant, name)), found.run.t, (
         Curve(same("ν"), nu, "error", width=1.4), Curve(same("+ 2√S"), spread, "muted", "dot", 1.4),
         Curve(same("− 2√S"), -spread, "muted", "dot", 1.4)), f"ν [{model.plant.unit(name)}]", tab=INNOVATION_TAB,
         caption=Text(f"Once settled, {inside:.0f} % within 2√S.", f"稳定之后 {inside:.0f} % 在 2√S 之内。"))
@@ -210,7 +210,7 @@ def _correlation(model: Model, outcome: Outcome[Study]) -> PlaneFigure:
                        Text("lag [samples]", "滞后 [采样]"), "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
 
-def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: int) -> TimeFigure:
+def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: int) -> LineFigure:
     study = outcome.study
     trials = study.trials
     count, shown = ((1, (study.nis, study.nees)[which]) if trials is None else
@@ -219,11 +219,11 @@ def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: i
     inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
     who = Text("One run", "单次运行") if trials is None else Text(f"Mean of {count} runs", f"{count} 次运行的平均")
     n = len(t)
-    return TimeFigure(name, title, t, (
+    return LineFigure(name, title, t, (
         Curve(Text(who.en.lower(), who.zh), np.maximum(shown, 1e-4), "error", width=1.4),
         Curve(Text(f"expected, {dof}", f"期望值 {dof}"), np.full(n, float(dof)), "reference", "dash", 1.4),
         Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),
-        Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), name.upper(), log=True, window=(0.05 * dof, 20.0 * dof),
+        Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), name.upper(), log_y=True, window=(0.05 * dof, 20.0 * dof),
         tab=TEST_TAB,
         caption=Text(f"{who.en}: once settled, {inside:.0f} % of the samples lie in the χ² band [{low:.3g}, {high:.3g}].",
                      f"{who.zh}：稳定之后 {inside:.0f} % 的采样在 χ² 带 [{low:.3g}, {high:.3g}] 内。"))

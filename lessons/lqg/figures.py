@@ -7,7 +7,7 @@ from collections import defaultdict
 import numpy as np
 
 from app.engine.feedback import ChannelMargins
-from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure, finite
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, finite, over_frequency
 from app.lesson.lesson import Outcome
 from app.plants.names import called
 from app.text.words import Text, same, squared
@@ -56,7 +56,7 @@ def _phase(m: ChannelMargins) -> Text | str:
 
 
 # --- spectra ---------------------------------------------------------------------------------------------------------
-def _spectra(outcome: Outcome[Study]) -> tuple[FrequencyFigure, ...]:
+def _spectra(outcome: Outcome[Study]) -> tuple[LineFigure, ...]:
     s = outcome.study
     case, square = s.case, s.case.scale**2
     figures = []
@@ -71,7 +71,7 @@ def _spectra(outcome: Outcome[Study]) -> tuple[FrequencyFigure, ...]:
                                 finite(square * s.trials.predicted[:, i], TOO_MUCH), "reference", "dot", 1.6))
         if s.density is not None:
             curves.append(Curve(CLOSED, finite(square * s.density[:, i], TOO_MUCH), "plant"))
-        figures.append(FrequencyFigure(
+        figures.append(over_frequency(
             f"spectrum{i}", name, case.frequency, tuple(curves) or (Curve(Text("none", "无"), np.ones(len(case.frequency)), "muted"),),
             density(case.unit), _spectrum_words(outcome, i), SPECTRUM_TAB, _deep(curves)))
     return tuple(figures)
@@ -105,7 +105,7 @@ def _spectrum_words(outcome: Outcome[Study], i: int) -> Text:
 
 
 # --- input and cost --------------------------------------------------------------------------------------------------
-def _input(outcome: Outcome[Study]) -> FrequencyFigure:
+def _input(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     case, square = s.case, s.case.input_scale**2
     names = [called(case.plant, name) for name in case.plant.input_names]
@@ -122,8 +122,8 @@ def _input(outcome: Outcome[Study]) -> FrequencyFigure:
     else:
         curves.append(Curve(Text("none", "无"), np.ones(len(case.frequency)), "muted"))
         said = Text("The loop is unstable: the input has no spectrum.", "回路不稳定，输入没有频谱。")
-    return FrequencyFigure("input", Text("inputs", "输入"), case.frequency, tuple(curves), density(case.input_unit), said, COST_TAB,
-                           _deep(curves))
+    return over_frequency("input", Text("inputs", "输入"), case.frequency, tuple(curves), density(case.input_unit), said, COST_TAB,
+                          _deep(curves))
 
 
 def _cost(outcome: Outcome[Study]) -> TableFigure:
@@ -167,7 +167,7 @@ def _nyquist(outcome: Outcome[Study]) -> PlaneFigure:
                      f"输入增益在模型值的 {words(low, 4)} 倍与 {words(high, 6)} 倍之间时，LQG 回路保持稳定。"))
 
 
-def _return(outcome: Outcome[Study]) -> FrequencyFigure:
+def _return(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     f, least = s.case.wide, words(s.real.margins.nearest)
     curves = [Curve(same("LQR |1 + ℓ|"), np.clip(np.abs(1 + s.ideal.gain), 1e-6, 1e6), "plant", "dash"),
@@ -180,8 +180,8 @@ def _return(outcome: Outcome[Study]) -> FrequencyFigure:
         said = Text(f"LQR never falls below 1; LQG comes down to {least}, with all inputs at once to {together}.",
                     f"LQR 从不低于 1；LQG 最低为 {least}，全部输入同时考虑时为 {together}。")
     curves.append(Curve(same("1"), np.ones(len(f)), "reference", "dot", 1.2))
-    return FrequencyFigure("return", Text("return difference", "回差"), f, tuple(curves), "|1 + ℓ|", said, ROBUST_TAB,
-                           window=(0.1, 100.0))
+    return over_frequency("return", Text("return difference", "回差"), f, tuple(curves), "|1 + ℓ|", said, ROBUST_TAB,
+                          window=(0.1, 100.0))
 
 
 def _margins(outcome: Outcome[Study]) -> TableFigure:
@@ -210,16 +210,16 @@ def _margins(outcome: Outcome[Study]) -> TableFigure:
 
 
 # --- recovery --------------------------------------------------------------------------------------------------------
-def _loop_gain(outcome: Outcome[Study]) -> FrequencyFigure:
+def _loop_gain(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     curves = [Curve(same("LQR |ℓ|"), np.clip(np.abs(s.ideal.gain), 1e-12, 1e12), "plant", "dash"),
               Curve(Text("plain LQG |ℓ|", "普通 LQG |ℓ|"), np.clip(np.abs(s.plain.gain), 1e-12, 1e12), "muted", "dot", 1.6),
               Curve(Text("this LQG |ℓ|", "当前 LQG |ℓ|"), np.clip(np.abs(s.real.gain), 1e-12, 1e12), "estimate")]
     gap = float(np.max(np.abs(1 / (1 + s.real.gain) - 1 / (1 + s.ideal.gain))))
-    return FrequencyFigure("loop-gain", Text("loop gain, cut at one input", "回路增益，在一个输入处断开"), s.case.wide,
-                           tuple(curves), "|ℓ|",
-                           Text(f"Largest difference of the sensitivities of LQG and LQR: {words(gap)}.",
-                                f"LQG 与 LQR 灵敏度之差最大为 {words(gap)}。"), RECOVERY_TAB, window=(1e-3, 1e2))
+    return over_frequency("loop-gain", Text("loop gain, cut at one input", "回路增益，在一个输入处断开"), s.case.wide,
+                          tuple(curves), "|ℓ|",
+                          Text(f"Largest difference of the sensitivities of LQG and LQR: {words(gap)}.",
+                               f"LQG 与 LQR 灵敏度之差最大为 {words(gap)}。"), RECOVERY_TAB, window=(1e-3, 1e2))
 
 
 def _price(outcome: Outcome[Study]) -> TableFigure:
@@ -244,7 +244,7 @@ def _price(outcome: Outcome[Study]) -> TableFigure:
 
 
 # --- one run ---------------------------------------------------------------------------------------------------------
-def _run(outcome: Outcome[Study]) -> tuple[TimeFigure, ...]:
+def _run(outcome: Outcome[Study]) -> tuple[LineFigure, ...]:
     s = outcome.study
     run, model = s.trace, s.case.model
     figures = []
@@ -252,7 +252,7 @@ def _run(outcome: Outcome[Study]) -> tuple[TimeFigure, ...]:
         edge = 40 * max(float(np.max(np.abs(signal.of(np.array([model.x0, model.guess]))))), 1e-9)
         true, guess = signal.of(run.x), signal.of(run.xhat)
         late = float(np.abs(true[-max(len(true) // 10, 1):]).max())
-        figures.append(within(TimeFigure(
+        figures.append(within(LineFigure(
             f"state{i}", signal.name, run.t,
             (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
             axis_name(signal), tab=TIME_TAB,
@@ -265,9 +265,9 @@ def _run(outcome: Outcome[Study]) -> tuple[TimeFigure, ...]:
             if len(half) and half[-1] == len(run.t) - 1 else
             Text(f"Last above a tenth of its first size at {run.t[half[-1]] if len(half) else 0.0:.2f} s.",
                  f"最后一次高于初始值的十分之一是在 {run.t[half[-1]] if len(half) else 0.0:.2f} s。"))
-    figures.append(TimeFigure(
+    figures.append(LineFigure(
         "error", Text("estimation error over its first size", "估计误差与初始误差之比"), run.t,
-        (Curve(same("‖e‖ / ‖e(0)‖"), np.clip(size / start, 1e-9, 1e6), "error"),), "‖e‖ / ‖e(0)‖", log=True,
+        (Curve(same("‖e‖ / ‖e(0)‖"), np.clip(size / start, 1e-9, 1e6), "error"),), "‖e‖ / ‖e(0)‖", log_y=True,
         tab=TIME_TAB, window=(1e-3, 1.0),
         caption=said))
     return tuple(figures)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.network import mean_lower_limit
-from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.text import Text, raised, same, text, text_in
 
@@ -43,13 +43,13 @@ def _lines(values: np.ndarray) -> np.ndarray:
 
 
 # --- time ------------------------------------------------------------------------------------------------------------
-def _state(outcome: Outcome[Study]) -> TimeFigure:
+def _state(outcome: Outcome[Study]) -> LineFigure:
     s, signal = outcome.study, KINDS[outcome.design["case"]].watched
     true, guess = signal.of(s.x), signal.of(s.xhat)
     low, high = float(min(true.min(), guess.min(), 0.0)), float(max(true.max(), guess.max(), 0.0))
     comb = _steps(np.where(s.heard, low, low - 0.12 * (high - low)))
     lost = int(np.sum(~s.heard))
-    return TimeFigure("state", signal.name, times(outcome),
+    return LineFigure("state", signal.name, times(outcome),
                       (Curve(text("true"), _lines(true)), Curve(text("estimate"), _lines(guess), "estimate", "dash"),
                        Curve(text("steps down: nothing heard"), comb, "disturbance", width=1.2)),
                       f"[{signal.unit}]" if signal.unit else "x₁", tab=TIME_TAB,
@@ -67,11 +67,11 @@ def longest(heard: np.ndarray) -> int:
     return most
 
 
-def _input(outcome: Outcome[Study]) -> TimeFigure:
+def _input(outcome: Outcome[Study]) -> LineFigure:
     s, d, unit = outcome.study, outcome.design, KINDS[outcome.design["case"]].input_unit
     lost = int(np.sum(s.run.draw.acted < 0))
     how = text("zero stands in for them") if d["lost"] == ZERO else text("the last one is held")
-    return TimeFigure("input", text("input asked for and applied"), times(outcome),
+    return LineFigure("input", text("input asked for and applied"), times(outcome),
                       (Curve(text("asked"), _steps(s.asked[:, 0]), "second", "dash", 1.6),
                        Curve(text("applied"), _steps(s.applied[:, 0]), "force")), f"u [{unit}]" if unit else "u",
                       tab=TIME_TAB, caption=_fate(lost, how, int(d["delay"])))
@@ -85,9 +85,9 @@ def _fate(lost: int, how: Text, late: int) -> Text:
     return text("No input is lost; all {when}.", when=when)
 
 
-def _ages(outcome: Outcome[Study]) -> TimeFigure:
+def _ages(outcome: Outcome[Study]) -> LineFigure:
     sensor, actuator = outcome.study.ages
-    return TimeFigure("age", text("age of the newest packet"), times(outcome),
+    return LineFigure("age", text("age of the newest packet"), times(outcome),
                       (Curve(text("measurement"), _steps(sensor).astype(float), "estimate"),
                        Curve(text("input"), _steps(actuator).astype(float), "force", "dash", 1.6)),
                       "k − k₀", tab=TIME_TAB, window=(0.0, 4.0),
@@ -96,7 +96,7 @@ def _ages(outcome: Outcome[Study]) -> TimeFigure:
 
 
 # --- covariance --------------------------------------------------------------------------------------------------------
-def _teeth(outcome: Outcome[Study]) -> TimeFigure:
+def _teeth(outcome: Outcome[Study]) -> LineFigure:
     s = outcome.study
     curves = [Curve(text("this run"), s.teeth.ravel(), "plant")]
     if s.trials is not None and len(s.trials.mean):
@@ -110,8 +110,8 @@ def _teeth(outcome: Outcome[Study]) -> TimeFigure:
     words = text("Variance of the error over that without loss. This run rises to {peak}; after {samples} samples "
                  "the mean {mean}.",
                  peak=_big(peak), samples=SAMPLES, mean=mean)
-    return TimeFigure("teeth", text("how unsure the filter is"), times(outcome), tuple(curves), "σ²/σ₀²",
-                      log=True, window=(0.5, 10.0), tab=MEAN_TAB, caption=words)
+    return LineFigure("teeth", text("how unsure the filter is"), times(outcome), tuple(curves), "σ²/σ₀²",
+                      log_y=True, window=(0.5, 10.0), tab=MEAN_TAB, caption=words)
 
 
 def _bound(values: np.ndarray) -> np.ndarray:
@@ -181,17 +181,17 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
 
 
 # --- separation --------------------------------------------------------------------------------------------------------
-def _error(outcome: Outcome[Study]) -> TimeFigure:
+def _error(outcome: Outcome[Study]) -> LineFigure:
     s, meter = outcome.study, outcome.metrics["separation_meter"]
     held = meter < HELD
     words = (text("Separation meter: 0. The error is what noise and packets make of it, whatever the controller "
                   "does.") if held else
              text("Separation meter: {meter}. State or inputs now drive the error of the estimate.",
                   meter=_big(meter)))
-    return TimeFigure("error", text("estimation error, in σ₀"), times(outcome),
+    return LineFigure("error", text("estimation error, in σ₀"), times(outcome),
                       (Curve(text("error"), _lines(s.size), "error"),
                        Curve(text("of an observer told everything"), _lines(s.promised), "reference", "dash", 1.6)),
-                      "‖e‖/σ₀", log=True, window=(0.1, 10.0), caption=words, tab=WALL_TAB)
+                      "‖e‖/σ₀", log_y=True, window=(0.1, 10.0), caption=words, tab=WALL_TAB)
 
 
 def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import chi2_band
-from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.text.words import Text, same, squared
 
@@ -105,11 +105,11 @@ def _shares(outcome: Outcome[Study]) -> TableFigure:
         Text("P − P_min has a negative eigenvalue by rounding.", "P − P_min 因舍入出现负特征值。"))
 
 
-def _measured(outcome: Outcome[Study]) -> TimeFigure:
+def _measured(outcome: Outcome[Study]) -> LineFigure:
     run = outcome.run
     assert run is not None
     noise = float(np.sqrt(outcome.design["v"] / run.scenario.dt))
-    return TimeFigure(
+    return LineFigure(
         "measured", Text("position", "位置"), run.t,
         (Curve(Text("measured", "测量"), run.y[:, 0], "muted", width=1.0), Curve(Text("true", "真实"), run.x[:, 0]),
          Curve(Text("estimate", "估计"), run.xhat[:, 0], "estimate", "dash")), "q [m]", window=(-0.5, 0.5), tab=TIME_TAB,
@@ -117,10 +117,10 @@ def _measured(outcome: Outcome[Study]) -> TimeFigure:
                      f"单次读数的标准差为 {noise:.2g} m，稳态估计为 {outcome.metrics['position_rms']:.2g} m。"))
 
 
-def _velocity(outcome: Outcome[Study]) -> TimeFigure:
+def _velocity(outcome: Outcome[Study]) -> LineFigure:
     run = outcome.run
     assert run is not None
-    return TimeFigure(
+    return LineFigure(
         "velocity", Text("velocity", "速度"), run.t,
         (Curve(Text("true", "真实"), run.x[:, 1]), Curve(Text("estimate", "估计"), run.xhat[:, 1], "estimate", "dash")),
         "v [m/s]", window=(-0.5, 0.5), tab=TIME_TAB,
@@ -146,19 +146,19 @@ def variance_curves(promised: np.ndarray, tried: np.ndarray | None, count: int) 
     return (*curves, Curve(Text("runs", "试验"), tried, "error")), 100 * float(np.mean(inside))
 
 
-def _error(outcome: Outcome[Study], i: int) -> TimeFigure:
+def _error(outcome: Outcome[Study], i: int) -> LineFigure:
     run, study = outcome.run, outcome.study
     assert run is not None
     spread = 2 * np.sqrt(np.maximum(study.grown[:, i, i], 0.0))
     inside = 100 * float(np.mean(np.abs(run.e[:, i] - study.quiet[:, i]) <= spread + 1e-12))
-    return TimeFigure(
+    return LineFigure(
         "error", Text(f"error of the {NAMES[i].en}", f"{NAMES[i].zh}误差"), run.t,
         error_curves(run.e[:, i], study.quiet[:, i], spread), f"e [{UNITS[i]}]", window=(-0.2, 0.2), tab=TIME_TAB,
         caption=Text(f"{inside:.0f} % of this run lies within 2σ of the noise-free error; 95 % are expected on average.",
                      f"本次运行有 {inside:.0f} % 落在无噪声误差的 2σ 之内；平均应为 95 %。"))
 
 
-def _variance(outcome: Outcome[Study], i: int) -> TimeFigure:
+def _variance(outcome: Outcome[Study], i: int) -> LineFigure:
     run, study = outcome.run, outcome.study
     assert run is not None
     promised = study.grown[:, i, i]
@@ -170,5 +170,5 @@ def _variance(outcome: Outcome[Study], i: int) -> TimeFigure:
         said = Text(f"{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants; at the end it is "
                     f"{tried[-1] / promised[-1]:.3f} of the promise.",
                     f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内；末时刻为理论值的 {tried[-1] / promised[-1]:.3f} 倍。")
-    return TimeFigure("variance", Text(f"variance of the {NAMES[i].en} error", f"{NAMES[i].zh}误差的方差"), run.t, curves,
+    return LineFigure("variance", Text(f"variance of the {NAMES[i].en} error", f"{NAMES[i].zh}误差的方差"), run.t, curves,
                       f"[{squared(UNITS[i])}]", window=(0.0, float(1.3 * promised[-1])), caption=said, tab=RUNS_TAB)

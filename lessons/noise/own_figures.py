@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.simulation import Run
-from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.plants import Model, Signal
 from app.text.words import Text, squared
@@ -75,35 +75,35 @@ def _shares(model: Model, outcome: Outcome[Study]) -> TableFigure:
                                                    "“合计”一列没有一项小于“最小”一列。"))
 
 
-def _seen(model: Model, run: Run) -> TimeFigure:
+def _seen(model: Model, run: Run) -> LineFigure:
     signal = model.watched[0]
-    return TimeFigure("measured", signal.name, run.t, (
+    return LineFigure("measured", signal.name, run.t, (
         Curve(Text("measured", "测量"), run.y[:, 0], "muted", width=1.0), Curve(Text("true", "真实"), signal.of(run.x)),
         Curve(Text("estimate", "估计"), signal.of(run.xhat), "estimate", "dash")), f"[{signal.unit}]", tab=TIME_TAB,
         caption=Text(f"Readings differ from the truth by up to {np.abs(run.y[:, 0] - signal.of(run.x)).max():.2g}.",
                      f"读数与真实值最多相差 {np.abs(run.y[:, 0] - signal.of(run.x)).max():.2g}。"))
 
 
-def _hidden(signal: Signal, run: Run) -> TimeFigure:
+def _hidden(signal: Signal, run: Run) -> LineFigure:
     true, guess = signal.of(run.x), signal.of(run.xhat)
-    return TimeFigure("velocity", signal.name, run.t, (Curve(Text("true", "真实"), true),
+    return LineFigure("velocity", signal.name, run.t, (Curve(Text("true", "真实"), true),
                                                        Curve(Text("estimate", "估计"), guess, "estimate", "dash")),
                       f"[{signal.unit}]", tab=TIME_TAB, caption=Text(f"Largest difference: {np.abs(true - guess).max():.2g} {signal.unit}.",
                                                                      f"最大相差 {np.abs(true - guess).max():.2g} {signal.unit}。"))
 
 
-def _error(outcome: Outcome[Study], signal: Signal, run: Run) -> TimeFigure:
+def _error(outcome: Outcome[Study], signal: Signal, run: Run) -> LineFigure:
     study = outcome.study
     count = len(study.grown)
     e, quiet, spread = signal.of(run.e)[:count], signal.of(study.quiet), 2 * np.sqrt(study.grown)
     inside = 100 * float(np.mean(np.abs(e - quiet) <= spread + 1e-300))
-    return TimeFigure("error", Text(f"error of {signal.name.en}", f"{signal.name.zh}的误差"), run.t[:count],
+    return LineFigure("error", Text(f"error of {signal.name.en}", f"{signal.name.zh}的误差"), run.t[:count],
                       error_curves(e, quiet, spread), f"[{signal.unit}]", tab=TIME_TAB,
                       caption=Text(f"{inside:.0f} % of this run lies within 2σ of the noise-free error.",
                                    f"本次运行有 {inside:.0f} % 落在无噪声误差的 2σ 之内。"))
 
 
-def _variance(outcome: Outcome[Study], signal: Signal, run: Run) -> TimeFigure:
+def _variance(outcome: Outcome[Study], signal: Signal, run: Run) -> LineFigure:
     study = outcome.study
     grown, count = study.grown, RUNS if study.trials is None else study.trials.count
     curves, inside = variance_curves(grown, None if study.trials is None else study.trials.square[:, 0], count)
@@ -112,5 +112,5 @@ def _variance(outcome: Outcome[Study], signal: Signal, run: Run) -> TimeFigure:
     else:
         said = Text(f"{count} runs: the variance lies within its 95 % band at {inside:.0f} % of the instants.",
                     f"{count} 次试验：{inside:.0f} % 的时刻方差落在 95 % 带内。")
-    return TimeFigure("variance", Text(f"variance of the error of {signal.name.en}", f"{signal.name.zh}误差的方差"),
+    return LineFigure("variance", Text(f"variance of the error of {signal.name.en}", f"{signal.name.zh}误差的方差"),
                       run.t[:len(grown)], curves, f"[{squared(signal.unit)}]", caption=said, tab=RUNS_TAB)

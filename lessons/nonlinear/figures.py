@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.plants import cart_pendulum, falling_body, platform
 from app.text import NO_WORDS, Text, joined, listed, same, text
@@ -37,7 +37,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 
 
 # --- one run ---------------------------------------------------------------------------------------------------------
-def _state(outcome: Outcome[Study]) -> TimeFigure:
+def _state(outcome: Outcome[Study]) -> LineFigure:
     s, who = outcome.study, outcome.design["filter"]
     signal, falls = s.case.watched[0], s.case.id == FALL
     true, mean, sigma = signal.of(s.x), signal.of(s.means[who]), 3 * s.sigmas[who][:, s.case.state] * signal.scale
@@ -46,7 +46,7 @@ def _state(outcome: Outcome[Study]) -> TimeFigure:
         true, mean = np.zeros_like(true), mean - true
     bound = SHOWN_ERROR if falls else 4 * float(np.max(np.abs(true))) + 1e-9
     title = text("error of the altitude in this run") if falls else signal.name
-    return TimeFigure("state", title, s.t, (
+    return LineFigure("state", title, s.t, (
         Curve(text("true"), true),
         Curve(text("estimate, {who}", who=who.upper()), np.clip(mean, -bound, bound), "estimate", "dash"),
         Curve(same("+ 3σ"), np.clip(mean + sigma, -bound, bound), "muted", "dot", 1.2),
@@ -55,7 +55,7 @@ def _state(outcome: Outcome[Study]) -> TimeFigure:
                      who=who.upper(), inside=inside))
 
 
-def _errors(outcome: Outcome[Study]) -> TimeFigure:
+def _errors(outcome: Outcome[Study]) -> LineFigure:
     s, who = outcome.study, outcome.design["filter"]
     signal = s.case.watched[1] if s.case.id == FALL else s.case.watched[0]
     at = 1 if s.case.id == FALL else 0
@@ -65,8 +65,8 @@ def _errors(outcome: Outcome[Study]) -> TimeFigure:
     claimed = np.clip(signal.scale * s.sigmas[who][:, state], 1e-9, CEILING)
     curves.append(Curve(text("σ that the {who} claims", who=who.upper()), claimed, "muted", "dot", 1.6))
     last = float(signal.scale * s.rms[who][-1, at] / max(claimed[-1], 1e-12))
-    return TimeFigure("errors", text("rms error: {name}", name=signal.name), s.t, tuple(curves),
-                      f"[{signal.unit}]", log=True, tab=TIME_TAB,
+    return LineFigure("errors", text("rms error: {name}", name=signal.name), s.t, tuple(curves),
+                      f"[{signal.unit}]", log_y=True, tab=TIME_TAB,
                       caption=text("Over {runs} runs. At the end the {who}'s errors are {last:.2g} times the σ "
                                    "that it claims in the run shown.",
                                    runs=s.runs, who=who.upper(), last=last))
@@ -78,24 +78,24 @@ def shares(values: np.ndarray, band: tuple[float, float]) -> tuple[float, float]
     return float(np.mean((values >= band[0]) & (values <= band[1]))), float(np.mean(values > band[1]))
 
 
-def _squares(outcome: Outcome[Study], id: str, title: Text, dof: int, values: Mapping[str, np.ndarray]) -> TimeFigure:
+def _squares(outcome: Outcome[Study], id: str, title: Text, dof: int, values: Mapping[str, np.ndarray]) -> LineFigure:
     s = outcome.study
     band = band_of(dof, s.runs)
     curves = [Curve(name_of(n), np.clip(values[n], FLOOR, CEILING), role, dash) for n, role, dash in LOOKS]  # type: ignore[arg-type]
     curves += [Curve(text("95 % band"), np.full(len(s.t), band[1]), "muted", "dot", 1.4),
                Curve(text("lower edge"), np.full(len(s.t), band[0]), "muted", "dot", 1.4)]
     inside = listed(same(f"{n.upper()} {100 * shares(values[n], band)[0]:.0f} %") for n in FILTERS)
-    return TimeFigure(id, title, s.t, tuple(curves), id.upper(), log=True, window=(0.1, 1e3), tab=CONSISTENCY_TAB,
+    return LineFigure(id, title, s.t, tuple(curves), id.upper(), log_y=True, window=(0.1, 1e3), tab=CONSISTENCY_TAB,
                       caption=text("Mean of {runs} runs; samples inside [{low:.3g}, {high:.3g}]: {inside}.", runs=s.runs, low=band[0],
                                    high=band[1], inside=inside))
 
 
-def _nees(outcome: Outcome[Study]) -> TimeFigure:
+def _nees(outcome: Outcome[Study]) -> LineFigure:
     n = outcome.study.x.shape[1]
     return _squares(outcome, "nees", text("NEES, {n} states", n=n), n, outcome.study.nees)
 
 
-def _nis(outcome: Outcome[Study]) -> TimeFigure:
+def _nis(outcome: Outcome[Study]) -> LineFigure:
     p = len(outcome.study.case.R)
     return _squares(outcome, "nis", text("NIS, {p} readings", p=p) if p > 1 else text("NIS, 1 reading"), p,
                     outcome.study.nis)
@@ -197,7 +197,7 @@ def _second_law(outcome: Outcome[Study]) -> PlaneFigure:
 
 
 # --- the report ----------------------------------------------------------------------------------------------------------
-def _algorithm(outcome: Outcome[Study]) -> TimeFigure:
+def _algorithm(outcome: Outcome[Study]) -> LineFigure:
     s, d = outcome.study, outcome.design
     right, believed, real, _ = linear_spreads(s.case.id, d["wind"], d["sensor"])
     signal = s.case.watched[0]
@@ -209,10 +209,10 @@ def _algorithm(outcome: Outcome[Study]) -> TimeFigure:
             text("On the plant made linear: Algorithm 3 believes a σ {more:.1f} % above the Kalman filter's and "
                  "really errs {worse:.1f} % more.",
                  more=100 * more, worse=100 * worse))
-    return TimeFigure("algorithm", text("σ of: {name}", name=signal.name), t, (
+    return LineFigure("algorithm", text("σ of: {name}", name=signal.name), t, (
         Curve(text("Kalman filter"), scale * right, "plant"),
         Curve(text("Algorithm 3, believed"), scale * believed, "estimate", "dash"),
-        Curve(text("Algorithm 3, real"), scale * real, "error", "dot")), f"[{signal.unit}]", log=True,
+        Curve(text("Algorithm 3, real"), scale * real, "error", "dot")), f"[{signal.unit}]", log_y=True,
         caption=said, tab=REPORT_TAB)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.structure import Mode
-from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.text import same, text
 
@@ -105,28 +105,28 @@ def _ellipses(found: Study) -> PlaneFigure:
                      t=s.t[-1], drop=drop[0], drop2=drop[-1]))
 
 
-def _halves(found: Study) -> TimeFigure:
+def _halves(found: Study) -> LineFigure:
     s, halves = found.sensed, found.belief.halves
     n = s.plant.n
     kept = np.unique(np.linspace(0, n - 1, min(n, 6)).round().astype(int))
     roles = ("estimate", "error", "disturbance", "force", "second", "plant")
     curves = tuple(Curve(text("axis {i}", i=i + 1), halves[:, i], role)
                    for i, role in zip(kept, roles, strict=False))
-    return TimeFigure(
+    return LineFigure(
         "halves", text("half axes of the ellipsoid, start = 1"), s.t, curves,
-        "σ(t) / σ(0)", log=True, window=(1e-3, 1.0),
+        "σ(t) / σ(0)", log_y=True, window=(1e-3, 1.0),
         tab=CLOUD_TAB,
         caption=text("{known} of {n} axes have shrunk to a tenth. Of an axis that stays at 1 the noise lets nothing through.",
                      known=found.belief.known, n=n))
 
 
-def _energy(found: Study) -> TimeFigure:
+def _energy(found: Study) -> LineFigure:
     s = found.sensed
     least, most = s.heard[:, 0], s.heard[:, -1]
-    return TimeFigure(
+    return LineFigure(
         "energy", text("eigenvalues of the Gramian W(t)"), s.t,
         (Curve(text("largest"), most, "plant"), Curve(text("smallest"), least, "error", "dash")), "λ(W)",
-        log=True, window=(1e-6, 1.0), tab=CLOUD_TAB,
+        log_y=True, window=(1e-6, 1.0), tab=CLOUD_TAB,
         caption=text("At the end: largest {most:.2g}, smallest {least:.1g}. W(t) > 0 is what “y determines x(0)” means.",
                      most=most[-1], least=least[-1]) if least[-1] > s.dust else
         text("At the end: largest {most:.2g}, smallest below rounding. W(t) > 0 is what “y determines x(0)” means.",

@@ -7,13 +7,13 @@ import numpy as np
 from app.lesson.figures import (
     Curve,
     Figure,
-    FrequencyFigure,
+    LineFigure,
     MapFigure,
     PlaneFigure,
     Point,
     TableFigure,
-    TimeFigure,
     nice,
+    over_frequency,
 )
 from app.lesson.lesson import Design, Outcome
 from app.text.words import Text, same
@@ -42,7 +42,7 @@ def _edge(values: np.ndarray) -> np.ndarray:
     return np.clip(values, -EDGE, EDGE)
 
 
-def _error(outcome: Outcome[Story]) -> TimeFigure:
+def _error(outcome: Outcome[Story]) -> LineFigure:
     story, late = outcome.study, outcome.metrics["late_error"]
     steady = story.steady
     t, window = story.true.t, (-5.0, 5.0)
@@ -56,17 +56,17 @@ def _error(outcome: Outcome[Story]) -> TimeFigure:
                Text(f"With the true plant e_u will settle to an amplitude of {steady:.2g}, but at the end of this run the start still "
                     f"shows: up to {late:.2g}.",
                     f"对真实对象，e_u 最终的幅度为 {steady:.2g}；但在本次运行末段，初始误差仍未消失，最大为 {late:.2g}。"))
-    return TimeFigure("e_u", Text("error of the input, û − Kx in the paper's sign", "输入的误差（论文记号 û − Kx）"), t,
+    return LineFigure("e_u", Text("error of the input, û − Kx in the paper's sign", "输入的误差（论文记号 û − Kx）"), t,
                       (Curve(Text("true plant", "真实对象"), _edge(story.true.e_u[:, 0]), "error"),
                        Curve(Text("model", "模型"), _edge(story.model.e_u[:, 0]), "reference", "dash", 1.6)),
                       "e_u", window=window, caption=caption, tab=TIME_TAB)
 
 
-def _input(outcome: Outcome[Story]) -> TimeFigure:
+def _input(outcome: Outcome[Story]) -> LineFigure:
     run = outcome.study.true
     given = run.u[:, 0]
     peak = min(float(np.max(np.abs(given))), MOST)
-    return TimeFigure("input", Text("input wanted and given", "期望输入与实际给出的输入"), run.t,
+    return LineFigure("input", Text("input wanted and given", "期望输入与实际给出的输入"), run.t,
                       (Curve(Text("wanted, −Kx + v", "期望的 −Kx + v"), _edge(given - run.e_u[:, 0]), "plant"),
                        Curve(Text("given", "实际给出的"), _edge(given), "estimate", "dash"),
                        Curve(Text("v", "v"), run.v[:, 0], "muted", "dot", 1.4)), "u", window=(-10.0, 10.0),
@@ -74,10 +74,10 @@ def _input(outcome: Outcome[Story]) -> TimeFigure:
                                    f"v = −4 sin(5t + π/2)。给出的输入最大为 {peak:.3g}。"), tab=TIME_TAB)
 
 
-def _output(outcome: Outcome[Story]) -> TimeFigure:
+def _output(outcome: Outcome[Story]) -> LineFigure:
     story = outcome.study
     gap = min(float(np.max(np.abs(story.true.y - story.model.y))), MOST)
-    return TimeFigure("output", Text("measured output y", "测量输出 y"), story.true.t,
+    return LineFigure("output", Text("measured output y", "测量输出 y"), story.true.t,
                       (Curve(Text("true plant", "真实对象"), _edge(story.true.y[:, 0]), "plant"),
                        Curve(Text("model", "模型"), _edge(story.model.y[:, 0]), "reference", "dash", 1.6)), "y",
                       window=(-0.5, 0.5), caption=Text(f"The two differ by up to {gap:.2g}.", f"二者最多相差 {gap:.2g}。"),
@@ -188,15 +188,15 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
 
 
 # --- worst case ------------------------------------------------------------------------------------------------------
-def _frequency(outcome: Outcome[Story]) -> FrequencyFigure:
+def _frequency(outcome: Outcome[Story]) -> LineFigure:
     story, peak = outcome.study, outcome.metrics["worst_gain"]
     floor = 1e-6
     caption = (Text("At some sign pattern of the δ the loop is unstable.", "在某组 δ 符号下闭环不稳定。") if peak >= MOST else
                Text(f"Worst of the eight sign patterns: {peak:.3g} times v.", f"八种符号组合中最坏的：v 的 {peak:.3g} 倍。"))
-    return FrequencyFigure("gain", Text("from v to the error of the input", "由 v 到输入误差的增益"), FREQUENCIES,
-                           (Curve(Text("these δ", "当前 δ"), np.maximum(story.now, floor), "error"),
-                            Curve(Text("worst signs", "最坏符号"), np.maximum(story.worst, floor), "reference", "dash")),
-                           "|e_u/v|", caption=caption, tab=WORST_TAB, window=(1e-2, 1.0))
+    return over_frequency("gain", Text("from v to the error of the input", "由 v 到输入误差的增益"), FREQUENCIES,
+                          (Curve(Text("these δ", "当前 δ"), np.maximum(story.now, floor), "error"),
+                           Curve(Text("worst signs", "最坏符号"), np.maximum(story.worst, floor), "reference", "dash")),
+                          "|e_u/v|", caption=caption, tab=WORST_TAB, window=(1e-2, 1.0))
 
 
 def _sweep(outcome: Outcome[Story]) -> PlaneFigure:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.observers import FunctionalObserver, criterion
-from app.lesson.figures import Curve, Figure, FrequencyFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from app.lesson.lesson import Design, Outcome
 from app.text.words import Text
 
@@ -25,7 +25,7 @@ def all_figures(outcome: Outcome[Story]) -> tuple[Figure, ...]:
             _plane(outcome.design, story))
 
 
-def _error(outcome: Outcome[Story], story: Story) -> TimeFigure:
+def _error(outcome: Outcome[Story], story: Story) -> LineFigure:
     late, size = outcome.metrics["late_error"], outcome.metrics["late_wanted"]
     ideal = story.model.late(story.model.e)
     curves = [Curve(CHOSEN, story.true.e, "error"), Curve(MODEL, story.model.e, "reference", "dash", 1.6)]
@@ -33,18 +33,18 @@ def _error(outcome: Outcome[Story], story: Story) -> TimeFigure:
                 f"最后四分之一时间内，对真实对象最多 {late:.2g}，对模型最多 {ideal:.2g}；待估计的量最大 {size:.2g}。")
     if story.found_run is not None:
         curves.append(Curve(RLO, story.found_run.e, "force", "dot"))
-    return TimeFigure("e_u", Text(f"error of the estimate: {story.name.en}", f"估计误差：{story.name.zh}"), story.true.t, tuple(curves),
+    return LineFigure("e_u", Text(f"error of the estimate: {story.name.en}", f"估计误差：{story.name.zh}"), story.true.t, tuple(curves),
                       f"e [{story.unit}]", caption=said, tab=TIME_TAB)
 
 
-def _signal(story: Story) -> TimeFigure:
+def _signal(story: Story) -> LineFigure:
     run, sign = story.true, -1.0 if story.fed else 1.0
     push = run.v if story.fed else 0.0
     title = Text("input wanted and given", "期望输入与实际给出的输入") if story.fed else Text("state and its estimate", "状态及其估计")
     names = ((Text("wanted, −Kx + v", "期望的 −Kx + v"), Text("given", "实际给出的")) if story.fed
              else (Text("true", "真实"), Text("estimate", "估计")))
     wanted, given = sign * run.wanted + push, sign * (run.wanted - run.e) + push
-    return TimeFigure("signal", title, run.t, (Curve(names[0], wanted, "plant"), Curve(names[1], given, "estimate", "dash"),
+    return LineFigure("signal", title, run.t, (Curve(names[0], wanted, "plant"), Curve(names[1], given, "estimate", "dash"),
                                                Curve(Text("v", "v"), run.v, "muted", "dot", 1.4)), f"[{story.unit}]", tab=TIME_TAB,
                       caption=Text(f"Largest difference: {np.abs(run.e).max():.3g}.", f"最大相差 {np.abs(run.e).max():.3g}。"))
 
@@ -101,7 +101,7 @@ def _attempts(story: Story) -> TableFigure:
 
 
 # --- loop ----------------------------------------------------------------------------------------------------------
-def _gain(story: Story) -> FrequencyFigure:
+def _gain(story: Story) -> LineFigure:
     run = story.true
     top = max(float(run.gain.max()), 1e-300)
     floor = 1e-8 * top
@@ -113,8 +113,8 @@ def _gain(story: Story) -> FrequencyFigure:
             if run.poles.real.max() >= 0 else
             Text(f"Largest {run.gain[k]:.3g}, near {run.f[k]:.3g} Hz; on the model it would be zero.",
                  f"最大 {run.gain[k]:.3g}，在 {run.f[k]:.3g} Hz 附近；对模型则为零。"))
-    return FrequencyFigure("gain", Text("from v to the error of the estimate", "由 v 到估计误差的增益"), run.f, tuple(curves), "|e/v|",
-                           caption=said, tab=LOOP_TAB)
+    return over_frequency("gain", Text("from v to the error of the estimate", "由 v 到估计误差的增益"), run.f, tuple(curves), "|e/v|",
+                          caption=said, tab=LOOP_TAB)
 
 
 def _plane(design: Design, story: Story) -> PlaneFigure:

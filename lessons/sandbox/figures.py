@@ -11,7 +11,7 @@ from app.engine import autonomous_error
 from app.engine.design import typical_rate
 from app.engine.simulation import Run
 from app.engine.structure import Controllability, Mode, Observability
-from app.lesson.figures import Curve, Figure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.plants import Model
 from app.text.words import Text, same
@@ -165,6 +165,6 @@ def hankel_plane(found: Structure) -> PlaneFigure:
 
 
 # --- loop --------------------------------------------------------------------------------------------------------------
-def time_figures(model: Model, run: Run, limit: float | None) -> tuple[TimeFigure, ...]:
+def time_figures(model: Model, run: Run, limit: float | None) -> tuple[LineFigure, ...]:
     """Watched signals; error beside its promise; inputs."""
     return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit))

@@ -6,7 +6,7 @@ import numpy as np
 
 from app.engine import Plant, chi2_band
 from app.engine.feedback import ClosedLoop
-from app.lesson.figures import Curve, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure, TimeFigure, nice
+from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
 from app.plants.names import called
 from app.text.words import Text, same
 
@@ -36,9 +36,9 @@ def empty_plane(name: str, title: Text, tab: Text, said: Text) -> PlaneFigure:
     return PlaneFigure(name, title, tab=tab, caption=said)
 
 
-def empty_time(name: str, title: Text, tab: Text, said: Text) -> TimeFigure:
+def empty_time(name: str, title: Text, tab: Text, said: Text) -> LineFigure:
     """Axes with nothing on them but their sentence."""
-    return TimeFigure(name, title, np.array([0.0, 1.0]), (Curve(same("—"), np.zeros(2), "muted"),), tab=tab, caption=said)
+    return LineFigure(name, title, np.array([0.0, 1.0]), (Curve(same("—"), np.zeros(2), "muted"),), tab=tab, caption=said)
 
 
 def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
@@ -111,7 +111,7 @@ def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
                        (low, max(low + 2.0, float(total.max()) + 0.2)), tab=NOISE_TAB, caption=said)
 
 
-def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
+def nis_figure(found: Trial | Refusal, outputs: int) -> LineFigure:
     """NIS of a filter with this belief."""
     title = Text("NIS of a filter with this belief", "当前设定值下滤波器的 NIS")
     if isinstance(found, Refusal):
@@ -123,11 +123,11 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
             "cautious": ("below it, as with a filter that doubts too much", "偏小，像是滤波器过于怀疑模型")}[test.verdict]
     if test.verdict != "consistent" and abs(found.expected / outputs - 1) < RIGHT:
         said = ("outside it by chance, as one record in twenty is", "偶然落在范围之外，二十次记录中约有一次如此")
-    return TimeFigure("nis", title, found.t, (Curve(Text("NIS", "NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
+    return LineFigure("nis", title, found.t, (Curve(Text("NIS", "NIS"), np.maximum(found.values, 1e-4), "error", width=1.4),
                                               Curve(Text(f"expected, {outputs}", f"期望值 {outputs}"), np.full(n, float(outputs)),
                                                     "reference", "dash", 1.4),
                                               Curve(Text("95 % band", "95 % 带"), np.full(n, high), "muted", "dot", 1.4),
-                                              Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), "NIS", log=True,
+                                              Curve(Text("lower edge", "下沿"), np.full(n, low), "muted", "dot", 1.4)), "NIS", log_y=True,
                       window=(0.01, 100.0), tab=NOISE_TAB,
                       caption=Text(f"This record: mean {test.mean:.3g}, band {test.mean_band[0]:.3g} … {test.mean_band[1]:.3g}: {said[0]}. "
                                    f"On average: {found.expected:.3g}.",
@@ -135,34 +135,34 @@ def nis_figure(found: Trial | Refusal, outputs: int) -> TimeFigure:
                                    f"这样的滤波器平均为 {found.expected:.3g}。"))
 
 
-def gain_figure(found: Trial | Refusal) -> TimeFigure:
+def gain_figure(found: Trial | Refusal) -> LineFigure:
     """How the recursive gain settles on the Riccati solution."""
     title = Text("distance of the gain from the Riccati gain", "增益与 Riccati 增益的距离")
     if isinstance(found, Refusal):
         return empty_time("gain", title, NOISE_TAB, why(found))
     late = np.flatnonzero(found.distance > 0.01)
     after = f"{found.t[min(late[-1] + 1, len(found.t) - 1)]:.3g}" if len(late) else "0"
-    return TimeFigure("gain", title, found.t, (Curve(Text("relative distance", "相对距离"), np.maximum(found.distance, 1e-12), "error"),),
-                      "‖M − M∞‖ / ‖M∞‖", log=True, window=(1e-8, 1.0), tab=NOISE_TAB,
+    return LineFigure("gain", title, found.t, (Curve(Text("relative distance", "相对距离"), np.maximum(found.distance, 1e-12), "error"),),
+                      "‖M − M∞‖ / ‖M∞‖", log_y=True, window=(1e-8, 1.0), tab=NOISE_TAB,
                       caption=Text(f"Within 1 % after {after} s; no reading has any part in this.",
                                    f"{after} s 后相差不到 1 %；这与任何读数都无关。"))
 
 
 # --- robustness --------------------------------------------------------------------------------------------------------
-def sensitivity_figure(found: Margins | Refusal, recovered: np.ndarray | None, grid: np.ndarray) -> FrequencyFigure:
+def sensitivity_figure(found: Margins | Refusal, recovered: np.ndarray | None, grid: np.ndarray) -> LineFigure:
     """Largest singular value of S at the inputs: as it is, had the state been known, and recovered."""
     title = Text("sensitivity at the inputs, σ_max(S)", "输入端灵敏度 σ_max(S)")
     if isinstance(found, Refusal):
-        return FrequencyFigure("sensitivity", title, grid, (Curve(same("—"), np.ones(len(grid)), "muted"),), caption=why(found),
-                               tab=ROBUST_TAB)
+        return over_frequency("sensitivity", title, grid, (Curve(same("—"), np.ones(len(grid)), "muted"),), caption=why(found),
+                              tab=ROBUST_TAB)
     curves = [Curve(Text("x known", "x 已知"), largest(found.target, grid), "reference", "dash"),
               Curve(Text("by the estimate", "估计反馈"), largest(found.loop, grid), "estimate")]
     if recovered is not None:
         curves.append(Curve(Text("recovered", "恢复后"), recovered, "force", "dot"))
     peak = float(curves[1].y.max())
-    return FrequencyFigure("sensitivity", title, grid, tuple(curves), "σ_max(S)", tab=ROBUST_TAB, window=(0.1, 3.0),
-                           caption=Text(f"Peak {peak:.3g}: at worst the loop comes within {1 / peak:.2g} of instability.",
-                                        f"峰值 {peak:.3g}：最坏处离失稳只有 {1 / peak:.2g}。"))
+    return over_frequency("sensitivity", title, grid, tuple(curves), "σ_max(S)", tab=ROBUST_TAB, window=(0.1, 3.0),
+                          caption=Text(f"Peak {peak:.3g}: at worst the loop comes within {1 / peak:.2g} of instability.",
+                                       f"峰值 {peak:.3g}：最坏处离失稳只有 {1 / peak:.2g}。"))
 
 
 def margin_table(found: Margins | Refusal, plant: Plant) -> TableFigure:

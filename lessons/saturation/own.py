@@ -125,7 +125,7 @@ def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
     first, *rest = state_figures(model, run, 2)
     count = min(len(run.t), len(story.known.t))
     known = Curve(text("had x been known"), model.watched[0].of(story.known.x[:count]), "reference", "dot", 1.6)
-    first = replace(first, t=run.t[:count], curves=(*(replace(c, y=c.y[:count]) for c in first.curves), known))
+    first = replace(first, x=run.t[:count], curves=(*(replace(c, y=c.y[:count]) for c in first.curves), known))
     lines = (first, *rest, error_figure(run, autonomous_error(run)), within(input_figure(run, model, limit), 8 * limit * model.input_scale))
     return (*lines, _map(outcome))
 

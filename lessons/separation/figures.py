@@ -6,7 +6,7 @@ import numpy as np
 
 from app.engine import Plant, autonomous_error
 from app.engine.systems import amplitude_response
-from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point
+from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, over_frequency
 from app.lesson.lesson import Outcome
 from app.plants.names import called
 from app.text import Text, joined, text
@@ -27,7 +27,7 @@ def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
             _spectrum(outcome), _blocks(outcome.study, model.plant), _isolation(here, outcome))
 
 
-def _isolation(here: Setting, outcome: Outcome[Study]) -> FrequencyFigure:
+def _isolation(here: Setting, outcome: Outcome[Study]) -> LineFigure:
     """From a disturbance to an output: untouched, steered by the state, steered by the estimate."""
     truth = here.truth(outcome.design)
     A, B, C = truth.A, truth.B, here.heard
@@ -39,7 +39,7 @@ def _isolation(here: Setting, outcome: Outcome[Study]) -> FrequencyFigure:
     bare, state = gain(A, zg, C), gain(A - B @ K, zg, C)
     whole = gain(loop.A_xxhat, np.vstack([zg, np.zeros((n, 1))]), np.hstack([C, np.zeros((1, n))]))
     peak = 20 * np.log10(float(bare.max()) / float(whole.max()))
-    return FrequencyFigure(
+    return over_frequency(
         "isolation", here.heading[0], here.frequencies,
         (Curve(text("no control"), bare, "muted"),
          Curve(text("by the state"), state, "plant", "dash"),

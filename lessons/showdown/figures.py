@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from app.engine.sampled import ResponseMeasures
-from app.lesson.figures import FLOOR, Curve, Dash, Figure, FrequencyFigure, TimeFigure
+from app.lesson.figures import FLOOR, Curve, Dash, Figure, LineFigure, over_frequency
 from app.lesson.lesson import Outcome
 from app.text import Text, joined, listed, same, text, text_in
 
@@ -80,17 +80,17 @@ def _beside(values: Iterable[Text]) -> Text:
     return listed(text("{name} {value}", name=name, value=value) for name, value in zip(SHORT[1:], values, strict=True))
 
 
-def _channel(outcome: Outcome[Study], j: int) -> FrequencyFigure:
+def _channel(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
     key, name, _ = CHANNELS[j]
     curves = [*_curves(outcome, j), _noise(m, 0.5), *_measured(outcome, j, 1e12)]
     said = _each(m, [f"{db:.1f}" for db in m.band_db[:, j]])
-    return FrequencyFigure(f"channel_{key}", text("velocity: {name}", name=name), m.f, tuple(curves), "[(µm/s)²/Hz]",
-                           text("Suppression over 0.5–3 Hz in dB: {said}.", said=said), CHANNEL_TAB,
-                           _window(curves))
+    return over_frequency(f"channel_{key}", text("velocity: {name}", name=name), m.f, tuple(curves), "[(µm/s)²/Hz]",
+                          text("Suppression over 0.5–3 Hz in dB: {said}.", said=said), CHANNEL_TAB,
+                          _window(curves))
 
 
-def _sensor(outcome: Outcome[Study], j: int) -> FrequencyFigure:
+def _sensor(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
     column, key, name = ((2, "left_h", text("left horizontal, HL")), (3, "left_v", text("left vertical, VL")),
                          (4, "right_v", text("right vertical, VR")))[j]
@@ -105,20 +105,20 @@ def _sensor(outcome: Outcome[Study], j: int) -> FrequencyFigure:
                 text("{name}: the highest point is {gain:.1f} dB lower than without control.", name=NAMES[i], gain=gain)
                 if gain >= 0 else
                 text("{name}: the highest point is {gain:.1f} dB higher than without control.", name=NAMES[i], gain=-gain))
-    return FrequencyFigure(f"sensor_{key}", text("true velocity at {name}", name=name), m.f, tuple(curves),
-                           "[(µm/s)²/Hz]", said, SENSOR_TAB, _window(curves))
+    return over_frequency(f"sensor_{key}", text("true velocity at {name}", name=name), m.f, tuple(curves),
+                          "[(µm/s)²/Hz]", said, SENSOR_TAB, _window(curves))
 
 
-def _input(outcome: Outcome[Study], j: int) -> FrequencyFigure:
+def _input(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
     name = (text("left vertical coil u1"), same(""), text("horizontal coil u3"))[j]
     curves = [*_curves(outcome, 5 + j, 1e6, True), *_measured(outcome, 5 + j, 1e6)]
     said = _each(m, [f"{1e3 * v:.3g}" for v in m.forces[:, j]])
-    return FrequencyFigure(f"input_{j}", text("command: {name}", name=name), m.f, tuple(curves), "[mN²/Hz]",
-                           text("RMS in mN: {said}.", said=said), INPUT_TAB, _window(curves))
+    return over_frequency(f"input_{j}", text("command: {name}", name=name), m.f, tuple(curves), "[mN²/Hz]",
+                          text("RMS in mN: {said}.", said=said), INPUT_TAB, _window(curves))
 
 
-def _gain(outcome: Outcome[Study]) -> TimeFigure:
+def _gain(outcome: Outcome[Study]) -> LineFigure:
     t, away = gain_gap(outcome.design["v"])
     m = outcome.study
     apart = outcome.metrics.get("filters_apart_db")
@@ -130,12 +130,12 @@ def _gain(outcome: Outcome[Study]) -> TimeFigure:
         count = len(m.trials.learning)
         said.append(text("On one seed (vertical/rotation/horizontal) the runs are {first} % apart in second 1, {last} % in second "
                          "{count}.", first=first, last=last, count=count))
-    return TimeFigure("gain", text("recursive gain on its way to the Riccati gain"), t,
-                      (Curve(text("distance"), np.maximum(away, FLOOR), "estimate"),), "‖M − M∞‖ / ‖M∞‖", True, joined(*said),
-                      INPUT_TAB, (1e-4, 10.0))
+    return LineFigure("gain", text("recursive gain on its way to the Riccati gain"), t,
+                      (Curve(text("distance"), np.maximum(away, FLOOR), "estimate"),), "‖M − M∞‖ / ‖M∞‖", log_y=True, caption=joined(*said),
+                      tab=INPUT_TAB, window=(1e-4, 10.0))
 
 
-def _test(outcome: Outcome[Study], j: int) -> TimeFigure:
+def _test(outcome: Outcome[Study], j: int) -> LineFigure:
     m = outcome.study
     key, name, unit = CHANNELS[j]
     bare = m.responses[0]
@@ -147,7 +147,7 @@ def _test(outcome: Outcome[Study], j: int) -> TimeFigure:
               for i, ((role, dash), r) in enumerate(zip(LOOKS, m.responses, strict=True))]
     high = float(np.abs(bare.velocity[:, j]).max())
     parts = [_recovery(measured, j) for measured in m.measures[1:]]
-    return TimeFigure(f"test_{key}", text("velocity after the test: {name}", name=name), t[seen],
+    return LineFigure(f"test_{key}", text("velocity after the test: {name}", name=name), t[seen],
                       tuple(curves), f"v [{unit}]",
                       caption=text("Recovered, to 5 % of the peak without control: {each}.", each=_beside(parts)),
                       tab=TIME_TAB, window=(-high, high))
@@ -167,13 +167,13 @@ def _held(outcome: Outcome[Study]) -> bool:
     return outcome.study.spectra[ORDER.index(outcome.design["play"])].stable
 
 
-def _stage_velocity(outcome: Outcome[Study]) -> TimeFigure:
+def _stage_velocity(outcome: Outcome[Study]) -> LineFigure:
     m = outcome.study
     t, x, _ = m.run
     v, ghost = (np.clip(1e6 * states[:, 6], -2e3, 2e3) for states in (x, m.ghost))
     late = t > 1.0
     sizes = float(np.std(v[late])), float(np.std(ghost[late]))
-    return TimeFigure("stage_velocity", text("vertical velocity of the run on the stage"), t,
+    return LineFigure("stage_velocity", text("vertical velocity of the run on the stage"), t,
                       (Curve(text("with the controller"), v),
                        Curve(text("without control"), ghost, "estimate", "dash", 1.6)), "v [µm/s]",
                       caption=RUNAWAY if not _held(outcome) else
@@ -182,10 +182,10 @@ def _stage_velocity(outcome: Outcome[Study]) -> TimeFigure:
                       tab=RUN_TAB, window=(-500.0, 500.0))
 
 
-def _stage_force(outcome: Outcome[Study]) -> TimeFigure:
+def _stage_force(outcome: Outcome[Study]) -> LineFigure:
     t, _, u = outcome.study.run
     peak = 1e3 * float(np.abs(u).max())
-    return TimeFigure("stage_force", text("coil commands of this run"), t,
+    return LineFigure("stage_force", text("coil commands of this run"), t,
                       (Curve(text("left vertical u1"), 1e3 * u[:, 0], "force", "solid", 1.6),
                        Curve(text("horizontal u3"), 1e3 * u[:, 2], "disturbance", "solid", 1.0)), "u [mN]",
                       caption=RUNAWAY if not _held(outcome) else text("Largest command {peak:.3g} mN.", peak=peak),

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from app.engine.simulation import Run
-from app.lesson.figures import Curve, TimeFigure
+from app.lesson.figures import Curve, LineFigure
 from app.plants.model import Model, Signal
 from app.plants.names import called
 from app.text import Text, joined, same, symbol, text
@@ -22,13 +22,13 @@ INPUTS = MappingProxyType({"force": text("force"), "force 1": text("force 1"), "
 BEYOND = text("What lies beyond the scale is drawn at its edge.")
 
 
-def state_figures(model: Model, run: Run, count: int = 3) -> tuple[TimeFigure, ...]:
+def state_figures(model: Model, run: Run, count: int = 3) -> tuple[LineFigure, ...]:
     """The watched signals with their estimates, one figure each."""
     figures = []
     for i, signal in enumerate(model.watched[:count]):
         true, guess = signal.of(run.x), signal.of(run.xhat)
         gap = float(np.max(np.abs(true[-max(len(true) // 10, 1):] - guess[-max(len(true) // 10, 1):])))
-        figures.append(TimeFigure(
+        figures.append(LineFigure(
             f"state{i}", signal.name, run.t,
             (Curve(text("true"), true), Curve(text("estimate"), guess, "estimate", "dash")),
             axis_name(signal), tab=TIME_TAB,
@@ -50,7 +50,7 @@ def _agreement(gap: float, size: float, unit: str) -> Text:
     return text("In the last tenth of the run they differ by up to {gap:.2g} {unit}.", gap=gap, unit=unit)
 
 
-def error_figure(run: Run, promised: np.ndarray | None = None) -> TimeFigure:
+def error_figure(run: Run, promised: np.ndarray | None = None) -> LineFigure:
     """The norm of the estimation error on a logarithmic axis, beside what ė = (A − LC)e promises."""
     size = np.linalg.norm(run.e, axis=1)
     curves = [Curve(same("‖e‖"), size, "error")]
@@ -60,11 +60,11 @@ def error_figure(run: Run, promised: np.ndarray | None = None) -> TimeFigure:
     small = settle_time(run.t, size)
     caption = (text("The error stays below 2 % of its peak after {small:.2f} s.", small=small)
                if small is not None else text("The error does not settle within this run."))
-    return TimeFigure("error", text("estimation error"), run.t, tuple(curves), "‖x − x̂‖", log=True,
+    return LineFigure("error", text("estimation error"), run.t, tuple(curves), "‖x − x̂‖", log_y=True,
                       caption=caption, tab=ERROR_TAB)
 
 
-def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigure:
+def input_figure(run: Run, model: Model, limit: float | None = None) -> LineFigure:
     """Inputs asked (dashed) and applied (solid), with the limits."""
     curves = []
     for j, name in enumerate(run.scenario.plant.input_names):
@@ -79,13 +79,13 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> TimeFigu
         flat = np.full(len(run.t), limit * model.input_scale)
         curves += [Curve(text("limit"), sign * flat, "reference", "dot", 1.4) for sign in (1, -1)]
     peak = float(np.max(np.abs(run.u_applied))) * model.input_scale
-    return TimeFigure("input", text("input, asked and applied"), run.t, tuple(curves),
+    return LineFigure("input", text("input, asked and applied"), run.t, tuple(curves),
                       f"u [{model.input_unit}]", tab=ERROR_TAB,
                       caption=text("Largest input applied: {peak:.3g} {input_unit}.",
                                    peak=peak, input_unit=model.input_unit))
 
 
-def within(figure: TimeFigure, edge: float) -> TimeFigure:
+def within(figure: LineFigure, edge: float) -> LineFigure:
     """The figure with values beyond ±edge drawn at the edge, which its caption then says: a lost loop leaves every scale."""
     if all(np.all(np.abs(c.y) <= edge) for c in figure.curves):
         return figure

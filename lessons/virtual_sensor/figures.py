@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.simulation import Run
-from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point
 from app.lesson.lesson import Outcome
 from app.text import Text, joined, same, text
 
@@ -31,46 +31,46 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
             _innovation(outcome, run), _locus(outcome, seen))
 
 
-def _core(outcome: Outcome[Study], run: Run, copy: Run) -> TimeFigure:
+def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     m = outcome.metrics
     known = (text("The observer knows the core within 1 K after {after:.2f} s.", after=m["known_after"])
              if m["known_after"] <= HORIZON else text("The observer does not know the core within 1 K at the end."))
     copied = text("In the last tenth of the run the copy is off by up to {off:.2g} K.", off=m["copy_core_error"])
-    return TimeFigure("core", text("core temperature (nobody can measure it)"), run.t, (
+    return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
         Curve(TRUE, run.x[:, 0]), Curve(COPY, copy.xhat[:len(run.t), 0], "second", "dot"),
         Curve(OBSERVER, run.xhat[:, 0], "estimate", "dash")), "T₁ [K]", tab=TIME_TAB, window=(0.0, 50.0),
         caption=joined(known, copied))
 
 
-def _case(outcome: Outcome[Study], run: Run, copy: Run) -> TimeFigure:
+def _case(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     gap = _at_most(outcome.metrics["case_error"])
     reading = (Curve(text("sensor"), run.y[:, 0], "muted", "solid", 1.0),) if outcome.design["noise"] else ()
-    return TimeFigure("case", text("case temperature (the sensor sits here)"), run.t, (
+    return LineFigure("case", text("case temperature (the sensor sits here)"), run.t, (
         *reading, Curve(TRUE, run.x[:, 1]), Curve(COPY, copy.xhat[:len(run.t), 1], "second", "dot"),
         Curve(OBSERVER, run.xhat[:, 1], "estimate", "dash")), "T₂ [K]", tab=TIME_TAB, window=(0.0, 25.0),
         caption=text("In the last tenth of the run the observer's case is off by {gap}.", gap=gap))
 
 
-def _power(run: Run) -> TimeFigure:
+def _power(run: Run) -> LineFigure:
     peak = float(np.max(run.u_applied))
-    return TimeFigure("power", text("computing power, known to all three"), run.t,
+    return LineFigure("power", text("computing power, known to all three"), run.t,
                       (Curve(text("power"), run.u_applied[:, 0], "force"),), "P [W]", tab=TIME_TAB,
                       window=(0.0, 20.0), caption=text("Bursts of {peak:g} W; a quarter of it in between.",
                                                        peak=peak))
 
 
-def _errors(outcome: Outcome[Study], run: Run, copy: Run) -> TimeFigure:
+def _errors(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     ours, theirs = outcome.metrics["slowest_observer"], outcome.metrics["slowest_copy"]
-    return TimeFigure("error", text("size of the core error"), run.t, (
+    return LineFigure("error", text("size of the core error"), run.t, (
         Curve(COPY, np.abs(copy.e[:len(run.t), 0]), "second", "dot"), Curve(OBSERVER, np.abs(run.e[:, 0]), "error")),
-        "|e₁| [K]", log=True, tab=ERROR_TAB, window=(1e-4, 100.0),
+        "|e₁| [K]", log_y=True, tab=ERROR_TAB, window=(1e-4, 100.0),
         caption=text("Slowest modes: copy {theirs:+.3g}, observer {ours:+.3g} per second.", theirs=theirs, ours=ours))
 
 
-def _innovation(outcome: Outcome[Study], run: Run) -> TimeFigure:
+def _innovation(outcome: Outcome[Study], run: Run) -> LineFigure:
     heard = (run.y - run.yhat)[:, 0]
     tail = _at_most(float(np.max(np.abs(heard[-max(len(heard) // 10, 1):]))))
-    return TimeFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
+    return LineFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
                       (Curve(same("y − ŷ"), heard, "error"),), "y − ŷ [K]", tab=ERROR_TAB, window=(-10.0, 20.0),
                       caption=text("Sensor minus prediction, {tail} in the last tenth of the run; L carries it "
                                    "into both states.",

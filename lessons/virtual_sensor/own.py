@@ -10,7 +10,7 @@ import numpy as np
 from app.engine import Plant, Scenario, simulate
 from app.engine.simulation import Run
 from app.engine.systems import sorted_poles
-from app.lesson.figures import Curve, Figure, PlaneFigure, Point, TimeFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point
 from app.lesson.knobs import Knob, Number, Poles
 from app.lesson.lesson import Board, Design, Formula, Lesson, Outcome
 from app.plants import Model, Signal
@@ -136,10 +136,10 @@ def figures(model: Model, outcome: Outcome[OwnStudy]) -> tuple[Figure, ...]:
             _heard(model, run), _plane(model, outcome))
 
 
-def _signal(name: str, signal: Signal, run: Run, copy: Run) -> TimeFigure:
+def _signal(name: str, signal: Signal, run: Run, copy: Run) -> LineFigure:
     last = min(len(run.t), len(copy.t))
     true, guess, other = signal.of(run.x)[:last], signal.of(run.xhat)[:last], signal.of(copy.xhat)[:last]
-    return TimeFigure(name, signal.name, run.t[:last], (Curve(TRUE, true), Curve(COPY, other, "second", "dot"),
+    return LineFigure(name, signal.name, run.t[:last], (Curve(TRUE, true), Curve(COPY, other, "second", "dot"),
                                                         Curve(OBSERVER, guess, "estimate", "dash")), f"[{signal.unit}]", tab=TIME_TAB,
                       caption=text("At the end of the run the observer is off by {true:.2g}, the copy by "
                                    "{true2:.2g} {unit}.",
@@ -147,23 +147,23 @@ def _signal(name: str, signal: Signal, run: Run, copy: Run) -> TimeFigure:
                                    unit=signal.unit))
 
 
-def _energy(run: Run, copy: Run) -> TimeFigure:
+def _energy(run: Run, copy: Run) -> LineFigure:
     """The size of the state, for a plant all of whose states are measured."""
     last = min(len(run.t), len(copy.t))
     curves = tuple(Curve(name, np.linalg.norm(values[:last], axis=1), role, dash) for name, values, role, dash in (  # type: ignore[arg-type]
         (TRUE, run.x, "plant", "solid"), (COPY, copy.xhat, "second", "dot"), (OBSERVER, run.xhat, "estimate", "dash")))
-    return TimeFigure("case", text("size of the whole state"), run.t[:last], curves, "‖x‖", tab=TIME_TAB,
+    return LineFigure("case", text("size of the whole state"), run.t[:last], curves, "‖x‖", tab=TIME_TAB,
                       caption=text("Every state of this plant is measured."))
 
 
-def _input(model: Model, run: Run) -> TimeFigure:
-    return TimeFigure("power", text("first input, known to all three"), run.t,
+def _input(model: Model, run: Run) -> LineFigure:
+    return LineFigure("power", text("first input, known to all three"), run.t,
                       (Curve(text("input"), run.u_applied[:, 0], "force"),), f"[{model.input_unit}]", tab=TIME_TAB,
                       window=(0.0, model.u_max), caption=text(
                           "On at {u_applied:.3g} {input_unit}, then off.", u_applied=np.max(run.u_applied), input_unit=model.input_unit))
 
 
-def _errors(outcome: Outcome[OwnStudy], run: Run) -> TimeFigure:
+def _errors(outcome: Outcome[OwnStudy], run: Run) -> LineFigure:
     copy = outcome.study.copy
     last = min(len(run.t), len(copy.t))
     ours, theirs = (np.linalg.norm(r.e[:last], axis=1) for r in (run, copy))
@@ -172,15 +172,15 @@ def _errors(outcome: Outcome[OwnStudy], run: Run) -> TimeFigure:
             if len(below) and below[-1] == last - 1 else
             text("The observer's error is below a twentieth of its start after {t:.3g} s.",
                  t=run.t[below[-1] + 1] if len(below) else 0))
-    return TimeFigure("error", text("size of the error"), run.t[:last],
-                      (Curve(COPY, theirs, "second", "dot"), Curve(OBSERVER, ours, "error")), "‖e‖", log=True, tab=ERROR_TAB,
+    return LineFigure("error", text("size of the error"), run.t[:last],
+                      (Curve(COPY, theirs, "second", "dot"), Curve(OBSERVER, ours, "error")), "‖e‖", log_y=True, tab=ERROR_TAB,
                       caption=said)
 
 
-def _heard(model: Model, run: Run) -> TimeFigure:
+def _heard(model: Model, run: Run) -> LineFigure:
     heard = (run.y - run.yhat)[:, 0]
     name = called(model.plant, model.plant.output_names[0])
-    return TimeFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
+    return LineFigure("innovation", text("what the observer hears: y − ŷ"), run.t,
                       (Curve(same("y − ŷ"), heard, "error"),), f"[{model.plant.unit(model.plant.output_names[0])}]", tab=ERROR_TAB,
                       caption=text("Sensor {name} minus its prediction; up to {heard:.2g} in the last tenth of "
                                    "the run.",

@@ -6,7 +6,7 @@ import re
 
 import numpy as np
 
-from app.lesson.figures import Curve, Figure, FrequencyFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from app.lesson.lesson import Outcome
 from app.text import lowered, same, text, text_in
 
@@ -102,14 +102,14 @@ def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
                      ratio=ratio[widest], widest=widest + 1, after=after))
 
 
-def _error(outcome: Outcome[Study]) -> FrequencyFigure:
+def _error(outcome: Outcome[Study]) -> LineFigure:
     c, s = outcome.study.cut, outcome.study.system
     bound = max(c.bound, LEAST)
     said = (text("Nothing is cut: no error.") if c.order == STATES else
             text("Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.",
                  peak=show(c.peak, 4), where=show(c.where, 3), bound=show(c.bound, 4)))
     size = np.sqrt(np.linalg.eigvalsh(s.response @ np.swapaxes(s.response.conj(), 1, 2))[:, -1])
-    return FrequencyFigure(
+    return over_frequency(
         "error", text("what the model leaves out: σ_max(G − G_r)"),
         s.frequencies,
         (Curve(text("whole plant"), size, "muted", width=1.4),
@@ -161,7 +161,7 @@ def _shapes(outcome: Outcome[Study]) -> MatrixFigure:
 
 
 # --- LQG ---------------------------------------------------------------------------------------------------------------
-def _spectrum(outcome: Outcome[Study]) -> FrequencyFigure:
+def _spectrum(outcome: Outcome[Study]) -> LineFigure:
     c, f = outcome.study.compared, outcome.study.system.frequencies
     order = outcome.study.cut.order
     curves = [Curve(text("without control"), 1e12 * c.free[:, 0], "muted", width=1.4)]
@@ -174,9 +174,9 @@ def _spectrum(outcome: Outcome[Study]) -> FrequencyFigure:
                  gap=show(100 * c.gap, 2)) if c.gap is not None else
             text("The loop with {order} states is unstable on the platform: rightmost pole {rightmost}.",
                  order=order, rightmost=show(c.small.rightmost, 2)))
-    return FrequencyFigure("spectrum", text("velocity VL under ground noise"), f,
-                           tuple(Curve(k.name, np.maximum(k.y, LEAST), k.role, k.dash, k.width) for k in curves),
-                           "[(µm/s)²/Hz]", tab=LQG_TAB, window=(1e-6, 1e6), caption=said)
+    return over_frequency("spectrum", text("velocity VL under ground noise"), f,
+                          tuple(Curve(k.name, np.maximum(k.y, LEAST), k.role, k.dash, k.width) for k in curves),
+                          "[(µm/s)²/Hz]", tab=LQG_TAB, window=(1e-6, 1e6), caption=said)
 
 
 def _gains(outcome: Outcome[Study]) -> PlaneFigure:

@@ -14,12 +14,11 @@ import pytest
 from app.lesson.figures import (
     COLOURS,
     Figure,
-    FrequencyFigure,
+    LineFigure,
     MapFigure,
     MatrixFigure,
     PlaneFigure,
     TableFigure,
-    TimeFigure,
 )
 from app.lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
 from app.lesson.lesson import Design, Lesson, Outcome
@@ -36,8 +35,8 @@ every_lesson = pytest.mark.parametrize("lesson", LESSONS.values(), ids=LESSONS.k
 # --- what a lesson shows, as plain numbers ------------------------------------------------------------------------
 def arrays(figure: Figure) -> Iterator[np.ndarray]:
     """Every number of a figure."""
-    if isinstance(figure, TimeFigure | FrequencyFigure):
-        yield np.asarray(figure.t if isinstance(figure, TimeFigure) else figure.f, dtype=float)
+    if isinstance(figure, LineFigure):
+        yield np.asarray(figure.x, dtype=float)
         yield from (np.asarray(c.y, dtype=float) for c in figure.curves)
     elif isinstance(figure, PlaneFigure):
         yield from (np.asarray(v, dtype=float) for c in figure.curves for v in (c.x, c.y) if v is not None)
@@ -82,13 +81,12 @@ def check_figures(figures: tuple[Figure, ...]) -> None:
             assert np.all(np.isfinite(values)), f"{figure.id} is not finite"
         for thing in (*getattr(figure, "curves", ()), *getattr(figure, "points", ())):
             assert thing.role in COLOURS
-        if isinstance(figure, TimeFigure | FrequencyFigure):
-            x = figure.t if isinstance(figure, TimeFigure) else figure.f
+        if isinstance(figure, LineFigure):
+            x = figure.x
             assert len(x) >= 2 and np.all(np.diff(x) > 0), f"{figure.id} needs sorted x"
             assert all(np.shape(c.y) == np.shape(x) for c in figure.curves), figure.id
             assert figure.curves
-        if isinstance(figure, FrequencyFigure):
-            assert figure.f[0] > 0
+            assert not figure.log_x or x[0] > 0
         if isinstance(figure, PlaneFigure):
             assert figure.x_range[0] < figure.x_range[1] and figure.y_range[0] < figure.y_range[1]
             assert all(c.x is None or np.shape(c.x) == np.shape(c.y) for c in figure.curves)

@@ -20,7 +20,7 @@ from lesson_checks import (
 )
 
 from app.engine import EngineError
-from app.lesson.figures import FrequencyFigure, PlaneFigure, TableFigure, TimeFigure, tabs
+from app.lesson.figures import LineFigure, PlaneFigure, TableFigure, tabs
 from app.lesson.lesson import Lesson
 from app.lesson.prose import Prose
 from app.text import Text, languages
@@ -51,7 +51,7 @@ def test_every_visible_knob_has_a_hint(lesson: Lesson) -> None:
 def test_every_chart_names_its_vertical_axis(lesson: Lesson) -> None:
     for values in ({}, *(task.solution for task in lesson.tasks)):
         _, figures = shown(lesson.apply(lesson.start(), values))
-        assert not [f.id for f in figures if isinstance(f, (TimeFigure, FrequencyFigure, PlaneFigure)) and f.curves and not f.y_label]
+        assert not [f.id for f in figures if isinstance(f, (LineFigure, PlaneFigure)) and f.curves and not f.y_label]
 
 
 @every_lesson

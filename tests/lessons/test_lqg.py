@@ -8,7 +8,7 @@ from lesson_checks import carried
 
 from app.engine import EngineError, compensator, loop_margins, lqg, recover
 from app.engine.feedback import state_feedback_margins
-from app.lesson.figures import Curve, TimeFigure
+from app.lesson.figures import Curve, LineFigure
 from app.lesson.lesson import Outcome
 from app.plants import MODELS, doyle
 from app.text import same
@@ -202,7 +202,7 @@ def test_the_price_of_recovery_is_as_the_solution_says() -> None:
 
 
 def test_a_run_that_leaves_every_scale_is_not_said_to_stay_within_the_picture():
-    figure = TimeFigure("state0", same("x"), np.arange(3.0), (Curve(same("true"), np.array([0.0, 5.0, 500.0])),), caption=same("Now."))
+    figure = LineFigure("state0", same("x"), np.arange(3.0), (Curve(same("true"), np.array([0.0, 5.0, 500.0])),), caption=same("Now."))
     held = within(figure, 40.0)
     assert held.curves[0].y.max() == 40.0 and held.caption.en == "Now. What lies beyond the scale is drawn at its edge."
     assert within(figure, 500.0) is figure

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.engine import EngineError
 from app.lesson.figures import Curve as Line
-from app.lesson.figures import TimeFigure
+from app.lesson.figures import LineFigure
 from app.lesson.knobs import Choice, Number, Poles, Track
 from app.lesson.lesson import Design, ExamItem, Job, Lesson, Outcome, Stage, Task, Verdict
 from app.lesson.prose import parse_prose
@@ -157,11 +157,11 @@ def toy_compute(design: Design) -> Outcome:
     return Outcome(design, metrics={"gain": gain}, stage=Stage(MODEL.body, t, x), live=same(f"{gain:g}"))
 
 
-def toy_figures(outcome: Outcome) -> tuple[TimeFigure, ...]:
+def toy_figures(outcome: Outcome) -> tuple[LineFigure, ...]:
     assert outcome.stage is not None
     if outcome.design["gain"] == UNDRAWABLE or outcome.study == "undrawable":
         raise ValueError("nothing to draw")
-    return (TimeFigure("x", same("x"), outcome.stage.t, (Line(same("x"), outcome.stage.x[:, 0]),)),)
+    return (LineFigure("x", same("x"), outcome.stage.t, (Line(same("x"), outcome.stage.x[:, 0]),)),)
 
 
 def toy_exam(seed: int) -> ExamItem:
