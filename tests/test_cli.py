@@ -250,6 +250,7 @@ def test_every_default_that_list_shows_is_read_back_by_set(capsys) -> None:
                 knob.check(knob.default), (tuple, float)) else knob.parse(words) == knob.check(knob.default)
 
 
+@pytest.mark.slow
 def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monkeypatch) -> None:
     assert main(["verify"]) == 0
     words = capsys.readouterr().out
@@ -300,12 +301,14 @@ def plain_environment() -> dict[str, str]:
     return {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
 
 
+@pytest.mark.slow
 def test_commands_without_a_browser_load_neither_viser_nor_matplotlib_and_one_thread(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", QUIET, str(tmp_path / "page.png")], cwd=ROOT, env=plain_environment(),
                           capture_output=True, text=True, timeout=120, check=False)
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> None:
     with socket.socket() as taken:
         taken.bind(("127.0.0.1", 0))
@@ -347,6 +350,7 @@ def test_the_last_port_when_taken_is_refused_and_does_not_hang(capsys) -> None:
         assert "in use" in refused(capsys, "serve", "--port", "65535")
 
 
+@pytest.mark.slow
 def test_an_address_that_others_reach_says_what_that_means() -> None:
     with started("--host", "0.0.0.0", "--public", "--port", "0") as (server, url):
         assert re.fullmatch(r"http://localhost:\d+", url)
@@ -357,6 +361,7 @@ def test_an_address_that_others_reach_says_what_that_means() -> None:
             assert page.status == 200
 
 
+@pytest.mark.slow
 def test_status_tells_of_a_running_server_and_is_status_1_where_there_is_none(capsys) -> None:
     with started("--port", "0", "--max-sessions", "7") as (_, url):
         assert main(["status", url]) == 0
@@ -370,6 +375,7 @@ def test_status_tells_of_a_running_server_and_is_status_1_where_there_is_none(ca
     assert err.startswith(f"observer-lab: no Observer Lab answers at {url} (")
 
 
+@pytest.mark.slow
 def test_the_log_is_lines_of_json_on_stderr_and_in_the_data_folder(tmp_path: Path) -> None:
     kept = tmp_path / "kept"
     with started("--port", "0", "--log-json", "--data-dir", str(kept)) as (server, url):
