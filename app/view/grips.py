@@ -16,7 +16,9 @@ from .stage import PHONE, aspect_of
 POINTER, FINGER = 22.0, 44.0  # px, radius of a disc
 SMALLEST, LARGEST = 0.12, 0.9  # stage units
 SAME = 0.06  # a radius that differs by less is not sent
-FAINT = 0.16  # how much of the colour a disc has
+FAINT = 0.13  # how much of the colour a disc has
+DIM = 0.6  # the stage's light shines straight on a board: a lighter colour would lose its hue there
+LAYER = 0.003  # stage units between two discs, so that where they overlap none cuts into another
 GRIPS = "/grips"  # how the name of such a node ends
 Vector = tuple[float, float, float]
 
@@ -48,6 +50,7 @@ class Grips:
         """One disc at each place of the board's own frame; none where nothing can be dragged."""
         with self._lock:
             at = np.array(places, dtype=np.float32).reshape(-1, 3)
+            at[:, 1] += LAYER * np.arange(len(at), dtype=np.float32)
             if self._node is not None and len(at) == self._count:
                 self._node.batched_positions = at
                 return
@@ -61,8 +64,8 @@ class Grips:
         self._radius = radius(self._client.camera, self._middle)
         upright = np.tile(np.array([1.0, 0.0, 0.0, 0.0], dtype=np.float32), (len(at), 1))
         self._node = self._client.scene.add_batched_meshes_simple(
-            self._name, *disc(), upright, at, batched_scales=self._scales(), batched_colors=self._colour, opacity=FAINT, lod="off",
-            side="double", cast_shadow=False, receive_shadow=False)
+            self._name, *disc(), upright, at, batched_scales=self._scales(), opacity=FAINT, lod="off",
+            batched_colors=tuple(round(DIM * part) for part in self._colour), side="double", cast_shadow=False, receive_shadow=False)
         self._node.on_drag("left")(self._moved)
 
     def _scales(self) -> np.ndarray:

@@ -153,7 +153,7 @@ def _matrix(figure: MatrixFigure, language: str) -> tuple[str, float]:
                        f'stroke="#e8ebf0"><title>{m[i, j]:.4g}</title></rect>')
             if wide >= ROOM_FOR_ENTRY:
                 entry = f"{m[i, j] if depth else 0.0:.3g}".replace("-", "−")
-                ink = "#fff" if depth > 0.6 else "#1c2430" if depth else "#8a8f98"
+                ink = "#fff" if depth > 0.6 else "#1c2430" if depth else "#5a616c"
                 out.append(f'<text x="{x + wide / 2:.1f}" y="{y + high / 2 + 4:.1f}" text-anchor="middle" '
                            f'font-size="{_fitting(entry, wide - 4):.1f}" fill="{ink}">{entry}</text>')
     for i, name in enumerate(names):

@@ -1,0 +1,72 @@
+"""Words can be read: every piece of text stands out from its ground by 4.5 to 1, as the browser computes it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from tab import Tab
+
+from lessons import LESSONS
+
+LEAST = 4.5  # WCAG 2.2, 1.4.3
+PALE = """least => {
+  const pen = new OffscreenCanvas(1, 1).getContext('2d', {willReadFrequently: true});
+  const rgba = colour => {
+    pen.clearRect(0, 0, 1, 1);
+    pen.fillStyle = colour;
+    pen.fillRect(0, 0, 1, 1);
+    const [r, g, b, a] = pen.getImageData(0, 0, 1, 1).data;
+    return [r, g, b, a / 255];
+  };
+  const over = (top, below, alpha) => [0, 1, 2].map(i => alpha * top[i] + (1 - alpha) * below[i]);
+  const light = colour => {
+    const [r, g, b] = colour.map(c => (c /= 255, c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+    return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+  };
+  const ground = element => {
+    if (!element) return [255, 255, 255];
+    const [r, g, b, a] = rgba(getComputedStyle(element).backgroundColor);
+    return a === 1 ? [r, g, b] : over([r, g, b], ground(element.parentElement), a);
+  };
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT), seen = {};
+  for (let node; (node = walk.nextNode());) {
+    const element = node.parentElement, words = node.textContent.trim();
+    if (!words || ['STYLE', 'SCRIPT', 'TITLE'].includes(element.tagName)) continue;
+    if (!element.checkVisibility({opacityProperty: true, visibilityProperty: true})) continue;
+    const style = getComputedStyle(element), svg = element instanceof SVGElement;
+    let alpha = 1, blurred = false;
+    for (let e = element; e; e = e.parentElement) {
+      const its = getComputedStyle(e);
+      alpha *= Number(its.opacity);
+      blurred ||= its.filter !== 'none';
+    }
+    if (blurred) continue;  // veiled: not to be read
+    const below = ground(svg ? element.closest('svg').parentElement : element), colour = rgba(svg ? style.fill : style.color);
+    const [a, b] = [light(over(colour, below, colour[3] * alpha)), light(below)];
+    const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+    if (ratio < least) seen[`${words.slice(0, 30)} | ${svg ? style.fill : style.color} on ${below.map(Math.round)}`] = ratio.toFixed(2);
+  }
+  return seen;
+}"""
+
+
+@pytest.mark.parametrize("name, size, large", [
+    ("separation", (1366, 768), False), ("saturation", (1366, 768), False), ("network", (1920, 1080), True),
+    ("sandbox", (390, 844), False)], ids=str)
+def test_words_stand_out_from_their_ground(new_tab: Callable[..., Tab], name: str, size: tuple[int, int], large: bool) -> None:
+    tab, words = new_tab(*size), LESSONS[name].words["en"]
+    tab.choose_lesson(words.title, words.question)
+    tab.predict("skip")
+    if large:
+        tab.press("large print")
+    tab.answered(rests=True)
+    assert tab.page.evaluate(PALE, LEAST) == {}
+
+
+def test_the_judge_of_contrast_knows_pale_from_dark(tab: Tab) -> None:
+    tab.page.evaluate("""() => { document.body.innerHTML = '<p style="color:#767676">dark enough</p><p style="color:#777">pale</p>'
+      + '<p style="opacity:.5">faded</p><svg><text y="20" fill="#D55E00">orange</text></svg>'; }""")
+    pale: dict[str, Any] = tab.page.evaluate(PALE, LEAST)
+    assert sorted(key.split(" | ")[0] for key in pale) == ["faded", "orange", "pale"]
