@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.arrays import as_definite, as_matrix, as_weight, correlations, symmetric
+from ..systems.arrays import as_definite, as_matrix, as_weight, correlations, frozen, symmetric
 from ..systems.balance import SLOWEST
 from ..systems.errors import EngineError, RiccatiError, ShapeError, phrase
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
@@ -85,7 +85,7 @@ def lqe(A: object, G: object, C: object, W: object, V: object) -> Optimal:
     array([[1.4142, 1.    ]])
     """
     dual = _solved(_estimator(A, G, C, W, V), 0.0, _ESTIMATION)
-    return Optimal(_frozen(dual.gain.T), dual.solution, dual.poles, dual.residual)
+    return Optimal(frozen(dual.gain.T), dual.solution, dual.poles, dual.residual)
 
 
 def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilter:
@@ -103,7 +103,7 @@ def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilte
     I_MC = np.eye(P.shape[0]) - M @ C_
     filtered = I_MC @ P @ I_MC.T + M @ V_ @ M.T
     return DiscreteFilter(
-        _frozen(dual.gain.T), P, dual.poles, dual.residual, _frozen(M), _frozen((filtered + filtered.T) / 2)
+        frozen(dual.gain.T), P, dual.poles, dual.residual, frozen(M), frozen(symmetric(filtered))
     )
 
 
@@ -147,7 +147,7 @@ def _estimator(A: object, G: object, C: object, W: object, V: object) -> Riccati
                          n=n, rows=C.shape[0], columns=C.shape[1])
     W, V = as_weight(W, "W", G.shape[1]), as_definite(V, "V", C.shape[0])
     noise = G @ W @ G.T
-    return RiccatiProblem(A.T, C.T, (noise + noise.T) / 2, V, np.zeros((n, C.shape[0])))
+    return RiccatiProblem(A.T, C.T, symmetric(noise), V, np.zeros((n, C.shape[0])))
 
 
 def _square(A: np.ndarray, name: str) -> int:
@@ -176,7 +176,7 @@ def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
     poles = sorted_poles(problem.A - problem.B @ K)
     if np.any(_beyond(poles, boundary) >= 0):
         raise _diagnosis(problem, boundary, words)
-    return Optimal(_frozen(K), _frozen(S), _frozen(poles), residual)
+    return Optimal(frozen(K), frozen(S), frozen(poles), residual)
 
 
 def _beyond(poles: Poles, boundary: float) -> np.ndarray:
@@ -211,9 +211,3 @@ def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> Ricca
 
 def _deficient(matrix: np.ndarray) -> bool:
     return bool(np.linalg.svd(matrix, compute_uv=False)[-1] < 1e-8)
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    array = np.ascontiguousarray(array)
-    array.setflags(write=False)
-    return array

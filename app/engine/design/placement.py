@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.arrays import frozen
 from ..systems.balance import UNLIKE, state_scale
 from ..systems.errors import PoleError, ShapeError, phrase
 from ..systems.plant import as_matrix
@@ -68,7 +69,7 @@ def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
     C = as_matrix(C, "C")
     A_dual, C_dual = _checked_pair(as_matrix(A, "A").T, C.T, "Aᵀ", "Cᵀ")
     dual = _place(A_dual, C_dual, poles, _Wording(phrase("unobservable"), "L"))
-    return Placement(_frozen(dual.gain.T), dual.asked, dual.reached, dual.error, dual.condition, dual.fixed)
+    return Placement(frozen(dual.gain.T), dual.asked, dual.reached, dual.error, dual.condition, dual.fixed)
 
 
 @dataclass(frozen=True)
@@ -165,10 +166,4 @@ def _judge(
         reached = np.linalg.eigvals(closed)
     order, error = match_poles(asked, reached)
     reached = reached.astype(complex)[order]
-    return Placement(_frozen(K), _frozen(asked), _frozen(reached), error, condition, _frozen(fixed))
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    array = np.ascontiguousarray(array)
-    array.setflags(write=False)
-    return array
+    return Placement(frozen(K), frozen(asked), frozen(reached), error, condition, frozen(fixed))

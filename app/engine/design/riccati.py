@@ -15,6 +15,7 @@ from scipy.linalg import (
     solve_discrete_lyapunov,
 )
 
+from ..systems.arrays import symmetric
 from ..systems.balance import state_scale
 from ..systems.errors import RiccatiError
 
@@ -93,7 +94,7 @@ def _solve(
         S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None)
     except (np.linalg.LinAlgError, ValueError) as failure:
         raise RiccatiError("The Riccati equation has no stabilising solution; change the weights or the plant.") from failure
-    S = (S + S.T) / 2
+    S = symmetric(S)
     residual, size, K = evaluate(scaled, S)
     for _ in range(NEWTON_STEPS):
         if size < GOOD_RESIDUAL:
@@ -102,7 +103,7 @@ def _solve(
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
                 better = S + newton(scaled, K, residual)
-            better = (better + better.T) / 2
+            better = symmetric(better)
             new_residual, new_size, new_K = evaluate(scaled, better)
         except (np.linalg.LinAlgError, ValueError, RuntimeWarning, LinAlgWarning):
             break

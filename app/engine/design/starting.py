@@ -14,6 +14,7 @@ from scipy.linalg import schur
 from scipy.optimize import linear_sum_assignment
 
 from ..structure.decomposition import reachable_subspace
+from ..systems.arrays import frozen
 from ..systems.balance import natural_scale, plain_scale
 from ..systems.errors import EngineError, PoleError
 from ..systems.plant import Plant
@@ -94,7 +95,7 @@ def starting_feedback(plant: Plant, *, eager: float = 1.0) -> StartingGain:
 def starting_observer(plant: Plant, *, eager: float = 25.0) -> StartingGain:
     """L (n×p), by duality; `eager` makes the observer quicker than the controller."""
     dual = starting_feedback(plant.dual(), eager=eager)
-    return StartingGain(_frozen(dual.gain.T), dual.moved, dual.bolted)
+    return StartingGain(frozen(dual.gain.T), dual.moved, dual.bolted)
 
 
 def _regulated(A: np.ndarray, B: np.ndarray, rate: float, dt: float, eager: float) -> np.ndarray:
@@ -110,7 +111,7 @@ def _start(plant: Plant, K: np.ndarray, bolted: np.ndarray) -> StartingGain:
     """The gain with the poles that it gives in the plant's own coordinates, those nearest to the bolted ones apart."""
     poles = np.linalg.eigvals(plant.A - plant.B @ K).astype(complex)
     _, fixed = linear_sum_assignment(np.abs(bolted[:, None] - poles[None, :]))
-    return StartingGain(_frozen(K), _frozen(np.sort_complex(np.delete(poles, fixed))), _frozen(np.sort_complex(bolted)))
+    return StartingGain(frozen(K), frozen(np.sort_complex(np.delete(poles, fixed))), frozen(np.sort_complex(bolted)))
 
 
 def shift_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, before: Sequence[complex], after: Sequence[complex]) -> np.ndarray:
@@ -162,9 +163,3 @@ def _changed(before: Sequence[complex], after: Sequence[complex]) -> tuple[np.nd
         raise PoleError("{count} poles stand on the board, but {count2} were asked for; give as many.",
                         count=len(before), count2=len(after))
     return np.array(old, dtype=complex), np.array(new, dtype=complex)
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    array = np.ascontiguousarray(array)
-    array.setflags(write=False)
-    return array

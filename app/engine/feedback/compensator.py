@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import ss2tf
 
+from ..systems.arrays import frozen
 from ..systems.balance import balance
 from ..systems.errors import ShapeError
 from ..systems.plant import Plant, as_matrix
@@ -98,9 +99,9 @@ def closed_loop(plant: Plant, K: object, L: object, *, model: Plant | None = Non
     built = compensator(believed, K, L)
     edge = _spectrum(built.A)
     return ClosedLoop(
-        A_xxhat=_frozen(A_xxhat),
-        A_xe=_frozen(A_xe),
-        T=_frozen(np.block([[identity, zero], [identity, -identity]])),
+        A_xxhat=frozen(A_xxhat),
+        A_xe=frozen(A_xe),
+        T=frozen(np.block([[identity, zero], [identity, -identity]])),
         poles=poles,
         controller_poles=union[0],
         observer_poles=union[1],
@@ -125,7 +126,7 @@ def to_tf(plant: Plant) -> TransferFunction:
         columns, den = ss2tf(own.A(plant.A), own.B(plant.B), own.C(plant.C), own.D(_through(plant)), input=j)
         num[:, j, :] = columns * own.outputs[:, None] / own.inputs[j]
     num[_leading_zeros(plant)] = 0.0
-    return TransferFunction(_frozen(num), _frozen(np.atleast_1d(den)), plant.dt)
+    return TransferFunction(frozen(num), frozen(np.atleast_1d(den)), plant.dt)
 
 
 def _leading_zeros(plant: Plant) -> np.ndarray:
@@ -173,7 +174,7 @@ def _error_rows(plant: Plant, model: Plant, K: np.ndarray, L: np.ndarray) -> lis
 
 
 def _spectrum(A: np.ndarray) -> Poles:
-    return _frozen(sorted_poles(A))
+    return frozen(sorted_poles(A))
 
 
 def _polynomial_error(whole: np.ndarray, parts: tuple[np.ndarray, np.ndarray], largest: float) -> float:
@@ -190,9 +191,3 @@ def _polynomial_error(whole: np.ndarray, parts: tuple[np.ndarray, np.ndarray], l
         sign, log = sign / part_sign, log - part_log
     with np.errstate(over="ignore"):
         return float(np.abs(sign * np.exp(np.minimum(log, 700.0)) - 1).max())
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    array = np.ascontiguousarray(array)
-    array.setflags(write=False)
-    return array

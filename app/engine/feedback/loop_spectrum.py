@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import block_diag
 
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_covariance, frozen
 from ..systems.errors import EngineError, ShapeError
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root, step_covariance
@@ -112,9 +112,7 @@ class NoisyLoop:
         """Σ of z, N×N: A Σ + Σ Aᵀ + B N Bᵀ = 0, or Σ = A Σ Aᵀ + B N Bᵀ. Raises EngineError for an unstable loop."""
         if not self.stable:
             raise EngineError("The loop is unstable: its variances grow without bound; stabilise it first.")
-        covariance = settled_covariance(self.A, self.B @ root(self.noise), self.dt)
-        covariance.setflags(write=False)
-        return covariance
+        return frozen(settled_covariance(self.A, self.B @ root(self.noise), self.dt))
 
     def variance(self, rows: object | None = None) -> np.ndarray:
         """Variance of each signal, (k,); ∞ where white noise passes straight through a continuous loop."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..design.optimal import lqe, lqr
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_covariance, symmetric
 from ..systems.errors import EngineError, ShapeError
 from ..systems.plant import Plant, as_matrix
 from ..systems.zeros import transmission_zeros
@@ -52,7 +52,7 @@ def recover(plant: Plant, K: object, W: object, V: object, q: float, *, G: objec
     if G.shape[0] != plant.n:
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
     noise = G @ as_covariance(W, "W", G.shape[1]) @ G.T + q**2 * plant.B @ plant.B.T
-    L = lqe(plant.A, np.eye(plant.n), plant.C, (noise + noise.T) / 2, as_covariance(V, "V", plant.p)).gain
+    L = lqe(plant.A, np.eye(plant.n), plant.C, symmetric(noise), as_covariance(V, "V", plant.p)).gain
     aim = sensitivity(_whole(plant), -K)
     return _recovered(plant, K, L, q, aim, state_feedback_margins(plant, K), slice(0, plant.m))
 
@@ -65,7 +65,7 @@ def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -
     L = as_matrix(L, "L")
     _check(plant, q)
     weight = as_covariance(Q, "Q", plant.n) + q**2 * plant.C.T @ plant.C
-    K = lqr(plant.A, plant.B, (weight + weight.T) / 2, as_covariance(R, "R", plant.m)).gain
+    K = lqr(plant.A, plant.B, symmetric(weight), as_covariance(R, "R", plant.m)).gain
     fed = Plant(plant.A, L, plant.C)
     target = loop_margins(fed, -np.eye(plant.p))
     aim = sensitivity(fed, -np.eye(plant.p))

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_covariance, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
 
 __all__ = ["Belief", "Beliefs", "Correction", "Corrections", "RootBelief"]
@@ -34,10 +34,8 @@ class Belief:
                              mean_size=mean.size, covariance_shape=covariance.shape)
         if not (np.isfinite(mean).all() and np.isfinite(covariance).all()):
             raise EngineError("The belief holds NaN or infinity: the filter has diverged or was started wrongly.")
-        mean.setflags(write=False)
-        covariance.setflags(write=False)
-        object.__setattr__(self, "mean", mean)
-        object.__setattr__(self, "covariance", covariance)
+        object.__setattr__(self, "mean", frozen(mean))
+        object.__setattr__(self, "covariance", frozen(covariance))
 
     @property
     def deviation(self) -> np.ndarray:

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..structure.coprime import CoprimeFactors, coprime_factors
+from ..systems.arrays import frozen
 from ..systems.balance import SLOWEST, UNLIKE, Balance, balance
 from ..systems.errors import EngineError, PoleError, ShapeError
 from ..systems.plant import Plant, as_matrix
@@ -181,9 +182,7 @@ def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles,
     N, M = _outputs(K, T, plant.C, free, start)
     back = np.linalg.inv(turn)
     T, L = turn @ T, turn @ L
-    matrices = (K, turn @ J @ back, T, L, N @ back, M)
-    for matrix in matrices:
-        matrix.setflags(write=False)
+    matrices = (frozen(matrix) for matrix in (K, turn @ J @ back, T, L, N @ back, M))
     whole = [[s] if s.imag == 0 else [s, s.conjugate()] for s in heads]
     every = [row[None] if s.imag == 0 else np.array([row, row.conj()]) for s, row in zip(heads, g, strict=True)]
     return FunctionalObserver(plant, *matrices, np.concatenate(whole), np.vstack(every), turn,

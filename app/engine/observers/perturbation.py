@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..systems.arrays import frozen
 from ..systems.errors import EngineError, ShapeError
 from ..systems.plant import Plant
 
@@ -64,8 +65,7 @@ def _stack(given: Any, name: str, shape: tuple[int, int]) -> np.ndarray:
                          name=name, shape=shape[0], shape2=shape[1])
     if not np.isfinite(stack).all():
         raise EngineError("A direction of Δ{name} holds NaN or infinity.", name=name)
-    stack.setflags(write=False)
-    return stack
+    return frozen(stack)
 
 
 def _weights(given: Any, name: str, count: int) -> np.ndarray:
@@ -76,8 +76,7 @@ def _weights(given: Any, name: str, count: int) -> np.ndarray:
                          name=name, count=count) from problem
     if not np.isfinite(weights).all() or np.any(weights < 0):
         raise EngineError("{name} must hold finite numbers that are not negative.", name=name)
-    weights.setflags(write=False)
-    return weights
+    return frozen(weights)
 
 
 def sizes(stack: np.ndarray, norm: Norm) -> np.ndarray:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..design.placement import observer_gain
-from ..systems.arrays import definite, solve_even, symmetric
+from ..systems.arrays import definite, frozen, solve_even, symmetric
 from ..systems.balance import UNLIKE, balance, without_dust
 from ..systems.errors import EngineError, Phrase, PoleError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
@@ -119,7 +119,7 @@ def decoupling(plant: Plant, E: object, *, weight: object | None = None) -> Deco
     reason = NO_REASON if not len(bad) else phrase(
         "(A, E, C) has an invariant zero at {zero}, which is not stable: the unknown input can move the state along it "
         "without any output noticing; measure something more.", zero=pole_text(bad[-1]))
-    return Decoupling(rank, q, _frozen(H), _frozen(T), _frozen(A1), zeros, bad, reason)
+    return Decoupling(rank, q, frozen(H), frozen(T), frozen(A1), zeros, bad, reason)
 
 
 def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) -> UnknownInputObserver:
@@ -152,7 +152,7 @@ def unknown_input_observer(plant: Plant, E: object, poles: Iterable[complex]) ->
     D = np.asarray(plant.D)
     system = Plant(F, np.hstack([known.T @ plant.B - K @ D, K]), np.eye(plant.n), np.hstack([-known.H @ D, known.H]),
                    plant.dt, plant.state_names, (*plant.input_names, *plant.output_names))
-    return UnknownInputObserver(_frozen(F), known.T, _frozen(K), known.H, _frozen(K1),
+    return UnknownInputObserver(frozen(F), known.T, frozen(K), known.H, frozen(K1),
                                 sorted_poles(F), known.zeros, known, system)
 
 
@@ -176,9 +176,3 @@ def _unstable(zeros: Poles, A: np.ndarray, dt: float) -> Poles:
     if dt:
         return zeros[np.abs(zeros) >= 1 - RANK]
     return zeros[zeros.real >= -RANK * float(np.linalg.norm(A, 2))]
-
-
-def _frozen(array: np.ndarray) -> np.ndarray:
-    array = np.ascontiguousarray(array)
-    array.setflags(write=False)
-    return array

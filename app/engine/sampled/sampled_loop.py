@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
 from ..feedback.loop_spectrum import NoisyLoop
-from ..systems.arrays import as_covariance, symmetric
+from ..systems.arrays import as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant, as_matrix
@@ -109,9 +109,7 @@ class SampledLoop:
         push = self.jump @ self.jump.T + self.noise_in @ self.reading @ self.noise_in.T
         P = np.zeros((self.n, self.n))
         P[np.ix_(keep, keep)] = solve_discrete_lyapunov(self._without_bias(self.closed()), push[np.ix_(keep, keep)])
-        P = symmetric(P)
-        P.setflags(write=False)
-        return P
+        return frozen(symmetric(P))
 
     @cached_property
     def reading(self) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_covariance, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import Plant, as_matrix
 
@@ -41,8 +41,7 @@ def _limit(value: Any, name: str, m: int, none: float) -> np.ndarray:
         raise ShapeError("{name} must be one number or {m} numbers, one for each input.", name=name, m=m) from problem
     if np.any(np.isnan(limit)):
         raise EngineError("{name} holds NaN; give a number, or leave the limit out.", name=name)
-    limit.setflags(write=False)
-    return limit
+    return frozen(limit)
 
 
 def _positive(value: Any, name: str, zero_allowed: bool = False) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.arrays import frozen
 from ..systems.balance import stable_poles
 from ..systems.errors import EngineError
 from ..systems.plant import Plant
@@ -136,11 +137,8 @@ def _powers(A: np.ndarray, C: np.ndarray) -> np.ndarray:
     return stacked
 
 
-def _frozen(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    values = np.linalg.svd(matrix, compute_uv=False)
-    matrix.setflags(write=False)
-    values.setflags(write=False)
-    return matrix, values
+def _with_values(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return frozen(matrix), frozen(np.linalg.svd(matrix, compute_uv=False))
 
 
 def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
@@ -155,7 +153,7 @@ def observability(plant: Plant, *, rtol: float | None = None) -> Observability:
     1
     """
     modes = _modes(plant.A, plant.C, plant.dt, rtol)
-    return Observability(*_frozen(_powers(plant.A, plant.C)), sum(mode.visible for mode in modes), modes)
+    return Observability(*_with_values(_powers(plant.A, plant.C)), sum(mode.visible for mode in modes), modes)
 
 
 def controllability(plant: Plant, *, rtol: float | None = None) -> Controllability:
@@ -168,5 +166,5 @@ def controllability(plant: Plant, *, rtol: float | None = None) -> Controllabili
     1
     """
     modes = _modes(plant.A.T, plant.B.T, plant.dt, rtol)
-    matrix, values = _frozen(_powers(plant.A.T, plant.B.T))
+    matrix, values = _with_values(_powers(plant.A.T, plant.B.T))
     return Controllability(matrix.T, values, sum(mode.visible for mode in modes), modes)

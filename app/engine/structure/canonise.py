@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.arrays import frozen
+
 __all__ = ["Canonisation", "canonise", "canonise_right"]
 
 ZERO = 1e-10  # what is left of the matrix counts as zero below this, relative to its largest entry
@@ -38,8 +40,8 @@ class Canonisation:
 
     def flipped(self) -> Canonisation:
         """The canonisation of Mᵀ, which has left and right exchanged."""
-        return Canonisation(_kept(self.unit_right.T), _kept(self.zero_right.T), _kept(self.unit_left.T),
-                            _kept(self.zero_left.T), self.singular_values)
+        return Canonisation(frozen(self.unit_right.T), frozen(self.zero_right.T), frozen(self.unit_left.T),
+                            frozen(self.zero_left.T), self.singular_values)
 
 
 def canonise(M: np.ndarray) -> Canonisation:
@@ -69,8 +71,8 @@ def canonise(M: np.ndarray) -> Canonisation:
         left[rank] /= pivot
         rank += 1
     values = np.linalg.svd(M, compute_uv=False) if min(M.shape) else np.zeros(0)
-    return Canonisation(_kept(left[:rank]), _kept(left[rank:]), _kept(right[:, :rank]), _kept(right[:, rank:]),
-                        _kept(values))
+    return Canonisation(frozen(left[:rank]), frozen(left[rank:]), frozen(right[:, :rank]), frozen(right[:, rank:]),
+                        frozen(values))
 
 
 def canonise_right(M: np.ndarray) -> Canonisation:
@@ -84,9 +86,3 @@ def _pivot(rest: np.ndarray) -> tuple[int, int]:
         return 0, 0
     row, column = np.unravel_index(int(size.argmax()), size.shape)
     return int(row), int(column)
-
-
-def _kept(matrix: np.ndarray) -> np.ndarray:
-    matrix = np.array(matrix)
-    matrix.setflags(write=False)
-    return matrix

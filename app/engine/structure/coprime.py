@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..systems.arrays import frozen
 from ..systems.balance import state_scale
 from ..systems.errors import EngineError
 from ..systems.plant import Plant
@@ -71,7 +72,7 @@ def coprime_factors(plant: Plant) -> CoprimeFactors:
     H = np.zeros((d, plant.n, p))
     for k in range(d - 1, -1, -1):
         H[k] = C @ L[k + 1] + (A @ H[k + 1] if k + 1 < d else 0.0)
-    return CoprimeFactors(_kept(H / scale[:, None]), _kept(L), indices)
+    return CoprimeFactors(frozen(H / scale[:, None]), frozen(L), indices)
 
 
 def _power_of_two(size: np.ndarray) -> np.ndarray:
@@ -115,8 +116,3 @@ def _beyond(frame: np.ndarray, v: np.ndarray) -> np.ndarray:
     """What of v lies outside the span of the orthonormal columns of `frame`."""
     rest = v - frame @ (frame.T @ v)
     return rest - frame @ (frame.T @ rest)
-
-
-def _kept(matrix: np.ndarray) -> np.ndarray:
-    matrix.setflags(write=False)
-    return matrix

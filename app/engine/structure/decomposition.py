@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..systems.arrays import frozen
 from ..systems.balance import balance, natural_scale, state_scale
 from ..systems.errors import EngineError
 from ..systems.plant import Plant
@@ -189,8 +190,7 @@ def kalman_decomposition(plant: Plant, *, rtol: float | None = None) -> KalmanDe
                 A[rows, columns] = 0.0
     B[cuts[2].start:] = 0.0
     C[:, cuts[1]] = C[:, cuts[3]] = 0.0
-    for matrix in (T, A, B, C):
-        matrix.setflags(write=False)
+    T, A, B, C = (frozen(matrix) for matrix in (T, A, B, C))
 
     def part(i: int, label: str) -> Plant:
         D = plant.D if i == 0 else None

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import expm, schur, solve_sylvester
 
+from ..systems.arrays import frozen, symmetric
 from ..systems.balance import balance, stable_poles, state_scale
 from ..systems.errors import EngineError, phrase
 from ..systems.lyapunov import settled_factor
@@ -61,11 +62,6 @@ class Truncation:
     kept: int
 
 
-def _frozen(matrix: np.ndarray) -> np.ndarray:
-    matrix.setflags(write=False)
-    return matrix
-
-
 def _unstable_pole(plant: Plant) -> complex | None:
     poles, stable = stable_poles(plant.A, plant.dt)
     excess = np.where(stable, -np.inf, np.abs(poles) if plant.dt > 0 else poles.real)
@@ -96,7 +92,7 @@ def gramians(plant: Plant) -> Gramians:
     """
     _require_stable(plant, phrase("use observability_gramian or reachability_gramian with a finite horizon"))
     Rc, Ro = _factors(plant)
-    return Gramians(_frozen(Rc @ Rc.T), _frozen(Ro @ Ro.T))
+    return Gramians(frozen(Rc @ Rc.T), frozen(Ro @ Ro.T))
 
 
 def hankel_singular_values(plant: Plant) -> np.ndarray:
@@ -140,7 +136,7 @@ def split_stable(plant: Plant) -> StableSplit:
     left = np.block([[np.eye(k), -X], [np.zeros((n - k, k)), np.eye(n - k)]]) @ Q.T / own.states
     diagonal = S[:k, :k], S[k:, k:]  # T⁻¹AT without the rounding of the product
     return StableSplit(_diagonal_part(plant, diagonal[0], T[:, :k], left[:k], plant.D, "stable part"),
-                       _diagonal_part(plant, diagonal[1], T[:, k:], left[k:], None, "unstable part"), _frozen(T))
+                       _diagonal_part(plant, diagonal[1], T[:, k:], left[k:], None, "unstable part"), frozen(T))
 
 
 def _diagonal_part(plant: Plant, A: np.ndarray, right: np.ndarray, left: np.ndarray, D: np.ndarray | None, label: str) -> Plant:
@@ -185,7 +181,7 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
-    return Truncation(reduced, _frozen(T), _frozen(L), float(2 * sigma[r:].sum()), _frozen(sigma), kept)
+    return Truncation(reduced, frozen(T), frozen(L), float(2 * sigma[r:].sum()), frozen(sigma), kept)
 
 
 def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:
@@ -223,7 +219,7 @@ def reachability_gramian(plant: Plant, horizon: float) -> np.ndarray:
         else:
             doublings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(A, 2) * t, 1.0))))) if plant.n else 0
             W = _accumulate(*_one_step(A, B @ B.T, t / 2**doublings), 2**doublings)
-        W = scale[:, None] * (W + W.T) / 2 * scale
+        W = scale[:, None] * symmetric(W) * scale
     if not np.all(np.isfinite(W)):
         raise EngineError("The state grows beyond every number within {t:g} s; shorten the horizon.", t=t)
     return W

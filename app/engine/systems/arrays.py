@@ -6,7 +6,8 @@ import numpy as np
 
 from .errors import EngineError, ShapeError
 
-__all__ = ["as_covariance", "as_definite", "as_matrix", "as_weight", "correlations", "definite", "solve_even", "symmetric"]
+__all__ = ["as_covariance", "as_definite", "as_matrix", "as_weight", "correlations", "definite", "frozen",
+           "solve_even", "symmetric"]
 
 ASYMMETRY = 1e-9  # beside the roots of the diagonal entries; below ROUNDING of the largest entry nothing is said of it
 ROUNDING = 1e-15
@@ -38,8 +39,15 @@ def as_matrix(value: object, name: str) -> np.ndarray:
         raise ShapeError("{name} must have two dimensions, not {ndim}.", name=name, ndim=matrix.ndim)
     if not np.all(np.isfinite(matrix)):
         raise EngineError("{name} holds NaN or infinity; every entry must be a finite number.", name=name)
-    matrix.setflags(write=False)
+    matrix.setflags(write=False)  # the layout stays: a plant and its dual are rounded alike
     return matrix
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    """The array in one piece and read-only, as a record keeps it; a copy where it was not in one piece."""
+    array = np.ascontiguousarray(array)
+    array.setflags(write=False)
+    return array
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:
@@ -83,8 +91,7 @@ def as_covariance(value: object, name: str, size: int) -> np.ndarray:
     if _negative(matrix):
         raise EngineError("{name} has a negative eigenvalue; a covariance must be positive semidefinite.",
                           name=name)
-    matrix.setflags(write=False)
-    return matrix
+    return frozen(matrix)
 
 
 def as_weight(value: object, name: str, size: int) -> np.ndarray:
@@ -92,8 +99,7 @@ def as_weight(value: object, name: str, size: int) -> np.ndarray:
     matrix = _square_and_even(as_matrix(value, name), name, size)
     if _negative(matrix):
         raise EngineError("{name} has a negative eigenvalue; it must be positive semidefinite.", name=name)
-    matrix.setflags(write=False)
-    return matrix
+    return frozen(matrix)
 
 
 def as_definite(value: object, name: str, size: int) -> np.ndarray:

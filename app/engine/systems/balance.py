@@ -13,6 +13,8 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import eig, matrix_balance
 
+from .arrays import frozen
+
 __all__ = ["SLOWEST", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "stable_poles", "state_scale", "without_dust"]
 
 DUST = 1e-15  # an entry this small beside its row and its column is rounding: it must not steer the scales
@@ -81,9 +83,7 @@ def _balance(a: bytes, b: bytes, c: bytes, d: bytes, n: int, m: int, p: int) -> 
     rate = rate if rate > SLOWEST else 1.0
     delta = _scales(_paths(A, B, C, D, np.log2(rate)), n)
     delta = np.clip(delta, -WIDEST, WIDEST)
-    scale, exact = 2.0 ** np.round(delta), 2.0 ** delta
-    for given in (scale, exact):
-        given.setflags(write=False)
+    scale, exact = frozen(2.0 ** np.round(delta)), frozen(2.0 ** delta)
     return Balance(scale[:n], scale[n:n + m], scale[n + m:], rate, exact)
 
 
