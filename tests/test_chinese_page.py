@@ -90,8 +90,8 @@ def test_every_name_of_an_example_is_known_in_both_languages() -> None:
         plant = plant_of(example(key))
         names = {n for n in (*plant.state_names, *plant.input_names, *plant.output_names) if not re.fullmatch(r"[a-z]\d+", n)}
         assert set(SIGNALS[plant.name]) == names
-        assert all(called(plant, n).en == n != called(plant, n).zh for n in names)
-        assert title_of(plant).en == plant.name and EXAMPLES[key].label.zh.startswith(title_of(plant).zh)
+        assert all(called(plant, n)("en") == n != called(plant, n)("zh") for n in names)
+        assert title_of(plant)("en") == plant.name and EXAMPLES[key].label("zh").startswith(title_of(plant)("zh"))
     holds_for_all(EXAMPLES, law)
 
 
@@ -99,7 +99,7 @@ def test_the_names_of_a_persons_own_plant_stay_as_they_are() -> None:
     plant = plant_of(read("mine.json", b'{"A": [[-1]], "B": [[1]], "C": [[1]], "states": ["current"], "units": {"current": "A"}}'))
     assert with_unit(plant, "current")("zh") == "current [A]"
     assert called(plant, "current") == same("current") and with_unit(plant, "current") == in_unit(same("current"), "A")
-    assert title_of(plant).zh == "你的对象" and languages() == ("en", "zh")
+    assert title_of(plant)("zh") == "你的对象" and languages() == ("en", "zh")
 
 
 def test_an_english_word_would_be_seen() -> None:

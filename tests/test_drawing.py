@@ -10,7 +10,7 @@ import pytest
 from app.lesson.figures import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
-from app.text import Text, same, squared, symbol
+from app.text import same, squared, symbol, text
 from app.view.boards import NAME_HEIGHT, Place, free_place
 from app.view.charts import even
 from app.view.knobs import ends, in_tens, slider_label
@@ -140,11 +140,11 @@ def test_the_label_of_a_pole_at_the_edge_stays_on_the_board() -> None:
 
 # --- sliders that move in decades ------------------------------------------------------------------------------------
 def test_a_slider_in_decades_says_its_value_and_what_its_box_holds() -> None:
-    knob = Number("tau", "", Text("tolerance", "容差"), low=1e-16, high=0.1, default=5e-15, scale="log")
+    knob = Number("tau", "", text("tolerance"), low=1e-16, high=0.1, default=5e-15, scale="log")
     assert slider_label(knob, 5e-15, "en") == "tolerance = 5·10⁻¹⁵ (box: log₁₀)"
     assert slider_label(knob, 5e-15, "zh") == "容差 = 5·10⁻¹⁵（框内为 log₁₀）"
     assert ends(knob) == ((-16.0, "10⁻¹⁶"), (-1.0, "0.1"))
-    plain = Number("x", "", Text("place", "位置"), "m")
+    plain = Number("x", "", text("place"), "m")
     assert slider_label(plain, 0.5, "en") == "place [m]" and ends(plain) is None
 
 

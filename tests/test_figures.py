@@ -29,7 +29,7 @@ from app.lesson.figures import (
     tabs,
     thin,
 )
-from app.text import Text, same
+from app.text import same, text
 
 quick = settings(max_examples=200, deadline=None, derandomize=True, database=None)
 sane = st.floats(-1e9, 1e9)
@@ -168,7 +168,7 @@ def test_a_spectrum_is_logarithmic() -> None:
 # --- columns, tabs ---------------------------------------------------------------------------------------------------
 def test_columns_hold_what_is_drawn() -> None:
     t, y = np.array([0.0, 1.0]), np.array([2.0, 3.0])
-    curve = Curve(Text("speed", "速度"), y)
+    curve = Curve(text("speed"), y)
     names, data = columns(LineFigure("a", same("a"), t, (curve, curve)))
     assert names == ["t [s]", "speed", "speed"] and data.tolist() == [[0, 2, 2], [1, 3, 3]]
     names, data = columns(over_frequency("a", same("a"), t, (curve,)))
@@ -192,6 +192,6 @@ def test_a_plane_without_anything_still_has_two_columns() -> None:
 
 
 def test_tabs_come_in_the_order_in_which_figures_name_them() -> None:
-    one, two = Text("one", "一"), Text("two", "二")
+    one, two = text("one"), text("two")
     figures = [TableFigure(str(i), same("t"), (), (), tab=tab) for i, tab in enumerate((two, one, two))]
     assert tabs(figures) == [two, one]

@@ -13,15 +13,15 @@ from strategies import values_of
 
 from app.lesson.knobs import MAX_TRACK, Choice, Knob, KnobError, Number, Poles, Switch, Track
 from app.lesson.lesson import Design
-from app.text import Text, same
+from app.text import same, text
 
-LINEAR = Number("gain", "g", Text("gain", "增益"), "N", low=-2.0, high=3.0, default=1.0)
-LOG = Number("weight", "w", Text("weight", "权重"), low=1e-6, high=1e6, default=1.0, scale="log")
-INTEGER = Number("seed", "s", Text("seed", "种子"), low=0, high=9999, default=1, scale="integer")
-CHOICE = Choice("mode", "", Text("mode", "方式"), options=(("by-hand", same("a")), ("by-rule", same("b"))), default="by-hand")
-SWITCH = Switch("limited", "", Text("limited", "限幅"))
-POLES = Poles("poles", "p", Text("poles", "极点"), default=(-1 + 1j, -1 - 1j, -2 + 0j), re_low=-10, re_high=1, im_high=8)
-TRACK = Track("hand", "h", Text("hand", "手动"), low=-1.0, high=1.0)
+LINEAR = Number("gain", "g", text("gain"), "N", low=-2.0, high=3.0, default=1.0)
+LOG = Number("weight", "w", text("weight"), low=1e-6, high=1e6, default=1.0, scale="log")
+INTEGER = Number("seed", "s", text("seed"), low=0, high=9999, default=1, scale="integer")
+CHOICE = Choice("mode", "", text("mode"), options=(("by-hand", same("a")), ("by-rule", same("b"))), default="by-hand")
+SWITCH = Switch("limited", "", text("limited"))
+POLES = Poles("poles", "p", text("poles"), default=(-1 + 1j, -1 - 1j, -2 + 0j), re_low=-10, re_high=1, im_high=8)
+TRACK = Track("hand", "h", text("hand"), low=-1.0, high=1.0)
 KNOBS = (LINEAR, LOG, INTEGER, CHOICE, SWITCH, POLES, TRACK)
 every_knob = pytest.mark.parametrize("knob", KNOBS, ids=lambda k: k.name)
 quick = settings(max_examples=150, deadline=None, derandomize=True, database=None)
@@ -64,8 +64,8 @@ def refuses(knob: Knob, bad: Any) -> None:
         return
     with pytest.raises(KnobError) as caught:
         knob.check(bad)
-    assert knob.name in caught.value.text.en and knob.name in caught.value.text.zh
-    assert knob.label.zh in caught.value.text.zh and "\n" not in str(caught.value)
+    assert knob.name in caught.value.text("en") and knob.name in caught.value.text("zh")
+    assert knob.label("zh") in caught.value.text("zh") and "\n" not in str(caught.value)
     assert len(str(caught.value)) < 300
 
 

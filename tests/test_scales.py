@@ -12,7 +12,7 @@ from app.lesson.figures import Curve, LineFigure, over_frequency
 from app.lesson.lesson import Lesson
 from app.plants import platform
 from app.plants.body import with_longer_arrows
-from app.text import Text, languages, same
+from app.text import languages, same
 from app.view.charts import decades, on_the_clock
 from app.view.svg import draw
 from app.view.transport import step_of
@@ -53,11 +53,6 @@ def test_how_much_longer_arrows_are_is_the_bodys_to_say() -> None:
     x, u = [0.0] * 10, [0.01, 0.02, -0.01, 1e-5, 0.0]
     assert longer.forces == 50.0 and plain.forces == 1.0
     assert longer.arrows(x, u, 20.0) == plain.arrows(x, [0.5, 1.0, -0.5, 1e-5, 0.0], 20.0)
-
-
-def test_chinese_sentences_that_are_joined_have_no_space_between_them() -> None:
-    assert Text("One. Two.", "一。 二。").zh == "一。二。"
-    assert Text("{}. {}.", "{} {}").format("a", "b").zh == "a b"
 
 
 @pytest.mark.parametrize("language", languages())

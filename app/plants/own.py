@@ -204,10 +204,10 @@ def _measured_alone(plant: Plant) -> dict[int, int]:
 
 def _watched(plant: Plant, alone: dict[int, int]) -> tuple[Signal, ...]:
     """An output first, then states that nothing measures by itself, then the rest."""
-    outputs = [Signal(text("output {}").format(called(plant, name)), tuple(row.tolist()), plant.unit(name))
+    outputs = [Signal(text("output {name}", name=called(plant, name)), tuple(row.tolist()), plant.unit(name))
                for name, row in zip(plant.output_names, plant.C, strict=True)]
     unit = np.eye(plant.n)
-    states = [Signal(text("state {}").format(called(plant, name)), tuple(unit[i].tolist()), plant.unit(name))
+    states = [Signal(text("state {name}", name=called(plant, name)), tuple(unit[i].tolist()), plant.unit(name))
               for i, name in enumerate(plant.state_names)]
     hidden = [signal for i, signal in enumerate(states) if i not in alone]
     seen = [signal for i, signal in enumerate(states) if i in alone]

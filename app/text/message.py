@@ -20,23 +20,10 @@ class Text:
     """
 
     id: str
-    values: tuple[tuple[str, object], ...] | str = ()
+    values: tuple[tuple[str, object], ...] = ()
     context: str = ""
 
-    @property
-    def en(self) -> str:
-        """LEGACY: the English sentence."""
-        return self("en")
-
-    @property
-    def zh(self) -> str:
-        """LEGACY: the Chinese sentence."""
-        return self("zh")
-
     def __call__(self, language: str = "en") -> str:
-        if isinstance(self.values, str):  # LEGACY: Text(en, zh)
-            chosen = self.values if language == "zh" else self.id
-            return chosen.replace("\N{IDEOGRAPHIC FULL STOP} ", "\N{IDEOGRAPHIC FULL STOP}")
         template = translated(self.id, self.context, language)
         if not self.values:
             return template
@@ -45,13 +32,8 @@ class Text:
     def __str__(self) -> str:
         return self("en")
 
-    def format(self, *old: object, **values: object) -> Text:
+    def format(self, **values: object) -> Text:
         """The same message with these values besides those that it has."""
-        if isinstance(self.values, str):  # LEGACY
-            def filled(words: str, language: str) -> str:
-                return words.format(*(v(language) if isinstance(v, Text) else v for v in old),
-                                    **{k: v(language) if isinstance(v, Text) else v for k, v in values.items()})
-            return Text(filled(self.id, "en"), filled(self.values, "zh"))
         return Text(self.id, (*self.values, *values.items()), self.context)
 
 

@@ -12,7 +12,7 @@ from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles
 from app.lesson.lesson import Lesson
 from app.plants import Model, Window
 from app.plants.names import with_unit
-from app.text.words import Text
+from app.text import text
 
 from ..toolkit.gains import sizes
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
@@ -28,9 +28,8 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     plant = model.plant
     seen, reached = observability(plant), controllability(plant)
     if not (seen.observable and reached.controllable):
-        raise KnobError(Text("Both sides of this lesson move every pole, so the plant must be observable and controllable; the lesson "
-                             "on hidden modes takes any.",
-                             "本课两边都要移动全部极点，因此对象必须既能观又能控；“隐藏模态”一课接受任何对象。"))
+        raise KnobError(text("Both sides of this lesson move every pole, so the plant must be observable and "
+                             "controllable; the lesson on hidden modes takes any."))
     here = setting_of(model)
     hand = plant.p == 1 and plant.n <= BY_HAND and len(model.controller_poles) == plant.n
     return replace(lesson, knobs=own_knobs(model, here.window, hand), compute=partial(compute, here),
@@ -51,15 +50,15 @@ def setting_of(model: Model) -> Setting:
 
 def own_knobs(model: Model, window: Window, hand: bool) -> tuple[Knob, ...]:
     """The lesson's knobs without its sensor to turn; poles by hand where the observer's own formula can be trusted."""
-    methods = (((BY_POLES, Text("dragging poles", "拖动极点")),) if hand else ()) + ((BY_WEIGHTS, Text("Q/R weights", "Q/R 权重")),)
-    method = Choice("method", "", Text("gains by", "增益由"), default=methods[0][0], options=methods, hidden=not hand,
-                    hint=Text("Drag one set of poles for both boards, or let the two Riccati equations choose.",
-                              "两块板共用一组极点，拖动任一块；或由两个 Riccati 方程给出。"))
-    poles = Poles("poles", "p", Text("Poles of both boards", "两块板共用的极点"), "rad/s", default=model.controller_poles,
+    methods = (((BY_POLES, text("dragging poles")),) if hand else ()) + ((BY_WEIGHTS, text(
+        "Q/R weights")),)
+    method = Choice("method", "", text("gains by"), default=methods[0][0], options=methods, hidden=not hand,
+                    hint=text("Drag one set of poles for both boards, or let the two Riccati equations choose."))
+    poles = Poles("poles", "p", text("Poles of both boards"), "rad/s", default=model.controller_poles,
                   re_low=window.re_low, re_high=window.re_high, im_high=window.im_high, when=("method", (BY_POLES,)),
-                  hint=Text("Drag a cross on either board: both boards hold the same poles.", "拖动任一块板上的叉号：两块板的极点相同。"))
-    span = Number("window", "T", Text("window of the ellipses", "椭圆的时间窗"), "s", low=model.horizon / 30, high=model.horizon,
-                  default=model.horizon / 3, hint=Text("How long the input may push, and how long the output is listened to.",
-                                                       "输入可以作用多久，输出可以听多久。"))
+                  hint=text("Drag a cross on either board: both boards hold the same poles."))
+    span = Number("window", "T", text("window of the ellipses"), "s", low=model.horizon / 30, high=model.horizon,
+                  default=model.horizon / 3, hint=text(
+                      "How long the input may push, and how long the output is listened to."))
     weights = [k for k in KNOBS if k.name in ("q", "r", "mirror", "w", "v")]
     return (method, *((poles,) if hand else ()), span, *weights, *run_knobs(model.horizon))

@@ -14,7 +14,7 @@ from app.engine.structure import reachability_gramian
 from app.engine.systems import sorted_poles, symmetric
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Model, Window
-from app.text.words import Text, same
+from app.text import Text, same, text
 
 from ..toolkit.boards import listed, stage
 from ..toolkit.knobs import BY_POLES, kicks
@@ -158,12 +158,12 @@ def compute(here: Setting, design: Design) -> Outcome[Twins]:
 
 def _checks(m: dict[str, float]) -> tuple[Check, ...]:
     sentences = (
-        ("transpose", "gain_gap", Text("L = K_dᵀ to rounding", "L = K_dᵀ，仅差舍入误差")),
-        ("riccati", "riccati_gap", Text("P of the filter = S of the transposed plant", "滤波器的 P = 转置对象的 S")),
-        ("gramians", "gramian_gap", Text("each Gramian = its twin's", "两个 Gram 矩阵与各自的孪生相等")),
-        ("pairing", "pairing_gap", Text("x_d(T − t)ᵀ e(t) is constant", "x_d(T − t)ᵀ e(t) 为常数")),
+        ("transpose", "gain_gap", text("L = K_dᵀ to rounding")),
+        ("riccati", "riccati_gap", text("P of the filter = S of the transposed plant")),
+        ("gramians", "gramian_gap", text("each Gramian = its twin's")),
+        ("pairing", "pairing_gap", text("x_d(T − t)ᵀ e(t) is constant")),
     )
-    return tuple(Check(name, text, m[key] <= EXACT, m[key]) for name, key, text in sentences)
+    return tuple(Check(name, words, m[key] <= EXACT, m[key]) for name, key, words in sentences)
 
 
 def _boards(here: Setting, design: Design, left: np.ndarray, right: np.ndarray, error_matrix: np.ndarray) -> tuple[Board, Board]:
@@ -188,9 +188,9 @@ def _formulas(K: np.ndarray, L: np.ndarray, K_dual: np.ndarray) -> tuple[Formula
 
 def _live(L: np.ndarray, m: dict[str, float]) -> Text:
     numbers = f"({', '.join(f'{v:.4g}' for v in L[:4, 0])}{', …' if L.size > 4 else ''})".replace("-", "−")
-    return Text(f"The observer's own equation gives L = {numbers}; the feedback of the transposed plant, turned on its "
-                f"side, differs by {m['gain_gap']:.0e} of its size.",
-                f"由观测器自己的方程得 L = {numbers}；转置对象的反馈增益转置后与它的相对差为 {m['gain_gap']:.0e}。")
+    return text("The observer's own equation gives L = {numbers}; the feedback of the transposed plant, turned on "
+                "its side, differs by {gain_gap:.0e} of its size.",
+                numbers=numbers, gain_gap=m["gain_gap"])
 
 
 BLOCK = Setting(MODEL, lambda design: turned(design["sensor"]), np.eye(2), np.eye(1), np.eye(2), np.eye(1), (0, 1), ("q [m]", "v [m/s]"),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
 from .study import BLOCK, Twins, gains_of, gap
@@ -17,38 +17,36 @@ def _published(outcome: Outcome[Twins]) -> Verdict:
     L, sensor = (outcome.metrics["L1"], outcome.metrics["L2"]), outcome.design["sensor"]
     shown = f"({L[0]:.3f}, {L[1]:.3f})".replace("-", "−")
     if sensor != 0:
-        return Verdict(False, Text(f"The sensor is turned by {sensor:g}°; measure the position (0°).",
-                                   f"传感器转了 {sensor:g}°；请测量位置（0°）。"))
+        return Verdict(False, text("The sensor is turned by {sensor:g}°; measure the position (0°).", sensor=sensor))
     if max(abs(L[0] - 1.5), abs(L[1] + 0.75)) <= 0.05:
-        return Verdict(True, Text(f"L = {shown}, and the feedback of (Aᵀ, Cᵀ) holds the same two numbers.",
-                                  f"L = {shown}，(Aᵀ, Cᵀ) 的反馈增益正是同样两个数。"))
-    return Verdict(False, Text(f"L = {shown}; it should be (1.5, −0.75) within 0.05.",
-                               f"L = {shown}；应为 (1.5, −0.75)，允差 0.05。"))
+        return Verdict(True, text("L = {shown}, and the feedback of (Aᵀ, Cᵀ) holds the same two numbers.",
+                                  shown=shown))
+    return Verdict(False, text("L = {shown}; it should be (1.5, −0.75) within 0.05.", shown=shown))
 
 
 def _ratio(outcome: Outcome[Twins]) -> Verdict:
     d = outcome.design
     if d["method"] != BY_WEIGHTS or d["mirror"]:
-        return Verdict(False, Text("Choose gains by weights and switch the mirror off.", "请把“增益由”改为“Q/R 权重”，并关闭“权重对偶”。"))
+        return Verdict(False, text("Choose gains by weights and switch the mirror off."))
     scale = d["w"] / d["q"]
     L, mirrored = outcome.gains["L"], gains_of(BLOCK, d.with_values(mirror=True), BLOCK.plant(d))[1]
     if max(scale, 1 / scale) < 10:
-        return Verdict(False, Text(f"α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
-                                   f"α_W 是 α_Q 的 {scale:.3g} 倍；请使它不小于 10 倍或不大于 1/10。"))
+        return Verdict(False, text("α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
+                                   scale=scale))
     if gap(L, mirrored) > SAME:
         now, wanted = (f"({M[0, 0]:.3g}, {M[1, 0]:.3g})".replace("-", "−") for M in (L, mirrored))
-        return Verdict(False, Text(f"L is {now}; mirrored weights give {wanted}.", f"L = {now}；权重对偶时为 {wanted}。"))
-    return Verdict(True, Text(f"P is {scale:.3g} times as large, yet L is what mirrored weights give.",
-                              f"P 变为 {scale:.3g} 倍，L 却与权重对偶时相同。"))
+        return Verdict(False, text("L is {now}; mirrored weights give {wanted}.", now=now, wanted=wanted))
+    return Verdict(True, text("P is {scale:.3g} times as large, yet L is what mirrored weights give.", scale=scale))
 
 
 def _mirror_image(outcome: Outcome[Twins]) -> Verdict:
     m = outcome.metrics["mirror_gap"]
     if m <= 0.02:
-        return Verdict(True, Text(f"The ellipses are mirror images to {100 * m:.1g} %: the sensor sits where the force acts.",
-                                  f"两个椭圆互为镜像，相差 {100 * m:.1g} %：传感器与力同位。"))
-    return Verdict(False, Text(f"Mirrored at the q axis, the ellipses still differ by {100 * m:.0f} %; bring it to 2 %.",
-                               f"以 q 轴为镜，两个椭圆仍相差 {100 * m:.0f} %，请降到 2 % 以内。"))
+        return Verdict(True, text("The ellipses are mirror images to {m:.1g} %: the sensor sits where the force "
+                                  "acts.",
+                                  m=100 * m))
+    return Verdict(False, text("Mirrored at the q axis, the ellipses still differ by {m:.0f} %; bring it to 2 %.",
+                               m=100 * m))
 
 
 def exam(seed: int) -> ExamItem:

@@ -26,7 +26,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     window, pace, size = model.observer_window, typical_rate(model.plant) / (2 * np.pi), model.u_max
     name = model.plant.input_names[0]
     return (
-        Choice("input", "u", text("input {plant}", plant=called(model.plant, name)), default="sine",
+        Choice("input", "u", text("input {name}", name=called(model.plant, name)), default="sine",
                options=KNOBS[0].options,  # type: ignore[attr-defined]
                hint=text("The plant and the observer get the same input.")),
         Number("amplitude", r"u_0", text("amplitude"), model.input_unit, low=0.0, high=5 * size, default=size,

@@ -14,7 +14,7 @@ from app.lesson.knobs import Choice, Number, Poles
 from app.plants import two_mass
 from app.plants.chain_body import chain_body
 from app.plants.model import Model
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.knobs import run_knobs
 
@@ -57,11 +57,11 @@ def _visible() -> Model:
 
 
 _LABELS = MappingProxyType({
-    "unseen-unstable": Text("distance sensor, magnets", "间距传感器，磁铁"),
-    "unseen-stable": Text("distance sensor, soft springs", "间距传感器，软弹簧"),
-    "unmoved-unstable": Text("force between blocks, magnets", "滑块间内力，磁铁"),
-    "unmoved-stable": Text("force between blocks, soft springs", "滑块间内力，软弹簧"),
-    "visible": Text("sensor and force on one block, magnets", "传感器与力在同一滑块，磁铁"),
+    "unseen-unstable": text("distance sensor, magnets"),
+    "unseen-stable": text("distance sensor, soft springs"),
+    "unmoved-unstable": text("force between blocks, magnets"),
+    "unmoved-stable": text("force between blocks, soft springs"),
+    "visible": text("sensor and force on one block, magnets"),
 })
 CASES: Mapping[str, Case] = MappingProxyType({
     name: _case(name, label, _visible() if name == "visible" else two_mass.HIDDEN[name].model)  # type: ignore[index]
@@ -74,23 +74,20 @@ def _poles(name: str, symbol: str, label: Text, default: tuple[complex, ...], ro
     window = FIRST.controller_window if role == "plant" else FIRST.observer_window
     return Poles(name, symbol, label, "rad/s", default=default, re_low=window.re_low, re_high=window.re_high,
                  im_high=window.im_high, role=role, when=("plant", plants),
-                 hint=Text("Drag the crosses on the board; the bolts are not among these poles.",
-                           "拖动板上的叉号；螺栓不在其中。"))
+                 hint=text("Drag the crosses on the board; the bolts are not among these poles."))
 
 
 SLOW, QUICK = (-0.9 - 1.2j, -0.9 + 1.2j), (-1.5 - 3j, -1.5 + 3j)
 CALM, FAST = (-2.5 - 2j, -2.5 + 2j), (-3.5 - 4j, -3.5 + 4j)
 KNOBS = (
-    Choice("plant", "", Text("setup", "装置"), default="unseen-unstable",
+    Choice("plant", "", text("setup"), default="unseen-unstable",
            options=tuple((case.id, case.label) for case in CASES.values()),
-           hint=Text("What holds the two blocks, where the sensor looks, and where the force acts.",
-                     "滑块由什么支承，传感器看哪里，力作用在哪里。")),
-    Number("centre", r"c_0", Text("common part of the start", "初始状态的同步部分"), "m", low=-0.3, high=0.3, default=0.06,
-           step=0.01, hint=Text("How far both blocks start to the same side. The observer believes 0.",
-                                "两滑块起始时同向偏离多少；观测器以为是 0。")),
-    _poles("controller_all", "p", Text("Controller poles", "控制器极点"), (*SLOW, *QUICK), "plant", (*UNSEEN, "visible")),
-    _poles("controller_part", "p", Text("Controller poles that move", "可移动的控制器极点"), QUICK, "plant", UNMOVED),
-    _poles("observer_part", "q", Text("Observer poles that move", "可移动的观测器极点"), FAST, "estimate", UNSEEN),
-    _poles("observer_all", "q", Text("Observer poles", "观测器极点"), (*CALM, *FAST), "estimate", (*UNMOVED, "visible")),
+           hint=text("What holds the two blocks, where the sensor looks, and where the force acts.")),
+    Number("centre", r"c_0", text("common part of the start"), "m", low=-0.3, high=0.3, default=0.06,
+           step=0.01, hint=text("How far both blocks start to the same side. The observer believes 0.")),
+    _poles("controller_all", "p", text("Controller poles"), (*SLOW, *QUICK), "plant", (*UNSEEN, "visible")),
+    _poles("controller_part", "p", text("Controller poles that move"), QUICK, "plant", UNMOVED),
+    _poles("observer_part", "q", text("Observer poles that move"), FAST, "estimate", UNSEEN),
+    _poles("observer_all", "q", text("Observer poles"), (*CALM, *FAST), "estimate", (*UNMOVED, "visible")),
     *run_knobs(FIRST.horizon),
 )

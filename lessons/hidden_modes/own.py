@@ -17,7 +17,7 @@ from app.lesson.knobs import Knob, Number
 from app.lesson.lesson import Check, Design, Formula, Lesson, Outcome
 from app.plants import Model
 from app.plants.names import called
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
@@ -69,9 +69,9 @@ def setting_of(model: Model) -> Setting:
 def own_knobs(model: Model) -> tuple[Knob, ...]:
     """How much of the weakest mode is in the start, and the poles that can be moved."""
     return (
-        Number("share", r"c_0", Text("weakest mode in the start", "初态中最弱模态的份量"), low=-2.0, high=2.0, default=1.0, step=0.05,
-               hint=Text("How much of the mode in the first line of Numbers is added to the start. The observer believes 0.",
-                         "把“当前数值”首行所说的模态加入初态多少；观测器以为是 0。")),
+        Number("share", r"c_0", text("weakest mode in the start"), low=-2.0, high=2.0, default=1.0, step=0.05,
+               hint=text("How much of the mode in the first line of Numbers is added to the start. The observer "
+                         "believes 0.")),
         *(replace(knob, when=None) for knob in pole_knobs(model)),
         *run_knobs(model.horizon),
     )
@@ -112,15 +112,14 @@ def _live(here: Setting) -> Text:
     case, name = here.case, _name(here.weakest)
     unseen, unmoved = (pole_words([p for p in poles if p.imag >= 0][:4]) for poles in (case.unseen, case.unmoved))
     if case.unseen and not case.seen.detectable:
-        return Text(f"Weakest mode {name}. Hidden from y: {unseen}, and not settling: no L saves the estimate.",
-                    f"最弱的模态 {name}。对 y 隐藏：{unseen}，且不衰减：任何 L 都救不了估计。")
+        return text("Weakest mode {name}. Hidden from y: {unseen}, and not settling: no L saves the estimate.",
+                    name=name, unseen=unseen)
     if case.unseen:
-        return Text(f"Weakest mode {name}. Hidden from y: {unseen}; it settles by itself.",
-                    f"最弱的模态 {name}。对 y 隐藏：{unseen}；它自行衰减。")
+        return text("Weakest mode {name}. Hidden from y: {unseen}; it settles by itself.", name=name, unseen=unseen)
     if case.unmoved:
-        return Text(f"Weakest mode {name}. Out of reach of u: {unmoved}.", f"最弱的模态 {name}。对 u 不能控：{unmoved}。")
-    return Text(f"Nothing is bolted. The mode nearest to hidden is {name}, by {here.weakest.distance:.2g}.",
-                f"没有螺栓。离隐藏最近的模态是 {name}，距离 {here.weakest.distance:.2g}。")
+        return text("Weakest mode {name}. Out of reach of u: {unmoved}.", name=name, unmoved=unmoved)
+    return text("Nothing is bolted. The mode nearest to hidden is {name}, by {distance:.2g}.",
+                name=name, distance=here.weakest.distance)
 
 
 def figures(here: Setting, outcome: Outcome[Case]) -> tuple[Figure, ...]:
@@ -128,40 +127,39 @@ def figures(here: Setting, outcome: Outcome[Case]) -> tuple[Figure, ...]:
     run, seed = outcome.run, int(outcome.design["seed"])
     assert run is not None
     return (_measured(here, run), _mode(here, run),
-            _parts(here, "error_parts", "‖e‖", Text("estimation error e, in two parts", "估计误差 e 的两个部分"), run, run.e),
-            _parts(here, "state_parts", "‖x‖", Text("plant state x, in two parts", "对象状态 x 的两个部分"), run, run.x),
+            _parts(here, "error_parts", "‖e‖", text("estimation error e, in two parts"), run, run.e),
+            _parts(here, "state_parts", "‖x‖", text("plant state x, in two parts"), run, run.x),
             input_figure(run, here.model), *_modes(here, outcome.checks), *_every(here, seed))
 
 
 def _measured(here: Setting, run: Run) -> LineFigure:
     name = here.model.plant.output_names[0]
-    said = Text("what sensor {} says", "传感器 {} 的读数").format(called(here.model.plant, name))
+    said = text("what sensor {name} says", name=called(here.model.plant, name))
     return LineFigure("measured", said, run.t,
-                      (Curve(Text("measured y", "测量值 y"), run.y[:, 0]),
-                       Curve(Text("predicted ŷ", "预测值 ŷ"), run.yhat[:, 0], "estimate", "dash")), f"[{here.model.plant.unit(name)}]",
-                      tab=TIME_TAB, caption=Text(f"At the end they differ by {abs(run.y[-1, 0] - run.yhat[-1, 0]):.2g}.",
-                                                 f"末时刻二者相差 {abs(run.y[-1, 0] - run.yhat[-1, 0]):.2g}。"))
+                      (Curve(text("measured y"), run.y[:, 0]),
+                       Curve(text("predicted ŷ"), run.yhat[:, 0], "estimate", "dash")), f"[{here.model.plant.unit(name)}]",
+                      tab=TIME_TAB, caption=text("At the end they differ by {y:.2g}.",
+                                                 y=abs(run.y[-1, 0] - run.yhat[-1, 0])))
 
 
 def _mode(here: Setting, run: Run) -> LineFigure:
     true, guess = _amount(here, run.x), _amount(here, run.xhat)
-    return LineFigure("centre", Text("the weakest mode", "最弱的模态"), run.t,
-                      (Curve(Text("true", "真实"), true), Curve(Text("estimate", "估计"), guess, "estimate", "dash")), "c(t)", tab=TIME_TAB,
-                      caption=Text(f"Mode {_name(here.weakest)}; at the end the estimate of its part is off by "
-                                   f"{abs(true[-1] - guess[-1]):.2g}.",
-                                   f"模态 {_name(here.weakest)}；末时刻对它的估计偏差 {abs(true[-1] - guess[-1]):.2g}。"))
+    return LineFigure("centre", text("the weakest mode"), run.t,
+                      (Curve(text("true"), true), Curve(text("estimate"), guess, "estimate", "dash")), "c(t)", tab=TIME_TAB,
+                      caption=text("Mode {weakest}; at the end the estimate of its part is off by {true:.2g}.",
+                                   weakest=_name(here.weakest), true=abs(true[-1] - guess[-1])))
 
 
 def _parts(here: Setting, name: str, axis: str, title: Text, run: Run, values: np.ndarray) -> LineFigure:
     weak = np.abs(_amount(here, values)) * float(np.linalg.norm(here.along))
     rest = np.linalg.norm(values, axis=1)
     grown = weak[-1] / max(weak[0], 1e-300)
-    return LineFigure(name, title, run.t, (Curve(Text("weakest mode", "最弱的模态"), weak, "error"),
-                                           Curve(Text("the whole", "整体"), rest, "second", "dash")), axis, log_y=True, tab=ERROR_TAB,
-                      caption=Text(f"From start to end the weakest mode's part changes by a factor of {grown:.2g}.",
-                                   f"自始至终，最弱模态的份量变为 {grown:.2g} 倍。")
+    return LineFigure(name, title, run.t, (Curve(text("weakest mode"), weak, "error"),
+                                           Curve(text("the whole"), rest, "second", "dash")), axis, log_y=True, tab=ERROR_TAB,
+                      caption=text("From start to end the weakest mode's part changes by a factor of {grown:.2g}.",
+                                   grown=grown)
                       if weak[0] > 1e-12 * rest[0] else
-                      Text("The start holds nothing of the weakest mode.", "初态中没有最弱模态的份量。"))
+                      text("The start holds nothing of the weakest mode."))
 
 
 def _modes(here: Setting, checks: tuple[Check, ...]) -> tuple[TableFigure, TableFigure, MatrixFigure]:
@@ -185,10 +183,10 @@ def _every(here: Setting, seed: int) -> tuple[PlaneFigure, PlaneFigure]:
         letter, M = ("L", "eig(A − LC)") if name == "observer" else ("K", "eig(A − BK)")
         least = f"{float(np.real(poles).max(axis=1).min()):.3g}".replace("-", "−")
         found.append(PlaneFigure(
-            f"every_{name}", Text(f"{M} for random {letter}", f"随机 {letter} 的 {M}"), (), points, "Re s", "Im s", (-size, 0.5 * size),
-            (-size, size), unstable=True, tab=EVERY_TAB, caption=Text(
-                f"{count} gains {letter} drawn around the start. The best has its rightmost pole at {least}.",
-                f"在初始增益附近随机取 {count} 个 {letter}。最好的一个，最右极点的实部为 {least}。")))
+            f"every_{name}", text("{m} for random {letter}", m=M, letter=letter), (), points, "Re s", "Im s", (-size, 0.5 * size),
+            (-size, size), unstable=True, tab=EVERY_TAB, caption=text(
+                "{count} gains {letter} drawn around the start. The best has its rightmost pole at {least}.",
+                count=count, letter=letter, least=least)))
     return found[0], found[1]
 
 

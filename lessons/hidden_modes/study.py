@@ -7,7 +7,7 @@ import numpy as np
 from app.engine import Scenario, observer_gain, place, simulate
 from app.engine.design import Placement
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.boards import stage
 from ..toolkit.knobs import kicks
@@ -51,16 +51,16 @@ def checks_of(case: Case, metrics: dict[str, float]) -> tuple[Check, ...]:
     """Seen, reached, and whether what is neither settles; then what these gains make of it."""
     error, state = metrics["error_rate"], metrics["state_rate"]
     return (
-        Check("observable", Text("observable: every mode leaves a trace", "能观：每个模态都留下痕迹"), case.seen.observable,
+        Check("observable", text("observable: every mode leaves a trace"), case.seen.observable,
               metrics["weakest_seen"]),
-        Check("detectable", Text("detectable: what leaves no trace settles", "可检测：不留痕迹的模态自行衰减"),
+        Check("detectable", text("detectable: what leaves no trace settles"),
               case.seen.detectable, metrics["weakest_seen"]),
-        Check("controllable", Text("controllable: every mode is reached", "能控：每个模态都受输入控制"),
+        Check("controllable", text("controllable: every mode is reached"),
               case.reached.controllable, metrics["weakest_reached"]),
-        Check("stabilizable", Text("stabilizable: what is out of reach settles", "可镇定：不能控的模态自行衰减"),
+        Check("stabilizable", text("stabilizable: what is out of reach settles"),
               case.reached.stabilizable, metrics["weakest_reached"]),
-        Check("error", Text("with this L the error dies out", "用这个 L，误差衰减到零"), error < 0, error),
-        Check("loop", Text("with this K and L the plant settles", "用这组 K、L，对象稳定下来"), max(error, state) < 0,
+        Check("error", text("with this L the error dies out"), error < 0, error),
+        Check("loop", text("with this K and L the plant settles"), max(error, state) < 0,
               max(error, state)),
     )
 
@@ -69,9 +69,9 @@ def _boards(design: Design, case: Case, observer: Placement) -> tuple[Board, Boa
     left, right = movable(case)
     c, o, plant = FIRST.controller_window, FIRST.observer_window, case.model.plant
     return (
-        Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"), design[left], left,
+        Board("controller", text("controller poles  eig(A − BK)"), design[left], left,
               fixed=case.unmoved, role="plant", side="left", re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
-        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"), design[right], right,
+        Board("observer", text("observer poles  eig(A − LC)"), design[right], right,
               fixed=case.unseen, role="estimate", side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high,
               landscape=plant.A - observer.gain @ plant.C),
     )
@@ -97,11 +97,11 @@ def _formulas(case: Case, control: Placement, observer: Placement) -> tuple[Form
 def _live(case: Case) -> Text:
     bolts = case.unseen or case.unmoved
     if not bolts:
-        return Text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be moved.",
-                    "没有螺栓：对象同样受磁铁吸引而不稳定，但每个极点都能移动。")
+        return text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be "
+                    "moved.")
     words, rate = pole_words(list(bolts)), f"{max(p.real for p in bolts):.3g}".replace("-", "−")
     if case.unseen:
-        return Text(f"The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
-                    f"极点 {words} 在 y 中不留痕迹。无论 L 取什么，e 中总有一部分按 e^({rate} t) 变化。")
-    return Text(f"The poles at {words} are out of reach of u. Whatever K is, part of x follows e^({rate} t).",
-                f"极点 {words} 对输入 u 不能控。无论 K 取什么，x 中总有一部分按 e^({rate} t) 变化。")
+        return text("The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
+                    words=words, rate=rate)
+    return text("The poles at {words} are out of reach of u. Whatever K is, part of x follows e^({rate} t).",
+                words=words, rate=rate)

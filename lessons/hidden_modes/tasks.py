@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 from .knobs import Case
 
@@ -18,53 +18,50 @@ def _slow_but_fine(outcome: Outcome[Case]) -> Verdict:
     case, rate = outcome.study, outcome.metrics["error_rate"]
     assert isinstance(case, Case)
     if case.seen.observable:
-        return Verdict(False, Text("This sensor sees every mode; the task wants one that does not.",
-                                   "这个传感器看得见所有模态；本题要的是看不全的。"))
+        return Verdict(False, text("This sensor sees every mode; the task wants one that does not."))
     if rate >= 0:
-        return Verdict(False, Text(f"The error still grows like e^({_number(rate)} t). No pole you can drag changes that.",
-                                   f"误差仍按 e^({_number(rate)} t) 增长，能拖动的极点对此无能为力。"))
-    return Verdict(True, Text(f"The sensor is as blind as before, and e dies out like e^({_number(rate)} t): detectable.",
-                              f"传感器仍然看不全，而 e 按 e^({_number(rate)} t) 衰减：系统可检测。"))
+        return Verdict(False, text("The error still grows like e^({rate} t). No pole you can drag changes that.",
+                                   rate=_number(rate)))
+    return Verdict(True, text("The sensor is as blind as before, and e dies out like e^({rate} t): detectable.",
+                              rate=_number(rate)))
 
 
 def _twin(outcome: Outcome[Case]) -> Verdict:
     error, state = outcome.metrics["error_rate"], outcome.metrics["state_rate"]
     if error >= 0:
-        return Verdict(False, Text(f"The estimate itself is lost: e grows like e^({_number(error)} t).",
-                                   f"估计本身已经失效：e 按 e^({_number(error)} t) 增长。"))
+        return Verdict(False, text("The estimate itself is lost: e grows like e^({error} t).", error=_number(error)))
     case = outcome.study
     if state < 0 or case.reached.stabilizable:
-        return Verdict(False, Text(f"The estimate is right, but the plant can be held: its slowest pole is {_number(state)}.",
-                                   f"估计没有问题，但对象也镇得住：最慢极点的实部为 {_number(state)}。"))
-    return Verdict(True, Text(f"e dies out like e^({_number(error)} t), yet x grows like e^({_number(state)} t): "
-                              "all is known and nothing can be done.",
-                              f"e 按 e^({_number(error)} t) 衰减，x 却按 e^({_number(state)} t) 增长：了如指掌，却无能为力。"))
+        return Verdict(False, text("The estimate is right, but the plant can be held: its slowest pole is {state}.",
+                                   state=_number(state)))
+    return Verdict(True, text("e dies out like e^({error} t), yet x grows like e^({state} t): all is known and "
+                              "nothing can be done.",
+                              error=_number(error), state=_number(state)))
 
 
 def _silence(outcome: Outcome[Case]) -> Verdict:
     case, left = outcome.study, outcome.metrics["error_end"]
     if case.seen.detectable:
-        return Verdict(False, Text("Here the unstable motion is not hidden from the sensor; choose the distance sensor "
-                                   "and the magnets.", "这里不稳定的运动并未对传感器隐藏；请选间距传感器与磁铁。"))
+        return Verdict(False, text("Here the unstable motion is not hidden from the sensor; choose the distance "
+                                   "sensor and the magnets."))
     if left > 1e-3:
-        return Verdict(False, Text(f"At the end e is {_number(left)} times its start; bring it below 0.001.",
-                                   f"末时刻 e 是初值的 {_number(left)} 倍，请降到 0.001 以下。"))
-    return Verdict(True, Text(f"At the end e is {left:.1g} of its start: the hidden motion was never woken. One kick ends it.",
-                              f"末时刻 e 仅为初值的 {left:.1g}：隐藏的运动没有被激发。但一次冲击就会前功尽弃。"))
+        return Verdict(False, text("At the end e is {left} times its start; bring it below 0.001.",
+                                   left=_number(left)))
+    return Verdict(True, text("At the end e is {left:.1g} of its start: the hidden motion was never woken. One "
+                              "kick ends it.",
+                              left=left))
 
 
 def _cure(outcome: Outcome[Case]) -> Verdict:
     case, error, state = outcome.study, outcome.metrics["error_rate"], outcome.metrics["state_rate"]
     if not (case.seen.observable and case.reached.controllable):
-        return Verdict(False, Text("A mode is still bolted: change where the sensor looks or where the force acts.",
-                                   "仍有模态被螺栓固定：换一个测量位置或作用位置。"))
+        return Verdict(False, text("A mode is still bolted: change where the sensor looks or where the force acts."))
     if error > -2 or state > -1.2:
-        return Verdict(False, Text(f"The slowest poles are {_number(error)} (observer, −2 or less) and {_number(state)} "
-                                   "(controller, −1.2 or less).",
-                                   f"最慢极点的实部：观测器 {_number(error)}（应不大于 −2），控制器 {_number(state)}"
-                                   "（应不大于 −1.2）。"))
-    return Verdict(True, Text(f"Nothing is hidden: observer {_number(error)}, controller {_number(state)}, as asked.",
-                              f"没有隐藏模态：观测器 {_number(error)}，控制器 {_number(state)}，符合要求。"))
+        return Verdict(False, text("The slowest poles are {error} (observer, −2 or less) and {state} (controller, "
+                                   "−1.2 or less).",
+                                   error=_number(error), state=_number(state)))
+    return Verdict(True, text("Nothing is hidden: observer {error}, controller {state}, as asked.",
+                              error=_number(error), state=_number(state)))
 
 
 def exam(seed: int) -> ExamItem:

@@ -10,7 +10,7 @@ import numpy as np
 
 from app.engine import nees, nis
 from app.lesson.lesson import Design, Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .filters import SKIP, draw, watch
 from .knobs import NONE, PREDICT, SINGLE, WHITE
@@ -47,4 +47,4 @@ def key(design: Design) -> Design:
     return design.with_values(**VIEWS)
 
 
-JOB = Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often, key, shown)
+JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, key, shown)

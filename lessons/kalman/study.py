@@ -14,7 +14,7 @@ from app.engine.filters import InnovationTest, SquaredError, Track, with_coloure
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as SCALE_OF_STAGE
-from app.text.words import Text
+from app.text import Text, joined, listed, text
 
 from ..toolkit.latex import matrix, number
 from .filters import ADC, SKIP, Forms, Truth, Watcher, compare, truth, tuned, watch, watcher
@@ -84,11 +84,11 @@ def _metrics(s: Study) -> dict[str, float]:
 def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
     failed = s.test.failures
     return (
-        Check("centred", Text("innovations have no bias", "新息无偏"), "biased" not in failed, m["bias_p"]),
-        Check("white", Text("innovations are white", "新息为白噪声"), "coloured" not in failed, m["white_p"]),
-        Check("nis", Text("NIS lies in its band", "NIS 在带内"), s.test.nis.verdict == "consistent", m["nis_mean"]),
-        Check("nees", Text("NEES lies in its band", "NEES 在带内"), s.settled.verdict == "consistent", m["nees_mean"]),
-        Check("riccati", Text("the gain has reached the Riccati solution", "增益已收敛到 Riccati 方程的解"), m["gain_gap"] < 1e-3,
+        Check("centred", text("innovations have no bias"), "biased" not in failed, m["bias_p"]),
+        Check("white", text("innovations are white"), "coloured" not in failed, m["white_p"]),
+        Check("nis", text("NIS lies in its band"), s.test.nis.verdict == "consistent", m["nis_mean"]),
+        Check("nees", text("NEES lies in its band"), s.settled.verdict == "consistent", m["nees_mean"]),
+        Check("riccati", text("the gain has reached the Riccati solution"), m["gain_gap"] < 1e-3,
               m["gain_gap"]),
     )
 
@@ -99,7 +99,7 @@ def _formulas(design: Design, s: Study) -> tuple[Formula, ...]:
     pick = np.ix_([1, 4], [1, 4])
     prior, after = (1e6 * P[at][pick] for P in (s.watcher.schedule.prior, s.watcher.schedule.posterior))
     out = [Formula("predict", rf"P_{{{k}|{k - 1}}}^{{(z,v_z)}} = {matrix(prior)}",
-                   Text("in mm², mm²/s, mm²/s²", "单位 mm²、mm²/s、mm²/s²"))]
+                   text("in mm², mm²/s, mm²/s²"))]
     if design["phase"] == UPDATE:
         S, M = s.watcher.schedule.S[at], s.watcher.schedule.gains[at]
         out += [Formula("S", rf"S_{{VL}} = {number(1e6 * S[0, 0])}, \quad R = {number(1e6 * s.watcher.filter.R[0, 0])}"),
@@ -108,20 +108,19 @@ def _formulas(design: Design, s: Study) -> tuple[Formula, ...]:
     return (*out, Formula("nis", rf"\mathrm{{NIS}}_{{{k}}} = \nu^{{\mathsf T}} S^{{-1}} \nu = {number(float(s.nis[k]))}"))
 
 
-WORDS = (("biased", ("a bias", "有偏")), ("coloured", ("colour in the innovations", "新息有色")),
-         ("overconfident", ("NIS too large", "NIS 偏大")), ("cautious", ("NIS too small", "NIS 偏小")))
+WORDS = (("biased", text("a bias")), ("coloured", text("colour in the innovations")),
+         ("overconfident", text("NIS too large")), ("cautious", text("NIS too small")))
 
 
 def _live(s: Study) -> Text:
     found = [words for name, words in WORDS if name in s.test.failures]
     if s.settled.verdict != "consistent":
         large = s.settled.verdict == "overconfident"
-        found.append(("NEES too large", "NEES 偏大") if large else ("NEES too small", "NEES 偏小"))
-    head = Text(f"NIS {s.test.nis.mean:.2f} (4 expected), NEES {s.settled.mean:.3g} (6 expected).",
-                f"NIS 均值 {s.test.nis.mean:.2f}（应为 4），NEES 均值 {s.settled.mean:.3g}（应为 6）。")
-    tail = (Text(" Nothing is flagged.", " 没有任何检验报警。") if not found else
-            Text(f" Flagged: {', '.join(w[0] for w in found)}.", f" 报警：{'、'.join(w[1] for w in found)}。"))
-    return Text(head.en + tail.en, head.zh + tail.zh)
+        found.append(text("NEES too large") if large else text("NEES too small"))
+    head = text("NIS {mean:.2f} (4 expected), NEES {mean2:.3g} (6 expected).",
+                mean=s.test.nis.mean, mean2=s.settled.mean)
+    tail = text("Flagged: {found}.", found=listed(found)) if found else text("Nothing is flagged.")
+    return joined(head, tail)
 
 
 LAGS, LEVEL = 20, 1 - 0.05 / 3  # of the test of whiteness in `innovation_test`

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import Text, text
 
 from .knobs import NEAR_R, NONE, SLIPS
 from .study import Expected, Study, expected
@@ -18,58 +18,58 @@ def _expected(o: Outcome[Study]) -> Expected:
 
 
 def _said(e: Expected) -> Text:
-    return Text(f"Over all records NIS averages {e.nis:.2f}, NEES {e.nees:.3g}, and whiteness flags {100 * e.flagged:.0f} %",
-                f"对全体记录平均：NIS {e.nis:.2f}，NEES {e.nees:.3g}，白性检验报警 {100 * e.flagged:.0f} %")
+    return text("Over all records NIS averages {nis:.2f}, NEES {nees:.3g}, and whiteness flags {flagged:.0f} %",
+                nis=e.nis, nees=e.nees, flagged=100 * e.flagged)
 
 
 def _tune(o: Outcome[Study]) -> Verdict:
     if o.design["noise"] != "white":
-        return Verdict(False, Text("This task is about white sensor noise.", "本题针对白测量噪声。"))
+        return Verdict(False, text("This task is about white sensor noise."))
     e = _expected(o)
     said = _said(e)
     if not e.right:
-        return Verdict(False, Text(f"{said.en}: at least one test finds the filter out.", f"{said.zh}：至少有一项检验能识破。"))
-    return Verdict(True, Text(f"{said.en}: no test finds it out.", f"{said.zh}：没有检验能识破它。"))
+        return Verdict(False, text("{said}: at least one test finds the filter out.", said=said))
+    return Verdict(True, text("{said}: no test finds it out.", said=said))
 
 
 def _decoy(o: Outcome[Study]) -> Verdict:
     if o.design["noise"] != "white" or o.design["q"] < 5:
-        return Verdict(False, Text(f"q = {o.design['q']:.3g}; white sensor noise and q of at least 5 are wanted.",
-                                   f"q = {o.design['q']:.3g}；要求白测量噪声且 q 不小于 5。"))
+        return Verdict(False, text("q = {q:.3g}; white sensor noise and q of at least 5 are wanted.",
+                                   q=o.design["q"]))
     e = _expected(o)
     said = _said(e)
     if not e.nis_holds:
-        return Verdict(False, Text(f"{said.en}: NIS gives it away already.", f"{said.zh}：NIS 已经报警。"))
+        return Verdict(False, text("{said}: NIS gives it away already.", said=said))
     if e.flagged < ENOUGH:
-        return Verdict(False, Text(f"{said.en}: the innovations mostly look white.", f"{said.zh}：新息多半看起来是白的。"))
-    return Verdict(True, Text(f"{said.en}: NIS is content, colour gives the filter away.", f"{said.zh}：NIS 合格，颜色却露了馅。"))
+        return Verdict(False, text("{said}: the innovations mostly look white.", said=said))
+    return Verdict(True, text("{said}: NIS is content, colour gives the filter away.", said=said))
 
 
 def _converter(o: Outcome[Study]) -> Verdict:
     if o.design["noise"] == "white":
-        return Verdict(False, Text("Switch the sensor noise to the converter.", "请把测量噪声切换为 ADC 噪声。"))
+        return Verdict(False, text("Switch the sensor noise to the converter."))
     e = _expected(o)
     said = _said(e)
     if not e.right:
-        return Verdict(False, Text(f"{said.en}: the noise of the converter is still visible.", f"{said.zh}：ADC 噪声仍然露在外面。"))
-    return Verdict(True, Text(f"{said.en}: what was colour is now state.", f"{said.zh}：颜色已经变成了状态。"))
+        return Verdict(False, text("{said}: the noise of the converter is still visible.", said=said))
+    return Verdict(True, text("{said}: what was colour is now state.", said=said))
 
 
 def _report(o: Outcome[Study]) -> Verdict:
     line = o.design["line"]
     if line == NONE:
-        return Verdict(False, Text("Choose a line of the report.", "请选择报告中的一行。"))
+        return Verdict(False, text("Choose a line of the report."))
     if line not in SLIPS:
-        return Verdict(False, Text("That line holds.", "这一行成立。"))
+        return Verdict(False, text("That line holds."))
     if line != NEAR_R:
-        return Verdict(False, Text("A line in doubt indeed, but not about what a converged filter's innovations should look like.",
-                                   "这一行确有问题，但说的不是收敛后新息协方差应当是什么。"))
+        return Verdict(False, text("A line in doubt indeed, but not about what a converged filter's innovations "
+                                   "should look like."))
     e = _expected(o)
     if not e.right:
-        return Verdict(False, Text("The right line; now show it with a filter that no test finds out.",
-                                   "选对了；请用一个不会被识破的滤波器来证明。"))
-    return Verdict(True, Text(f"Tuned, and yet the innovations have {e.over_R:.2f} R over all records; S promised {e.S_over_R:.2f} R.",
-                              f"已调好，对全体记录新息方差却是 R 的 {e.over_R:.2f} 倍；按 S 应为 {e.S_over_R:.2f} 倍。"))
+        return Verdict(False, text("The right line; now show it with a filter that no test finds out."))
+    return Verdict(True, text("Tuned, and yet the innovations have {over_r:.2f} R over all records; S promised "
+                              "{s_over_r:.2f} R.",
+                              over_r=e.over_R, s_over_r=e.S_over_R))
 
 
 def exam(seed: int) -> ExamItem:

@@ -16,7 +16,7 @@ from app.plants import MODELS, doyle, platform_lqg
 from app.plants.model import Model
 from app.plants.names import called
 from app.plants.platform_channels import HORIZONTAL, ROTATION, VERTICAL, T_y
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.gains import sizes
 
@@ -123,8 +123,8 @@ def report_case() -> Case:
     whole, unit = model.plant, platform_lqg.Weights(1.0, 1.0, 1.0, 1.0, platform_lqg.LITERAL_V)
     plant = platform_lqg.coils(whole)
     channels = (VERTICAL, ROTATION, HORIZONTAL)
-    names = tuple(Text(f"{c.name.en} channel", f"{c.name.zh}通道") for c in channels)
-    return Case(REPORT, Text("platform of the report", "报告中的平台"), model, plant, platform_lqg.ground(whole),
+    names = tuple(text("{name} channel", name=c.name) for c in channels)
+    return Case(REPORT, text("platform of the report"), model, plant, platform_lqg.ground(whole),
                 unit.Q(whole), unit.R, unit.W, unit.V, T_y[:3] @ plant.C, names, _by_knobs, _one, "µm/s", 1e6, "mN", 1e3,
                 _grid(plant, 0.05, 50.0, 150), (0.5, 3.0), 0.1, np.geomspace(1e-2, 1e4, 140), 0.03, 6.0, 5e-3, 60.0, 170.0)
 
@@ -133,9 +133,9 @@ def doyle_case() -> Case:
     """Doyle's plant; q and σ are α_Q and β_Q, R = V = 1, and the noise is what the filter believes."""
     model, together = doyle.MODEL, doyle.TOGETHER
     one = np.eye(1)
-    names = (Text("measured state x₁", "可测状态 x₁"), Text("hidden state x₂", "不可测状态 x₂"),
-             Text("weighted sum x₁ + x₂", "加权和 x₁ + x₂"))
-    return Case(DOYLE, Text("Doyle's plant of 1978", "Doyle 1978 年的反例"), model, model.plant, together, together @ together.T, one,
+    names = (text("measured state x₁"), text("hidden state x₂"),
+             text("weighted sum x₁ + x₂"))
+    return Case(DOYLE, text("Doyle's plant of 1978"), model, model.plant, together, together @ together.T, one,
                 one, one, np.array([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]), names, _by_paper, _as_believed, "", 1.0, "", 1.0,
                 np.geomspace(1e-2, 30.0, 150), (0.01, 30.0), 0.1, np.geomspace(1e-3, 1e3, 160), 0.015, 6.0, 2e-3, 4.0, 33.0)
 
@@ -154,7 +154,7 @@ def case_of(model: Model) -> Case:
     low, high = max(slow, rate * 1e-3) / 40, min(fast, rate * 1e3) * 2
     shown = min(plant.p, 3)
     weighed = plant.C / size[:, None]
-    names = tuple(Text("output {}", "输出 {}").format(called(plant, n)) for n in plant.output_names[:shown])
+    names = tuple(text("output {name}", name=called(plant, n)) for n in plant.output_names[:shown])
     dt = model.horizon / 200
     return Case(model.id, model.label, model, plant, G, weighed.T @ weighed, np.eye(plant.m) / model.u_max**2,
                 np.eye(G.shape[1]) * model.u_max**2 / rate, np.diag((SHARE * size) ** 2) / rate,

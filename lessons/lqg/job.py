@@ -14,7 +14,7 @@ from app.engine.sampled import SampledLqg
 from app.engine.systems import root, step_covariance
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design, Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .cases import Case
 from .knobs import NONE, RECURSIVE
@@ -49,8 +49,8 @@ def bench_of(case: Case, setting: Setting) -> Bench:
     readings = f.sensor * case.V / s.dt
     loop = noisy_loop(truth, sampled.controller, np.eye(s.n), process, V=readings).watching(case.rows)
     if not loop.stable:
-        raise KnobError(Text("This loop is unstable on a computer, so it has no spectrum to measure; bring the gain m back to 1.",
-                             "这个回路在计算机上运行时不稳定，没有可测的频谱；请把增益 m 调回 1。"))
+        raise KnobError(text("This loop is unstable on a computer, so it has no spectrum to measure; bring the "
+                             "gain m back to 1."))
     return Bench(case, sampled, truth, process, readings, loop)
 
 
@@ -98,7 +98,8 @@ def _warm_up(bench: Bench, rng: np.random.Generator) -> Iterator[tuple[float, np
                            xhat @ s.A.T + u @ s.B.T])
         belief = kf.predict(Belief(np.zeros(n), plan.posterior[-1]))
         if not np.isfinite(z).all():
-            raise EngineError("The run left every scale while the recursive filter settled; bring the gain m nearer to 1.")
+            raise EngineError("The run left every scale while the recursive filter settled; bring the gain m "
+                              "nearer to 1.")
         yield (first + len(plan.index)) / steps, z
 
 
@@ -137,4 +138,4 @@ def key(design: Design) -> Design:
     return design.with_values(**VIEWS)
 
 
-JOB = Job(Text(f"Run it {RECORDS} times on a computer", f"在计算机上运行 {RECORDS} 次"), try_often, key, shown)
+JOB = Job(text("Run it {records} times on a computer", records=RECORDS), try_often, key, shown)

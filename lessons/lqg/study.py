@@ -11,7 +11,7 @@ from app.engine.design import Optimal
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.doyle import gains as gains_of_paper
 from app.plants.model import Window
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.latex import number
 from .cases import DOYLE, Case
@@ -143,11 +143,11 @@ def _metrics(s: Study, setting: Setting, design: Design, reg: Optimal, est: Opti
 def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
     disk = s.real.margins.disk.alpha
     return (
-        Check("stable", Text("the loop is stable with the true gain m", "在真实增益 m 下回路稳定"), s.density is not None, m["stable"]),
-        Check("optimal", Text("no controller is cheaper under this noise", "此噪声下没有更便宜的控制器"),
+        Check("stable", text("the loop is stable with the true gain m"), s.density is not None, m["stable"]),
+        Check("optimal", text("no controller is cheaper under this noise"),
               s.cost.total <= s.cost.least * (1 + 1e-6), s.cost.total / max(s.cost.least, 1e-300)),
-        Check("kalman", Text("LQR keeps |1 + ℓ| ≥ 1", "LQR 保持 |1 + ℓ| ≥ 1"), m["nearest_lqr"] > 1 - 1e-6, m["nearest_lqr"]),
-        Check("margins", Text("LQG has a disk margin of at least 0.5", "LQG 的圆盘裕度不小于 0.5"), disk >= 0.5, disk),
+        Check("kalman", text("LQR keeps |1 + ℓ| ≥ 1"), m["nearest_lqr"] > 1 - 1e-6, m["nearest_lqr"]),
+        Check("margins", text("LQG has a disk margin of at least 0.5"), disk >= 0.5, disk),
     )
 
 
@@ -159,9 +159,9 @@ def _inside(poles: np.ndarray, window: Window) -> tuple[complex, ...]:
 def _boards(case: Case, reg: Optimal, est: Optimal) -> tuple[Board, Board]:
     c, o = case.model.controller_window, case.model.observer_window
     return (
-        Board("regulator", Text("regulator poles  eig(A − BK)", "调节器极点  eig(A − BK)"), _inside(reg.poles, c), side="left",
+        Board("regulator", text("regulator poles  eig(A − BK)"), _inside(reg.poles, c), side="left",
               re_low=c.re_low, re_high=c.re_high, im_high=c.im_high),
-        Board("filter", Text("filter poles  eig(A − LC)", "滤波器极点  eig(A − LC)"), _inside(est.poles, o), role="estimate", side="right",
+        Board("filter", text("filter poles  eig(A − LC)"), _inside(est.poles, o), role="estimate", side="right",
               re_low=o.re_low, re_high=o.re_high, im_high=o.im_high),
     )
 
@@ -179,7 +179,7 @@ def _formulas(s: Study, setting: Setting) -> tuple[Formula, ...]:
     return (
         law,
         Formula("fd", rf"f = 2 + \sqrt{{4 + q}} = {number(top)},\quad d = 2 + \sqrt{{4 + \sigma}} = {number(d)}"),
-        Formula("edge", rf"m < 1 + \frac{{1}}{{d f}} = {1 + 1 / (d * top):.6g}", Text("for plain LQG, ρ = 0", "普通 LQG（ρ = 0）")),
+        Formula("edge", rf"m < 1 + \frac{{1}}{{d f}} = {1 + 1 / (d * top):.6g}", text("for plain LQG, ρ = 0")),
         split,
     )
 
@@ -187,12 +187,13 @@ def _formulas(s: Study, setting: Setting) -> tuple[Formula, ...]:
 def _live(s: Study) -> Text:
     gain = s.real.margins.gain
     if s.density is None:
-        return Text(f"Unstable: this loop tolerates {gain[0]:.4g} … {gain[1]:.6g} times the gain of one input.",
-                    f"不稳定：这个回路对单个输入只容许 {gain[0]:.4g} … {gain[1]:.6g} 倍的增益。")
+        return text("Unstable: this loop tolerates {gain:.4g} … {gain2:.6g} times the gain of one input.",
+                    gain=gain[0], gain2=gain[1])
     if s.suppression is None:
-        return Text(f"Stable up to a gain of {gain[1]:.6g}; nearest approach to −1: {s.real.margins.nearest:.3g}.",
-                    f"增益不超过 {gain[1]:.6g} 倍时稳定；离 −1 最近 {s.real.margins.nearest:.3g}。")
+        return text("Stable up to a gain of {gain:.6g}; nearest approach to −1: {nearest:.3g}.",
+                    gain=gain[1], nearest=s.real.margins.nearest)
     named = ", ".join(f"{v:.1f}" for v in s.suppression).replace("-", "−")
     delay = s.real.margins.delay
-    late = (Text(f"{delay:.3g} s of delay", f" {delay:.3g} s 的时延") if np.isfinite(delay) else Text("any delay", "任意时延"))
-    return Text(f"Peaks lowered by {named} dB; this input tolerates {late.en}.", f"峰值降低 {named} dB；该输入可容忍{late.zh}。")
+    late = (text("{delay:.3g} s of delay", delay=delay) if np.isfinite(delay) else text(
+        "any delay"))
+    return text("Peaks lowered by {named} dB; this input tolerates {late}.", named=named, late=late)

@@ -6,7 +6,7 @@ import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
 from app.plants.doyle import gains
-from app.text.words import Text
+from app.text import text
 
 from .cases import DOYLE, REPORT
 from .knobs import NONE, SENSOR, UNITS
@@ -25,60 +25,60 @@ def _on(outcome: Outcome[Study], case: str) -> bool:
 
 def _vanish(outcome: Outcome[Study]) -> Verdict:
     if not _on(outcome, DOYLE):
-        return Verdict(False, Text("Choose Doyle's plant first.", "请先选择 Doyle 的对象。"))
+        return Verdict(False, text("Choose Doyle's plant first."))
     high = outcome.study.real.margins.gain[1]
     if outcome.design["recovery"] > 0:
-        return Verdict(False, Text("Leave recovery at 0: plain LQG is asked for.", "请保持 ρ = 0：要求的是普通 LQG。"))
+        return Verdict(False, text("Leave recovery at 0: plain LQG is asked for."))
     if high > EDGE:
-        return Verdict(False, Text(f"It still bears a gain of {high:.5g}; an error of 0.1 % is to break it.",
-                                   f"它还能承受 {high:.5g} 倍的增益；要求 0.1 % 的误差就使其失稳。"))
-    return Verdict(True, Text(f"At {high:.6g} times the model's gain this optimal loop is lost.",
-                              f"增益到模型值的 {high:.6g} 倍，这个最优回路就失稳。"))
+        return Verdict(False, text("It still bears a gain of {high:.5g}; an error of 0.1 % is to break it.",
+                                   high=high))
+    return Verdict(True, text("At {high:.6g} times the model's gain this optimal loop is lost.", high=high))
 
 
 def _recover(outcome: Outcome[Study]) -> Verdict:
     d, s = outcome.design, outcome.study
     if not _on(outcome, DOYLE) or d["q"] < HEAVY or d["sigma"] < HEAVY:
-        return Verdict(False, Text("Doyle's plant with q and σ of at least 1000, please.", "请使用 Doyle 的对象，且 q、σ 都不小于 1000。"))
+        return Verdict(False, text("Doyle's plant with q and σ of at least 1000, please."))
     low, high = s.real.margins.gain
-    found = Text(f"Gains from {low:.3g} to {high:.4g} are borne", f"可承受的增益为 {low:.3g} 到 {high:.4g} 倍")
+    found = text("Gains from {low:.3g} to {high:.4g} are borne", low=low, high=high)
     if high < UP or low > DOWN:
-        return Verdict(False, Text(f"{found.en}; from 0.5 to 2 is wanted.", f"{found.zh}；要求 0.5 到 2 倍。"))
+        return Verdict(False, text("{found}; from 0.5 to 2 is wanted.", found=found))
     if s.density is None:
-        return Verdict(False, Text("The margins are there, but the true gain m lies outside them.", "裕度有了，但真实增益 m 在裕度之外。"))
+        return Verdict(False, text("The margins are there, but the true gain m lies outside them."))
     price = np.linalg.norm(s.cost.sensors) / np.linalg.norm(s.plain_cost.sensors)
-    return Verdict(True, Text(f"{found.en}; the sensors' noise now moves the input {price:.3g} times as much.",
-                              f"{found.zh}；测量噪声引起的输入变为原来的 {price:.3g} 倍。"))
+    return Verdict(True, text("{found}; the sensors' noise now moves the input {price:.3g} times as much.",
+                              found=found, price=price))
 
 
 def _twenty(outcome: Outcome[Study]) -> Verdict:
     s = outcome.study
     if not _on(outcome, REPORT) or s.suppression is None:
-        return Verdict(False, Text("A stable loop on the platform is asked for.", "要求平台上的一个稳定回路。"))
+        return Verdict(False, text("A stable loop on the platform is asked for."))
     worst = float(np.min(s.suppression))
     setting = setting_of(s.case, outcome.design)
     least = min(real(s.case, setting.factors, setting.recovery, i).margins.delay for i in range(s.case.plant.m))
-    found = Text(f"The least of the three channels gains {worst:.1f} dB, the least delay margin is {least:.3g} s",
-                 f"三个通道中最少降低 {worst:.1f} dB，最小时延裕度为 {least:.3g} s")
+    found = text("The least of the three channels gains {worst:.1f} dB, the least delay margin is {least:.3g} s",
+                 worst=worst, least=least)
     if worst < DECIBEL or least < SECONDS:
-        return Verdict(False, Text(f"{found.en}; wanted are 20 dB and 0.1 s.", f"{found.zh}；要求 20 dB 和 0.1 s。"))
-    return Verdict(True, Text(f"{found.en}.", f"{found.zh}。"))
+        return Verdict(False, text("{found}; wanted are 20 dB and 0.1 s.", found=found))
+    return Verdict(True, text("{found}.", found=found))
 
 
 def _rule(outcome: Outcome[Study]) -> Verdict:
     rule, more = outcome.design["rule"], outcome.metrics.get("sensor_more", np.inf)
     if rule == NONE:
-        return Verdict(False, Text("Choose the line that you doubt.", "请选择你所怀疑的一行。"))
+        return Verdict(False, text("Choose the line that you doubt."))
     if rule == UNITS:
-        return Verdict(False, Text("That one is a slip of units; a rule of tuning is asked for.",
-                                   "那是单位上的笔误；这里要找的是一条调参规则。"))
+        return Verdict(False, text("That one is a slip of units; a rule of tuning is asked for."))
     if rule != SENSOR:
-        return Verdict(False, Text("This line holds; the table says why.", "这一行成立；表中说明了理由。"))
+        return Verdict(False, text("This line holds; the table says why."))
     if not more < 0.9:
-        return Verdict(False, Text(f"Here ten times β_R leaves {more:.3g} times the noise in the input; find a loop with less than 0.9.",
-                                   f"此处 β_R 增大十倍后，输入中的噪声为 {more:.3g} 倍；请找一个小于 0.9 倍的回路。"))
-    return Verdict(True, Text(f"Ten times β_R leaves {more:.3g} times the noise in the input: suppressed more, not less.",
-                              f"β_R 增大十倍，输入中的噪声只剩 {more:.3g} 倍：抑制增强，而不是减弱。"))
+        return Verdict(False, text("Here ten times β_R leaves {more:.3g} times the noise in the input; find a "
+                                   "loop with less than 0.9.",
+                                   more=more))
+    return Verdict(True, text("Ten times β_R leaves {more:.3g} times the noise in the input: suppressed more, not "
+                              "less.",
+                              more=more))
 
 
 def exam(seed: int) -> ExamItem:

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine import simulate
 from app.lesson.lesson import Design, Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .knobs import POSITION
 from .study import Study, Trials, scenario_of
@@ -42,4 +42,4 @@ def key(design: Design) -> Design:
     return design.with_values(watch=POSITION)
 
 
-JOB = Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), try_often, key, shown)
+JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, key, shown)

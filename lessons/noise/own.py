@@ -11,7 +11,7 @@ import numpy as np
 from app.lesson.knobs import Choice, Knob, Number, Poles
 from app.lesson.lesson import Job, Lesson, Outcome
 from app.plants import Model
-from app.text.words import Text
+from app.text import text
 
 from ..toolkit.knobs import run_knobs
 from .job import RUNS
@@ -27,28 +27,25 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     """The lesson's knobs in the plant's own measures."""
     window, (one, two) = model.observer_window, signals(model)
     return (
-        Choice("method", "", Text("observer by", "观测器由"), default=BELIEF,
-               options=((BELIEF, Text("belief in the process noise", "对过程噪声的信念")), (POLES, Text("dragging poles", "拖动极点"))),
-               hint=Text("A Kalman filter that believes b times the process noise, or poles of your own.",
-                         "相信过程噪声为 b 倍的卡尔曼滤波器，或自己拖动极点。")),
-        Number("belief", "b", Text("believed / true process noise", "过程噪声：信念 / 真值"), low=1e-3, high=1e3, default=100.0,
+        Choice("method", "", text("observer by"), default=BELIEF,
+               options=((BELIEF, text("belief in the process noise")), (POLES, text(
+                   "dragging poles"))),
+               hint=text("A Kalman filter that believes b times the process noise, or poles of your own.")),
+        Number("belief", "b", text("believed / true process noise"), low=1e-3, high=1e3, default=100.0,
                scale="log",
-               when=("method", (BELIEF,)), hint=Text("Above 1 the observer is too fast, below 1 too slow.",
-                                                     "大于 1：观测器太快；小于 1：太慢。")),
-        Poles("observer_poles", "q", Text("Observer poles", "观测器极点"), "rad/s", default=model.observer_poles, re_low=window.re_low,
+               when=("method", (BELIEF,)), hint=text("Above 1 the observer is too fast, below 1 too slow.")),
+        Poles("observer_poles", "q", text("Observer poles"), "rad/s", default=model.observer_poles, re_low=window.re_low,
               re_high=window.re_high, im_high=window.im_high, role="estimate", when=("method", (POLES,)),
-              hidden=not model.observer_poles, hint=Text("eig(A − LC): farther left is faster.", "eig(A − LC)：越靠左越快。")),
-        Number("w", r"\sigma_w", Text("process noise, share of the natural input", "过程噪声（占自然输入的比例）"), low=1e-3, high=10.0,
-               default=0.1, scale="log", hint=Text("An unknown input, as strong as this share of the natural one.",
-                                                   "未知输入的强度，以自然输入为单位。")),
-        Number("v", r"\sigma_v", Text("sensor noise, share of the outputs", "测量噪声（占初始输出的比例）"), low=1e-4, high=1.0,
+              hidden=not model.observer_poles, hint=text("eig(A − LC): farther left is faster.")),
+        Number("w", r"\sigma_w", text("process noise, share of the natural input"), low=1e-3, high=10.0,
+               default=0.1, scale="log", hint=text("An unknown input, as strong as this share of the natural one.")),
+        Number("v", r"\sigma_v", text("sensor noise, share of the outputs"), low=1e-4, high=1.0,
                default=0.01,
-               scale="log", hint=Text("As a share of the outputs at the start.", "以初始输出为单位。")),
-        Number("start", r"\epsilon", Text("error at the start", "初始误差"), low=0.0, high=2.0, default=0.3, step=0.05,
-               hint=Text("1 is as wrong as the plant is off rest; the observer believes it at rest.",
-                         "1 表示与对象偏离静止的程度相同；观测器以为静止。")),
-        Choice("watch", "", Text("judge by the error in", "评判依据"), default="second",
-               options=(("first", one.name), ("second", two.name)), hint=Text("Which error the curves show.", "曲线显示哪一个误差。")),
+               scale="log", hint=text("As a share of the outputs at the start.")),
+        Number("start", r"\epsilon", text("error at the start"), low=0.0, high=2.0, default=0.3, step=0.05,
+               hint=text("1 is as wrong as the plant is off rest; the observer believes it at rest.")),
+        Choice("watch", "", text("judge by the error in"), default="second",
+               options=(("first", one.name), ("second", two.name)), hint=text("Which error the curves show.")),
         *run_knobs(model.horizon),
     )
 
@@ -74,4 +71,4 @@ def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; the tasks stay with the block."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(Text(f"Try {RUNS} runs", f"试验 {RUNS} 次"), partial(try_often, model), shown=shown))
+                   job=Job(text("Try {runs} runs", runs=RUNS), partial(try_often, model), shown=shown))

@@ -14,7 +14,7 @@ from app.engine.systems import sorted_poles
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Model, Signal
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.gains import injection, noise_units
@@ -43,7 +43,7 @@ class Study:
 
 def signals(model: Model) -> tuple[Signal, Signal]:
     """What the error is judged in: an output, and a state that no output reads, as far as there is one."""
-    second = next((s for s in model.watched if s.name.en.startswith("state")), model.watched[-1])
+    second = next((s for s in model.watched if s.name("en").startswith("state")), model.watched[-1])
     return model.watched[0], second
 
 
@@ -78,7 +78,7 @@ def drawn(scenario: Scenario) -> Run:
     with np.errstate(over="ignore", invalid="ignore"):
         run = simulate(scenario)
     if len(run.t) < 2 or not np.all(np.isfinite(run.x)):
-        raise KnobError(Text("The noise of this plant outgrows every number within the run.", "该对象的噪声在本次运行内超出了一切数值。"))
+        raise KnobError(text("The noise of this plant outgrows every number within the run."))
     return run
 
 
@@ -101,18 +101,18 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
     metrics = {"rms": now, "least_rms": best, "ratio": now / max(best, 1e-300), "floor": floor, "largest_gain": float(np.abs(L).max()),
                "peak": float(np.abs(quiet.e @ row[0]).max())}
     checks = (
-        Check("least", Text("within 1 % of the least variance", "方差与最小值相差不超过 1 %"), metrics["ratio"] ** 2 <= 1.01,
+        Check("least", text("within 1 % of the least variance"), metrics["ratio"] ** 2 <= 1.01,
               metrics["ratio"]),
-        Check("floor", Text("no observer beats the Kalman filter: P − P_min ≥ 0", "没有观测器优于卡尔曼滤波器：P − P_min ≥ 0"),
+        Check("floor", text("no observer beats the Kalman filter: P − P_min ≥ 0"),
               floor > -1e-6,
               floor))
     window = model.observer_window
     by_hand = design["method"] == POLES
     kalman = np.linalg.eigvals(plant.A - ladder.gains[len(RUNGS) // 2] @ plant.C)
     boards = (
-        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), listed(np.sort_complex(kalman)), side="left",
+        Board("kalman", text("poles of the Kalman filter"), listed(np.sort_complex(kalman)), side="left",
               re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
-        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
+        Board("observer", text("observer poles  eig(A − LC)"),
               design["observer_poles"] if by_hand else listed(poles),
               "observer_poles" if by_hand or len(poles) == len(model.observer_poles) else None,
               bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
@@ -140,5 +140,5 @@ def _peaks_along(plant: Plant, ladder: Ladder, start: np.ndarray, row: np.ndarra
 
 def _live(m: dict[str, float]) -> Text:
     if m["ratio"] < 1.005:
-        return Text("The error is as small as any observer can make it.", "误差已小到任何观测器所能达到的极限。")
-    return Text(f"The error is {m['ratio']:.3g} times the least possible.", f"误差是最小可能值的 {m['ratio']:.3g} 倍。")
+        return text("The error is as small as any observer can make it.")
+    return text("The error is {ratio:.3g} times the least possible.", ratio=m["ratio"])

@@ -14,7 +14,7 @@ from app.engine.simulation import Run
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.spring_damper import STAGE
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.boards import listed
 from ..toolkit.knobs import kicks
@@ -78,8 +78,8 @@ def compute(design: Design) -> Outcome[Study]:
     metrics = _metrics(design, study, poles, L)
     ratio = metrics["variance_ratio"]
     checks = (
-        Check("least", Text("within 1 % of the least variance", "方差与最小值相差不超过 1 %"), ratio <= 1.01, ratio),
-        Check("floor", Text("no observer beats the Kalman filter: P − P_min ≥ 0", "没有观测器优于卡尔曼滤波器：P − P_min ≥ 0"),
+        Check("least", text("within 1 % of the least variance"), ratio <= 1.01, ratio),
+        Check("floor", text("no observer beats the Kalman filter: P − P_min ≥ 0"),
               metrics["floor"] > -1e-9, metrics["floor"]),
     )
     return Outcome(design, {"L": L, "L_kalman": kalman.gain}, {"observer": np.asarray(poles), "kalman": kalman.poles},
@@ -96,8 +96,8 @@ def _observer(design: Design, kalman: Optimal) -> tuple[tuple[complex, ...], np.
     else:
         poles = design["observer_poles"]
     if max(p.real for p in poles) > -0.02:
-        raise KnobError(Text("An observer pole is not left of −0.02, so the error has no variance to speak of; drag it left.",
-                             "有观测器极点不在 −0.02 左侧，误差方差无法稳定；请把它向左拖。"))
+        raise KnobError(text("An observer pole is not left of −0.02, so the error has no variance to speak of; "
+                             "drag it left."))
     return poles, observer_gain(PLANT.A, PLANT.C, poles).gain
 
 
@@ -120,9 +120,9 @@ def _metrics(design: Design, study: Study, poles: tuple[complex, ...], L: np.nda
 
 def _boards(poles: tuple[complex, ...], kalman: Optimal, error: np.ndarray) -> tuple[Board, Board]:
     return (
-        Board("kalman", Text("poles of the Kalman filter", "卡尔曼滤波器的极点"), listed(kalman.poles), side="left",
+        Board("kalman", text("poles of the Kalman filter"), listed(kalman.poles), side="left",
               re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
-        Board("observer", Text("observer poles  eig(A − LC)", "观测器极点  eig(A − LC)"),
+        Board("observer", text("observer poles  eig(A − LC)"),
               listed(poles), "observer_poles", role="estimate", side="right", re_low=RE_LOW,
               re_high=RE_HIGH, im_high=IM_HIGH, also=(("method", POLES),), landscape=error),
     )
@@ -145,12 +145,14 @@ def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:
 
 def _live(design: Design, m: dict[str, float]) -> Text:
     ratio, share = np.sqrt(m["variance_ratio"]), 100 * m["sensor_share"]
-    name = Text("velocity", "速度") if design["watch"] == VELOCITY else Text("position", "位置")
+    name = text("velocity") if design["watch"] == VELOCITY else text("position")
     if ratio < 1.005:
-        return Text(f"The {name.en} error is as small as any observer can make it: {share:.0f} % of its variance is sensor noise.",
-                    f"{name.zh}误差已小到任何观测器所能达到的极限：方差的 {share:.0f} % 来自测量噪声。")
-    return Text(f"The {name.en} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is sensor noise.",
-                f"{name.zh}误差是最小可能值的 {ratio:.3g} 倍；方差的 {share:.0f} % 来自测量噪声。")
+        return text("The {name} error is as small as any observer can make it: {share:.0f} % of its variance is "
+                    "sensor noise.",
+                    name=name, share=share)
+    return text("The {name} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is "
+                "sensor noise.",
+                name=name, ratio=ratio, share=share)
 
 
 def ray_of(plant: Plant, pattern: tuple[complex, ...], speeds: np.ndarray, W: float, V: float) -> Ray:

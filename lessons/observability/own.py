@@ -46,7 +46,7 @@ def own_knobs(model: Model) -> tuple[Knob, ...]:
     """A switch for each output, rows of O, and what the lesson asks everywhere."""
     names = model.plant.output_names[:SWITCHES]
     return (
-        *(Switch(f"on{i}", "", text("sensor {plant}", plant=called(model.plant, name)), default=True,
+        *(Switch(f"on{i}", "", text("sensor {name}", name=called(model.plant, name)), default=True,
                  hint=text("On or off.")) for i, name in enumerate(names)),
         Number("rows", "k", text("block rows of O"), low=1, high=model.plant.n, default=1, scale="integer",
                hint=text("One step adds the next row C Aᵏ, that is, one more derivative of y.")),

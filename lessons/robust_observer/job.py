@@ -10,7 +10,7 @@ import numpy as np
 from app.engine import functional_observer
 from app.engine.observers import FunctionalObserver, Region, RobustObserver, rlo_steps, vertices, worst_error_gain
 from app.lesson.lesson import Design, Job, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .knobs import NORMS, ONE
 from .study import CASES, MOST, Search, Story, deltas, weighted
@@ -68,4 +68,4 @@ def shown(outcome: Outcome[Story], result: Search) -> Outcome[Story]:
                    metrics={**outcome.metrics, **more, "search_done": result.done})
 
 
-JOB = Job(Text("Run algorithm RLO", "运行算法 RLO"), search, key, shown)
+JOB = Job(text("Run algorithm RLO"), search, key, shown)

@@ -10,7 +10,7 @@ import numpy as np
 from app.engine.observers import FunctionalObserver
 from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model
-from app.text.words import Text
+from app.text import Text, joined, same, text
 
 from ..toolkit.boards import bolts
 from ..toolkit.latex import gain_words, number, pole_words
@@ -38,9 +38,9 @@ def compute(here: Here, design: Design) -> Outcome[Story]:
         "late_error": true.late(true.e), "late_wanted": true.late(true.wanted),
     }
     checks = (
-        Check("dynamics", Text("T A − F T = L C", "T A − F T = L C"), o.dynamics_residual < MET, o.dynamics_residual),
-        Check("output", Text("K = N T + M C", "K = N T + M C"), o.output_residual < MET, o.output_residual),
-        Check("stable", Text("the loop with the true plant is stable", "真实对象的闭环稳定"), metrics["slowest_loop"] < 0,
+        Check("dynamics", same("T A − F T = L C"), o.dynamics_residual < MET, o.dynamics_residual),
+        Check("output", same("K = N T + M C"), o.output_residual < MET, o.output_residual),
+        Check("stable", text("the loop with the true plant is stable"), metrics["slowest_loop"] < 0,
               metrics["slowest_loop"]),
     )
     return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K}, {"observer": poles, "loop": true.poles}, metrics,
@@ -56,10 +56,10 @@ def _unit(here: Here, design: Design) -> str:
 def _boards(here: Here, design: Design, order: int) -> tuple[Board, Board]:
     model, c, o = here.model, here.model.controller_window, here.model.observer_window
     return (
-        Board("controller", Text("controller poles  eig(A − BK)", "控制器极点  eig(A − BK)"), design["controller_poles"],
+        Board("controller", text("controller poles  eig(A − BK)"), design["controller_poles"],
               "controller_poles" if model.controller_poles else None, bolts(model.controller, c), side="left", re_low=c.re_low,
               re_high=c.re_high, im_high=c.im_high),
-        Board("observer", Text("observer poles  eig F", "观测器极点  eig F"), design[f"poles_{order}"], f"poles_{order}", role="estimate",
+        Board("observer", text("observer poles  eig F"), design[f"poles_{order}"], f"poles_{order}", role="estimate",
               side="right", re_low=o.re_low, re_high=o.re_high, im_high=o.im_high),
     )
 
@@ -87,18 +87,19 @@ def _formulas(o: FunctionalObserver) -> tuple[Formula, ...]:
 
 
 def _live(m: dict[str, float], poles: np.ndarray) -> Text:
-    start = Text(f"Order {m['order']:.0f}, poles {pole_words(list(poles)[:4])}: J = {m['J']:.3g}.",
-                 f"{m['order']:.0f} 阶，极点 {pole_words(list(poles)[:4])}：J = {m['J']:.3g}。")
+    start = text("Order {order:.0f}, poles {poles}: J = {j:.3g}.",
+                 order=m["order"], poles=pole_words(list(poles)[:4]), j=m["J"])
     if m["slowest_loop"] >= 0:
-        end = Text(" With the true plant the loop is unstable.", " 对真实对象，闭环不稳定。")
+        end = text("With the true plant the loop is unstable.")
     else:
-        end = Text(f" At the end the estimate is off by up to {m['late_error']:.2g}, what is wanted being up to {m['late_wanted']:.2g}.",
-                   f" 末段估计偏差最多 {m['late_error']:.2g}，而待估计的量最大为 {m['late_wanted']:.2g}。")
-    return Text(start.en + end.en, start.zh + end.zh)
+        end = text("At the end the estimate is off by up to {late_error:.2g}, what is wanted being up to "
+                   "{late_wanted:.2g}.",
+                   late_error=m["late_error"], late_wanted=m["late_wanted"])
+    return joined(start, end)
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where an observer of a part of its state exists; the tasks stay with the paper."""
     here = fitted(model)
     return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=all_figures, tasks=(),
-                   job=Job(Text("Run algorithm RLO", "运行算法 RLO"), partial(search, here), key, partial(shown, here)))
+                   job=Job(text("Run algorithm RLO"), partial(search, here), key, partial(shown, here)))

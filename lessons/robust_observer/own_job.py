@@ -12,7 +12,7 @@ from app.engine.observers import Region, RobustObserver, rlo_steps
 from app.engine.systems import Poles
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design, Outcome
-from app.text.words import Text
+from app.text import text
 
 from .knobs import NORMS
 from .own_loop import errors, run_of, wanted_of, weighted
@@ -46,9 +46,8 @@ def search(here: Here, outcome: Outcome[Story]) -> Iterator[tuple[float, RobustO
             result = found
             yield 0.99 * part, None
     except (EngineError, np.linalg.LinAlgError) as problem:
-        raise KnobError(Text("Algorithm RLO finds no observer in this region whose [T; C] has a condition number below 10⁴; widen the "
-                             "region, also to complex poles.",
-                             "算法 RLO 在该区域内找不到 [T; C] 条件数小于 10⁴ 的观测器；请放宽区域，也可允许复极点。")) from problem
+        raise KnobError(text("Algorithm RLO finds no observer in this region whose [T; C] has a condition number "
+                             "below 10⁴; widen the region, also to complex poles.")) from problem
     assert result is not None
     found = units.given(result.observer, row, weighted(here, design))
     result = replace(result, observer=found)

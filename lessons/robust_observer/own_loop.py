@@ -13,7 +13,7 @@ from app.engine.systems import Poles
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design
 from app.plants import Window
-from app.text.words import Text
+from app.text import Text, text
 
 from ..toolkit.gains import feedback
 from .knobs import NORMS
@@ -51,11 +51,11 @@ def observer_of(here: Here, design: Design) -> FunctionalObserver:
     order = int(design["order"])
     poles = design[f"poles_{order}"]
     if max(p.real for p in poles) >= -1e-6 * -here.model.observer_window.re_low:
-        raise KnobError(Text("An observer pole is not in the left half plane, so its error would not decay; drag it left.",
-                             "有观测器极点不在左半平面，误差不会衰减；请把它向左拖。"))
+        raise KnobError(text("An observer pole is not in the left half plane, so its error would not decay; drag "
+                             "it left."))
     if coincide(poles):
-        raise KnobError(Text("Two observer poles coincide; this form of the observer needs them apart, so move one.",
-                             "有两个观测器极点重合；这种形式的观测器要求极点互异，请移开一个。"))
+        raise KnobError(text("Two observer poles coincide; this form of the observer needs them apart, so move "
+                             "one."))
     row = wanted_of(here, design)[1]
     try:
         found = here.scaled.observer(row, poles, weighted(here, design), NORMS[design["norm"]])
@@ -67,8 +67,9 @@ def observer_of(here: Here, design: Design) -> FunctionalObserver:
 
 
 def _none(order: int) -> KnobError:
-    return KnobError(Text(f"With these poles no observer of order {order} gives what is wanted to 1e-9; raise the order or move the poles.",
-                          f"用这些极点，{order} 阶观测器无法以 1e-9 的精度给出所要的量；请提高阶数或移动极点。"))
+    return KnobError(text("With these poles no observer of order {order} gives what is wanted to 1e-9; raise the "
+                          "order or move the poles.",
+                          order=order))
 
 
 # --- the loop -------------------------------------------------------------------------------------------------------

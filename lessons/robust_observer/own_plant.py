@@ -12,7 +12,7 @@ from app.engine.observers import FunctionalObserver, Norm, Perturbations, every_
 from app.lesson.knobs import KnobError, Poles
 from app.plants import Model
 from app.plants.names import called
-from app.text.words import Text, same
+from app.text import Text, same, text
 
 from .study import MET
 
@@ -78,17 +78,17 @@ def fitted(model: Model) -> Here:
     """What the lesson needs of a plant. Raises KnobError, in one sentence, where it does not fit."""
     plant = model.plant
     if observability(plant).unobservable:
-        raise KnobError(Text("The plant has modes that leave no trace in its outputs; this lesson is about observable plants.",
-                             "该对象有在输出中不留痕迹的模态；本课只针对能观的对象。"))
+        raise KnobError(text("The plant has modes that leave no trace in its outputs; this lesson is about "
+                             "observable plants."))
     units = scaled(model)
     highest = plant.n - seen_by(units)
     if highest < 1:
-        raise KnobError(Text("The outputs of this plant give its whole state at once, so u = −Kx needs no observer.",
-                             "该对象的输出已直接给出全部状态，u = −Kx 不需要观测器。"))
+        raise KnobError(text("The outputs of this plant give its whole state at once, so u = −Kx needs no "
+                             "observer."))
     K = np.zeros((plant.m, plant.n)) if model.controller is None else model.controller.gain
-    wanted = tuple((f"u{i + 1}", Text("input {}: its row of K", "输入 {}：K 的对应行").format(called(plant, name)))
+    wanted = tuple((f"u{i + 1}", text("input {name}: its row of K", name=called(plant, name)))
                    for i, name in enumerate(plant.input_names) if np.any(K[i]))
-    wanted += tuple((f"x{i + 1}", Text("state {}", "状态 {}").format(called(plant, name)))
+    wanted += tuple((f"x{i + 1}", text("state {name}", name=called(plant, name)))
                     for i, name in enumerate(plant.state_names))
     row = row_of(plant, K, wanted[0][0])
     found = [(order, *starting_poles(model, units, row, order)) for order in range(1, highest + 1)]
@@ -96,9 +96,9 @@ def fitted(model: Model) -> Here:
     starts = [(order, poles) for order, poles, condition in found if poles and condition <= limit]
     starts = starts[:FEW] + starts[FEW:][-1:]
     if not starts:
-        raise KnobError(Text(f"No observer of order 1 to {highest} is within the reach of double precision for this plant: its "
-                             "polynomials spread over too many powers of ten.",
-                             f"对该对象，1 到 {highest} 阶的观测器都超出双精度的能力：其多项式系数相差的数量级太多。"))
+        raise KnobError(text("No observer of order 1 to {highest} is within the reach of double precision for "
+                             "this plant: its polynomials spread over too many powers of ten.",
+                             highest=highest))
     return Here(model, wanted, tuple(starts), every_entry(plant), highest, units)
 
 

@@ -28,7 +28,7 @@ from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.body import Body
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, Example, push
 from app.plants.duan_body import rack_body
-from app.text.words import Text
+from app.text import Text, joined, text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import matrix, number, pole_words
@@ -93,11 +93,11 @@ def observer_of(design: Design, W: np.ndarray | None = None) -> FunctionalObserv
     case = CASES[design["example"]]
     poles = design[case.poles]
     if max(p.real for p in poles) > SLOWEST:
-        raise KnobError(Text("An observer pole is not in the left half plane (Re s ≤ −0.01), so its error would not decay; drag it left.",
-                             "有观测器极点不在左半平面（Re s ≤ −0.01），误差不会衰减；请把它向左拖。"))
+        raise KnobError(text("An observer pole is not in the left half plane (Re s ≤ −0.01), so its error would "
+                             "not decay; drag it left."))
     if len(poles) == 2 and abs(poles[0] - poles[1]) < NEAR:
-        raise KnobError(Text("The two poles coincide, so [T; C] is singular and K cannot be reached; move them apart.",
-                             "两个极点重合，[T; C] 奇异，K 无法由它们给出；请把极点分开。"))
+        raise KnobError(text("The two poles coincide, so [T; C] is singular and K cannot be reached; move them "
+                             "apart."))
     return functional_observer(case.example.plant, case.example.K, len(poles), poles=poles,
                                W=turn(design) if W is None else W, wrong=weighted(design), norm=norm_of(design))
 
@@ -225,8 +225,8 @@ def compute(design: Design) -> Outcome[Story]:
     }
     kept = max(metrics["dynamics_residual"], metrics["output_residual"])
     checks = (
-        Check("conditions", Text("T A − F T = L C and K = N T + M C", "T A − F T = L C 且 K = N T + M C"), kept < MET, kept),
-        Check("stable", Text("the loop with the true plant is stable", "真实对象的闭环稳定"), metrics["slowest_loop"] < 0,
+        Check("conditions", text("T A − F T = L C and K = N T + M C"), kept < MET, kept),
+        Check("stable", text("the loop with the true plant is stable"), metrics["slowest_loop"] < 0,
               metrics["slowest_loop"]),
     )
     o = observer
@@ -248,10 +248,10 @@ def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
 
 def _boards(design: Design, knob: str, loop: np.ndarray) -> tuple[Board, Board]:
     return (
-        Board("loop", Text("poles of the loop with the true plant", "真实对象闭环的极点"),
+        Board("loop", text("poles of the loop with the true plant"),
               listed(loop),
               role="plant", side="left", re_low=LOOP_LOW, re_high=LOOP_HIGH, im_high=LOOP_IM),
-        Board("observer", Text("observer poles  eig F", "观测器极点  eig F"), design[knob], knob, role="estimate",
+        Board("observer", text("observer poles  eig F"), design[knob], knob, role="estimate",
               side="right", re_low=RE_LOW, re_high=RE_HIGH, im_high=IM_HIGH),
     )
 
@@ -264,8 +264,7 @@ def _stage(body: Body, run: FunctionalRun) -> Stage:
 
 
 def _formulas(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
-    sign = Text("The paper prints u = +K x. Here u = −K x̂: its K, N and M change sign; F, T and L do not.",
-                "论文印的是 u = +Kx，这里用 u = −K x̂：K、N、M 变号，F、T、L 不变。")
+    sign = text("The paper prints u = +K x. Here u = −K x̂: its K, N and M change sign; F, T and L do not.")
     law = (r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3" if design["example"] == ONE else
            r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}")
     return (
@@ -280,10 +279,10 @@ def _formulas(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
 
 def _live(design: Design, metrics: dict[str, float]) -> Text:
     poles = pole_words([complex(p.real, abs(p.imag)) for p in design[CASES[design["example"]].poles]][:2])
-    start = Text(f"Observer at {poles}: J = {metrics['J']:.3g}.", f"观测器极点 {poles}：J = {metrics['J']:.3g}。")
+    start = text("Observer at {poles}: J = {j:.3g}.", poles=poles, j=metrics["J"])
     if metrics["slowest_loop"] >= 0:
-        end = Text(" With the true plant the loop is unstable.", " 对真实对象，闭环不稳定。")
+        end = text("With the true plant the loop is unstable.")
     else:
-        end = Text(f" On the true plant û misses the wanted input by up to {metrics['late_error']:.2g} at the end.",
-                   f" 对真实对象，末段 û 与期望输入相差最多 {metrics['late_error']:.2g}。")
-    return Text(start.en + end.en, start.zh + end.zh)
+        end = text("On the true plant û misses the wanted input by up to {late_error:.2g} at the end.",
+                   late_error=metrics["late_error"])
+    return joined(start, end)

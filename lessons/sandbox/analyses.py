@@ -28,15 +28,13 @@ from app.engine.filters import ErrorParts, Ladder, SquaredError, noise_ladder, s
 from app.engine.structure import Controllability, KalmanDecomposition, Observability, StableSplit, split_stable
 from app.lesson.knobs import KnobError
 from app.plants import Model
-from app.text import told
-from app.text.words import Text
+from app.text import Text, text, told
 
 from ..toolkit.gains import noise_units
 
 T = TypeVar("T")
 QUICK = 8  # states up to which margins are found while a knob moves, whatever the eigenvectors
-LATER = Text("The margins of this loop take a while: the button under the knobs works them out.",
-             "这个闭环的裕度计算较慢：请按旋钮下方的按钮。")
+LATER = text("The margins of this loop take a while: the button under the knobs works them out.")
 RUNGS = np.logspace(-3, 3, 5)  # beliefs on the ladder, times the true process noise
 SAMPLES = 160  # of the Kalman filter's record
 SKIP = 20  # samples that its test does not look at
@@ -57,8 +55,7 @@ def attempt(analysis: Callable[[], T]) -> T | Refusal:
     except (EngineError, KnobError) as problem:
         return Refusal(told(problem))
     except (np.linalg.LinAlgError, FloatingPointError, ZeroDivisionError):
-        return Refusal(Text("Rounding defeats this analysis; choose other units for states or time.",
-                            "舍入误差使这项分析失效；请更换状态或时间的单位。"))
+        return Refusal(text("Rounding defeats this analysis; choose other units for states or time."))
 
 
 # --- of the plant alone ------------------------------------------------------------------------------------------------
@@ -88,7 +85,7 @@ def _hankel(split: StableSplit | Refusal) -> np.ndarray:
         raise KnobError(split.text)
     stable = split.stable
     if stable.n == 0:
-        raise KnobError(Text("No state is stable by itself, so there are no Hankel values.", "没有自身稳定的状态，故无 Hankel 奇异值。"))
+        raise KnobError(text("No state is stable by itself, so there are no Hankel values."))
     return hankel_singular_values(stable)
 
 
@@ -110,7 +107,7 @@ def _margins(plant: Plant, K: bytes, L: bytes) -> Margins:
     whole = Plant(plant.A, plant.B, np.eye(plant.n), np.zeros((plant.n, plant.m)), plant.dt)
     channels, together = found.inputs, found.input_disk.alpha
     if not found.stable:
-        raise KnobError(Text("The loop is not stable, so it has no margins; move a pole.", "闭环不稳定，没有裕度可言；请移动极点。"))
+        raise KnobError(text("The loop is not stable, so it has no margins; move a pole."))
     return Margins(channels, float(together), found.loop, sensitivity(whole, -K_))
 
 
@@ -133,9 +130,9 @@ def certificates(plant: Plant, loop: ClosedLoop, K: np.ndarray, L: np.ndarray) -
     n = plant.n
     corner = float(np.abs(loop.A_xe[n:, :n]).max() / max(np.abs(loop.A_xe).max(), 1e-300))
     return (
-        (Text("eig(A − LC) against its dual's", "eig(A − LC) 与其对偶"), apart),
-        (Text("spectrum of the loop against the union", "闭环谱与两组极点之并"), min(loop.union_error, loop.polynomial_error)),
-        (Text("corner of the loop in (x, e)", "(x, e) 坐标下的左下块"), corner),
+        (text("eig(A − LC) against its dual's"), apart),
+        (text("spectrum of the loop against the union"), min(loop.union_error, loop.polynomial_error)),
+        (text("corner of the loop in (x, e)"), corner),
     )
 
 
@@ -199,6 +196,6 @@ def _trial(plant: Plant, G: bytes, W: bytes, V: bytes, step: float, belief: floa
                          believed=(belief, 1.0), seed=seed)
     track = found.track
     if len(found.run.t) <= 2 * SKIP:
-        raise KnobError(Text("The plant runs away before the filter can be judged.", "在能评判滤波器之前，对象已经发散。"))
+        raise KnobError(text("The plant runs away before the filter can be judged."))
     early, test = nis(track.innovations[:SKIP], track.S[:SKIP]), nis(track.innovations[SKIP:], track.S[SKIP:])
     return Trial(found.run.t, found.distance, np.concatenate([early.values, test.values]), test, found.expected)

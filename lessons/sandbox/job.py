@@ -14,7 +14,7 @@ from app.engine.feedback import state_feedback_margins
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design, Job, Outcome
 from app.plants import Model
-from app.text.words import Text
+from app.text import text
 
 from ..toolkit.gains import by_hand
 from .analyses import Margins, Refusal, attempt, margins, noises
@@ -38,8 +38,7 @@ def try_recovery(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float,
         raise KnobError(SAMPLED)
     aim = state_feedback_margins(plant, K)
     if not aim.stable:
-        raise KnobError(Text("A − BK is not stable, so there is nothing to recover; move a controller pole.",
-                             "A − BK 不稳定，无从恢复；请移动控制器极点。"))
+        raise KnobError(text("A − BK is not stable, so there is nothing to recover; move a controller pole."))
     G, W, V = noises(model, design["sensor"])
     size = np.sqrt(float(np.trace(G @ W @ G.T)) / max(float(np.trace(plant.B @ plant.B.T)), 1e-300))
     target = aim.input_disk.alpha
@@ -68,4 +67,4 @@ def shown(outcome: Outcome[Study], found: Recovery) -> Outcome[Study]:
 
 def job_on(model: Model) -> Job[Study, Recovery]:
     """The job for a plant."""
-    return Job(Text("Recover the margins", "恢复裕度"), partial(try_recovery, model), key, shown)
+    return Job(text("Recover the margins"), partial(try_recovery, model), key, shown)

@@ -14,7 +14,7 @@ from app.engine.simulation import separation_meter
 from app.engine.structure import Mode
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants import Model
-from app.text.words import Text
+from app.text import Text, listed, text
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
@@ -37,8 +37,7 @@ from .analyses import (
 
 STEPS = np.logspace(-3, 3, 9)  # of the recovery knob q, in natural units
 POINTS = 140  # of the sensitivity over frequency
-SAMPLED = Text("Recovery is for continuous plants: a sampled loop keeps the delay of a step.",
-               "回路传递恢复只适用于连续对象：采样回路总有一步的时延。")
+SAMPLED = text("Recovery is for continuous plants: a sampled loop keeps the delay of a step.")
 Row = tuple[Text, bool | None, Text]
 EXACT = 1e-6
 
@@ -82,7 +81,7 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
     if not isinstance(study.trial, Refusal):
         metrics["nis_mean"], metrics["nis_expected"] = study.trial.test.mean, study.trial.expected
     rows = verdicts(study.structure, loop, study.meter, limit is not None, study.noise, study.trial, study.margins)
-    checks = tuple(Check(f"row{i}", Text(f"{name.en}: {said.en}", f"{name.zh}：{said.zh}"), holds)
+    checks = tuple(Check(f"row{i}", text("{name}: {said}", name=name, said=said), holds)
                    for i, (name, holds, said) in enumerate(rows) if holds is not None)
     return Outcome(
         design, {"K": K, "L": L},
@@ -100,8 +99,8 @@ def _slowest(poles: np.ndarray, dt: float) -> float:
 def _live(rows: tuple[tuple[Text, bool | None, Text], ...]) -> Text:
     no = [name for name, holds, _ in rows if holds is False]
     if not no:
-        return Text("No analysis that applies here says no.", "凡适用的分析，结论都是“是”。")
-    return Text(f"Answered with no: {', '.join(n.en for n in no)}.", f"结论为“否”：{'、'.join(n.zh for n in no)}。")
+        return text("No analysis that applies here says no.")
+    return text("Answered with no: {names}.", names=listed(no))
 
 
 @lru_cache(maxsize=64)
@@ -129,13 +128,14 @@ def verdicts(found: Structure, loop: ClosedLoop, meter: float, limited: bool, no
 def _weakest(modes: tuple[Mode, ...], hidden: tuple[complex, ...]) -> Text:
     if hidden:
         words = pole_words([p for p in hidden if p.imag >= 0][:4])
-        return Text(f"{len(hidden)} hidden: {words}", f"{len(hidden)} 个隐藏：{words}")
+        return text("{count} hidden: {words}", count=len(hidden), words=words)
     d = min(mode.distance for mode in modes)
-    return Text(f"nearest mode {d:.2g} from hidden", f"与“隐藏”的最小距离 {d:.2g}")
+    return text("nearest mode {d:.2g} from hidden", d=d)
 
 
 def _structure(found: Structure) -> tuple[Row, ...]:
-    names = ((Text("observable", "能观"), Text("detectable", "可检测")), (Text("controllable", "能控"), Text("stabilizable", "可镇定")))
+    names = ((text("observable"), text("detectable")), (text("controllable"), text(
+        "stabilizable")))
     rows: list[Row] = []
     for report, (strong, weak), fixed, good in ((found.seen, names[0], "unobservable", "detectable"),
                                                 (found.reached, names[1], "uncontrollable", "stabilizable")):
@@ -145,34 +145,35 @@ def _structure(found: Structure) -> tuple[Row, ...]:
         hidden = getattr(report, fixed)
         loose = [p for p, m in zip(hidden, [m for m in report.modes if not m.visible], strict=False) if not m.stable]
         rows += [(strong, not hidden, _weakest(report.modes, hidden)),
-                 (weak, getattr(report, good), Text("nothing is hidden", "没有隐藏的部分") if not hidden else
-                  Text("what is hidden settles", "隐藏的部分自行衰减") if not loose else
-                  Text(f"{len(loose)} hidden and not settling", f"{len(loose)} 个隐藏且不衰减"))]
+                 (weak, getattr(report, good), text("nothing is hidden") if not hidden else
+                  text("what is hidden settles") if not loose else
+                  text("{count} hidden and not settling", count=len(loose)))]
     d = found.decomposition
     if isinstance(d, Refusal):
-        rows.append((Text("minimal", "最小实现"), None, d.text))
+        rows.append((text("minimal"), None, d.text))
     else:
         n, both = sum(d.sizes), d.sizes[0]
-        rows.append((Text("minimal", "最小实现"), both == n, Text(f"{both} of {n} states act from u to y",
-                                                              f"{n} 个状态中有 {both} 个从 u 到 y 起作用")))
+        rows.append((text("minimal"), both == n, text(
+            "{both} of {n} states act from u to y", both=both, n=n)))
     return tuple(rows)
 
 
 def _loop(loop: ClosedLoop, meter: float, limited: bool) -> tuple[Row, ...]:
     error = min(loop.union_error, loop.polynomial_error)
-    held = Text(" with the limit on", "（限幅已开）") if limited else Text("", "")
+    meter_now = "0" if meter < 1e-8 else f"{meter:.2g}"
+    said = text("meter {meter} with the limit on", meter=meter_now) if limited else text("meter {meter}", meter=meter_now)
     return (
-        (Text("loop stable", "闭环稳定"), loop.stable, Text(f"{len(loop.poles)} poles", f"{len(loop.poles)} 个极点")),
-        (Text("separation of the poles", "极点分离"), error < EXACT, Text(f"off the union by {tiny(error)}", f"与并集相差 {tiny(error)}")),
-        (Text("error lives by itself", "误差独自演化"), meter < EXACT, Text(f"meter {'0' if meter < 1e-8 else f'{meter:.2g}'}{held.en}",
-                                                                    f"分离度量 {'0' if meter < 1e-8 else f'{meter:.2g}'}{held.zh}")),
-        (Text("compensator stable by itself", "补偿器自身稳定"), loop.compensator_stable,
-         Text(f"{len(loop.compensator_poles)} poles of its own", f"自身有 {len(loop.compensator_poles)} 个极点")),
+        (text("loop stable"), loop.stable, text("{count} poles", count=len(loop.poles))),
+        (text("separation of the poles"), error < EXACT, text(
+            "off the union by {error}", error=tiny(error))),
+        (text("error lives by itself"), meter < EXACT, said),
+        (text("compensator stable by itself"), loop.compensator_stable,
+         text("{count} poles of its own", count=len(loop.compensator_poles))),
     )
 
 
 def _noise(found: Noise | Refusal) -> Row:
-    name = Text("observer near the Kalman filter", "观测器接近卡尔曼滤波器")
+    name = text("observer near the Kalman filter")
     if isinstance(found, Refusal):
         return name, None, found.text
     if isinstance(found.ours, Refusal):
@@ -181,20 +182,21 @@ def _noise(found: Noise | Refusal) -> Row:
     def size(P: np.ndarray) -> float:
         return float(np.sqrt(np.mean(np.diag(P) / found.unit**2)))
     ratio = size(found.ours.total) / max(min(size(p.total) for p in found.ladder.parts), 1e-300)
-    return name, ratio < 1.5, Text(f"error {ratio:.3g} times the least", f"误差为最小值的 {ratio:.3g} 倍")
+    return name, ratio < 1.5, text("error {ratio:.3g} times the least", ratio=ratio)
 
 
 def _trial(found: Trial | Refusal) -> Row:
-    name = Text("Kalman filter consistent", "卡尔曼滤波器一致")
+    name = text("Kalman filter consistent")
     if isinstance(found, Refusal):
         return name, None, found.text
     p = found.test.dof
-    return name, abs(found.expected / p - 1) < 0.1, Text(f"NIS {found.expected:.3g} on average, {p} expected",
-                                                         f"NIS 平均为 {found.expected:.3g}，应为 {p}")
+    return name, abs(found.expected / p - 1) < 0.1, text(
+        "NIS {expected:.3g} on average, {p} expected",
+        expected=found.expected, p=p)
 
 
 def _margins(found: Margins | Refusal) -> Row:
-    name = Text("robust at the inputs (α ≥ 0.5)", "输入端鲁棒（α ≥ 0.5）")
+    name = text("robust at the inputs (α ≥ 0.5)")
     if isinstance(found, Refusal):
         return name, None, found.text
-    return name, found.together >= 0.5, Text(f"disk margin {found.together:.3g}", f"圆盘裕度 {found.together:.3g}")
+    return name, found.together >= 0.5, text("disk margin {together:.3g}", together=found.together)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text.words import Text
+from app.text import text
 
 from .analyses import Refusal
 from .knobs import APPLIED
@@ -20,13 +20,14 @@ def _through_the_limit(outcome: Outcome[Study]) -> Verdict:
     """Inputs clipped, and the error lives by itself all the same."""
     share, meter = outcome.metrics["clipped_share"], outcome.metrics["separation_meter"]
     if share < LEAST:
-        return Verdict(False, Text(f"An input is clipped for {100 * share:.0f} % of the run; at least {100 * LEAST:.0f} % is wanted.",
-                                   f"输入被截断的时间占 {100 * share:.0f} %；要求至少 {100 * LEAST:.0f} %。"))
+        return Verdict(False, text("An input is clipped for {share:.0f} % of the run; at least {least:.0f} % is "
+                                   "wanted.",
+                                   share=100 * share, least=100 * LEAST))
     if meter > EXACT:
-        return Verdict(False, Text(f"Clipped for {100 * share:.0f} % of the run, but the separation meter reads {meter:.2g}.",
-                                   f"截断时间占 {100 * share:.0f} %，但分离度量为 {meter:.2g}。"))
-    return Verdict(True, Text(f"Clipped for {100 * share:.0f} % of the run, and the meter reads 0.",
-                              f"截断时间占 {100 * share:.0f} %，分离度量为 0。"))
+        return Verdict(False, text("Clipped for {share:.0f} % of the run, but the separation meter reads "
+                                   "{meter:.2g}.",
+                                   share=100 * share, meter=meter))
+    return Verdict(True, text("Clipped for {share:.0f} % of the run, and the meter reads 0.", share=100 * share))
 
 
 def _wrong_belief(outcome: Outcome[Study]) -> Verdict:
@@ -35,11 +36,12 @@ def _wrong_belief(outcome: Outcome[Study]) -> Verdict:
     if isinstance(trial, Refusal):
         return Verdict(False, trial.text)
     p = trial.test.dof
-    said = Text(f"On average NIS is {trial.expected:.3g} with {p} expected", f"NIS 平均为 {trial.expected:.3g}，应为 {p}")
+    said = text("On average NIS is {expected:.3g} with {p} expected", expected=trial.expected, p=p)
     if outcome.design["belief"] > 0.1 or trial.expected < FOUND_OUT * p:
-        return Verdict(False, Text(f"{said.en}; the filter must believe a tenth of the noise or less, and NIS reach 1.5 times that.",
-                                   f"{said.zh}；过程噪声设定值应不超过真值的十分之一，且 NIS 达到应有值的 1.5 倍。"))
-    return Verdict(True, Text(f"{said.en}: the innovations give it away.", f"{said.zh}：新息使它露了馅。"))
+        return Verdict(False, text("{said}; the filter must believe a tenth of the noise or less, and NIS reach "
+                                   "1.5 times that.",
+                                   said=said))
+    return Verdict(True, text("{said}: the innovations give it away.", said=said))
 
 
 def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:
@@ -50,12 +52,12 @@ def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:
     n = len(seen.modes)
     rank = seen.matrix_rank(outcome.design["tolerance"])
     if not seen.observable:
-        return Verdict(False, Text("A mode of this plant is hidden indeed.", "该对象确有隐藏的模态。"))
+        return Verdict(False, text("A mode of this plant is hidden indeed."))
     if rank >= n:
-        return Verdict(False, Text(f"rank(O) = {rank} of {n} at this tolerance; make it drop.",
-                                   f"在此容差下 rank(O) = {rank}/{n}；请使它下降。"))
-    return Verdict(True, Text(f"rank(O) = {rank} of {n} now, and not one mode is hidden: the tolerance decided, not the plant.",
-                              f"现在 rank(O) = {rank}/{n}，而没有一个模态是隐藏的：作出判断的是容差，不是对象。"))
+        return Verdict(False, text("rank(O) = {rank} of {n} at this tolerance; make it drop.", rank=rank, n=n))
+    return Verdict(True, text("rank(O) = {rank} of {n} now, and not one mode is hidden: the tolerance decided, "
+                              "not the plant.",
+                              rank=rank, n=n))
 
 
 def exam(seed: int) -> ExamItem:

@@ -70,7 +70,7 @@ def input_figure(run: Run, model: Model, limit: float | None = None) -> LineFigu
     for j, name in enumerate(run.scenario.plant.input_names):
         role = ("force", "disturbance", "second")[j % 3]
         applied, asked = run.u_applied[:, j] * model.input_scale, run.u_asked[:, j] * model.input_scale
-        shown = (text("input {plant}", plant=called(model.plant, name)) if model.controller is not None else
+        shown = (text("input {name}", name=called(model.plant, name)) if model.controller is not None else
                  INPUTS.get(name, same(symbol(name))))
         curves.append(Curve(shown, applied, role))
         if not np.array_equal(applied, asked):

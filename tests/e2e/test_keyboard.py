@@ -133,7 +133,7 @@ def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None
         tab.key("r")
         for name, value in task.solution.items():
             if name == "plant":
-                choose(tab, named[name], dict(lesson.knob(name).options)[value].en)  # type: ignore[attr-defined]
+                choose(tab, named[name], dict(lesson.knob(name).options)[value]("en"))  # type: ignore[attr-defined]
             elif name == "observer_poles":
                 open_folder(tab, "Observer poles at θ = 1")
                 enter(tab, f"{lesson.knob(name).symbol}1", f"{min(pole.real for pole in value):g}")  # the pair's real part

@@ -54,11 +54,11 @@ def contents(figures: tuple[Figure, ...]) -> tuple[Any, ...]:
     out: list[Any] = []
     for figure in figures:
         out.append((figure.id, *(a.round(12).tobytes() for a in arrays(figure))))
-        out += [(c.name.en, c.role) for c in getattr(figure, "curves", ())]
+        out += [(c.name("en"), c.role) for c in getattr(figure, "curves", ())]
         if isinstance(figure, PlaneFigure):
-            out += [(p.role, p.mark, p.name.en) for p in figure.points]
+            out += [(p.role, p.mark, p.name("en")) for p in figure.points]
         if isinstance(figure, TableFigure):
-            out += [tuple(v if isinstance(v, str) else v.en for v in row) for row in figure.rows]
+            out += [tuple(v if isinstance(v, str) else v("en") for v in row) for row in figure.rows]
     return tuple(out)
 
 
@@ -150,15 +150,15 @@ def satisfied(lesson: Lesson, knob: Knob, design: Design) -> Iterator[Design]:
 def complete(text: Text, where: str) -> None:
     """Something in both languages, and Chinese in the Chinese."""
     assert isinstance(text, Text), where
-    assert text.en.strip() and text.zh.strip(), f"{where} is empty"
-    assert not CJK.search(text.en), f"{where}: Chinese in the English text: {text.en}"
-    assert CJK.search(text.zh) or not WORD.search(without_math(text.en)), f"{where} is not translated: {text.en}"
+    assert text("en").strip() and text("zh").strip(), f"{where} is empty"
+    assert not CJK.search(text("en")), f"{where}: Chinese in the English text: {text('en')}"
+    assert CJK.search(text("zh")) or not WORD.search(without_math(text("en"))), f"{where} is not translated: {text('en')}"
 
 
 def either(text: Text, where: str) -> None:
     """Empty in both languages or complete in both."""
-    assert bool(text.en.strip()) == bool(text.zh.strip()), f"{where} lacks a language"
-    if text.en.strip():
+    assert bool(text("en").strip()) == bool(text("zh").strip()), f"{where} lacks a language"
+    if text("en").strip():
         complete(text, where)
 
 

@@ -83,7 +83,7 @@ def test_any_valid_design_gives_a_finite_picture_or_one_sentence(lesson: Lesson,
     if outcome.stage is not None:
         assert np.all(np.isfinite(outcome.stage.t))
         assert outcome.stage.xhat is None or outcome.stage.xhat.shape == outcome.stage.x.shape
-    assert outcome.live.en and outcome.live.zh
+    assert outcome.live("en") and outcome.live("zh")
 
 
 @pytest.mark.slow

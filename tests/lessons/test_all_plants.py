@@ -147,11 +147,11 @@ def is_complete_on(lesson: Lesson, name: str) -> None:
         check_mathml(mathml(formula.latex, True), formula.id)
     for knob in own.knobs:
         complete(knob.label, f"label of {knob.name}")
-        assert knob.hidden or knob.hint.en.strip(), knob.name
+        assert knob.hidden or knob.hint("en").strip(), knob.name
     for task in own.tasks:
         assert not task.check(outcome).solved
         assert task.check(own.compute(own.apply(own.start(), task.solution))).solved
-    assert {tab.tab.en for tab in figures if sum(f.tab == tab.tab for f in figures) > 3} == set()
+    assert {tab.tab("en") for tab in figures if sum(f.tab == tab.tab for f in figures) > 3} == set()
 
 
 @pytest.mark.slow

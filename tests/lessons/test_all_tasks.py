@@ -26,8 +26,8 @@ def test_a_task_fails_at_the_start_and_passes_at_its_own_solution(lesson: Lesson
     start = lesson.start()
     before = task.check(shown(start)[0])
     after = task.check(shown(lesson.apply(start, task.solution))[0])
-    assert not before.solved, before.text.en
-    assert after.solved, after.text.en
+    assert not before.solved, before.text("en")
+    assert after.solved, after.text("en")
     for verdict in (before, after):
         complete(verdict.text, "verdict")
 

@@ -44,7 +44,7 @@ def test_knobs_speak_both_languages(lesson: Lesson) -> None:
 
 @every_lesson
 def test_every_visible_knob_has_a_hint(lesson: Lesson) -> None:
-    assert not [k.name for k in lesson.knobs if not k.hidden and not k.hint.en.strip()]
+    assert not [k.name for k in lesson.knobs if not k.hidden and not k.hint("en").strip()]
 
 
 @every_lesson
@@ -91,7 +91,7 @@ def test_what_is_shown_speaks_both_languages(lesson: Lesson) -> None:
 def test_a_tab_holds_at_most_three_figures(lesson: Lesson) -> None:
     _, figures = shown(lesson.start())
     for tab in tabs(figures):
-        assert sum(f.tab == tab for f in figures) <= 3, tab.en
+        assert sum(f.tab == tab for f in figures) <= 3, tab("en")
 
 
 @pytest.mark.slow

@@ -178,20 +178,20 @@ def test_the_exam_answer_places_both_poles() -> None:
 def test_no_line_is_drawn_for_a_loop_that_is_open() -> None:
     figures = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.start()))}
     rotation = figures["controllers"].curves[2]
-    assert "open" in rotation.name.en and rotation.y.max() < axis_range(figures["controllers"])[0]
+    assert "open" in rotation.name("en") and rotation.y.max() < axis_range(figures["controllers"])[0]
 
 
 def test_the_largest_force_is_that_of_the_run_and_not_that_of_the_axis() -> None:
     found = outcome(horizontal="poles")
-    said = next(f.caption.en for f in LESSON.figures(found) if f.id == "forces")
+    said = next(f.caption("en") for f in LESSON.figures(found) if f.id == "forces")
     largest = 1e3 * float(np.abs(found.study.shaken.u).max())
     assert said == f"Largest force: {written(largest, '.3g')} mN." and largest > 1e5
 
 
 def test_an_open_loop_neither_lifts_nor_lowers_its_peak() -> None:
     found = outcome(vertical="open")
-    assert "as without control" in next(f.caption.en for f in LESSON.figures(found) if f.id == "spectrum-vertical")
-    assert "vertical +0 dB" in found.live.en
+    assert "as without control" in next(f.caption("en") for f in LESSON.figures(found) if f.id == "spectrum-vertical")
+    assert "vertical +0 dB" in found.live("en")
 
 
 # --- what the page claims, away from the start -------------------------------------------------------------------------------
@@ -236,12 +236,12 @@ def test_the_gain_is_praised_alone_where_nothing_else_is_at_work(values: dict[st
     task = next(t for t in LESSON.tasks if t.id == "constant")
     for gain in np.geomspace(2e4, 5e4, 13):
         verdict = task.check(outcome(vertical="shaped", gain_v=float(gain), **values))
-        assert ("alone" in verdict.text.en) == (verdict.solved and alone)
+        assert ("alone" in verdict.text("en")) == (verdict.solved and alone)
     assert task.check(outcome(vertical="shaped", gain_v=31250.0)).solved
 
 
 def test_every_spectrum_has_the_reports_number_beside_ours() -> None:
     for values in ({}, {"lower": 5.0}, {"vertical": "open", "horizontal": "open"}, {"lower": 20.0}):
-        said = {f.id: f.caption.en for f in LESSON.figures(outcome(**values))}
+        said = {f.id: f.caption("en") for f in LESSON.figures(outcome(**values))}
         for name, printed in (("vertical", "90 to 100"), ("rotation", "20 to 30"), ("horizontal", "40")):
             assert f"the report prints {printed} dB" in said[f"spectrum-{name}"]

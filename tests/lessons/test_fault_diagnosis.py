@@ -293,8 +293,8 @@ def test_what_the_design_expects_is_said_without_a_promise():
     said = 0
     for values in ({}, {"place": "VR", "kind": DRIFT}, {"place": "u1", "loss": 100.0}, {"place": "HL", "window": 100.0}, {"kick": 4.2}):
         o = outcome(**values)
-        if "expects" in o.live.en:
+        if "expects" in o.live("en"):
             said += 1
-            assert f"{DT * o.study.forecast.delay:.2f} s" in o.live.en
-        assert "promise" not in o.live.en
+            assert f"{DT * o.study.forecast.delay:.2f} s" in o.live("en")
+        assert "promise" not in o.live("en")
     assert said > 1

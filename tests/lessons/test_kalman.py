@@ -219,7 +219,7 @@ def test_published_bands_of_nis():
 def test_slips_of_the_report_are_named_with_numbers():
     table = {line: next(f for f in LESSON.figures(outcome(q=1.0, r=1.0, line=line)) if f.id == "report")
              for line in ("near-r", "short", "means", "joseph", "gain")}
-    said = {line: " ".join(cell.en for row in f.rows for cell in row if not isinstance(cell, str)) for line, f in table.items()}
+    said = {line: " ".join(cell("en") for row in f.rows for cell in row if not isinstance(cell, str)) for line, f in table.items()}
     assert "slip" in said["near-r"] and "1.48" in said["near-r"]
     assert "against (59)'s advice" in said["short"] and "slip" in said["means"] and "77 σ" in said["means"]
     assert "slip" not in said["joseph"] and "slip" not in said["gain"]

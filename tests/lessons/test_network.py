@@ -122,8 +122,8 @@ def test_the_light_of_the_bounded_mean_goes_out_at_the_critical_share_and_nowher
             if 0 <= loss <= 0.99:
                 o = outcome(case=case, stretch=stretch, a=a, loss=loss)
                 light = next(check for check in o.checks if check.id == "bounded")
-                said = next(f for f in LESSON.figures(o) if f.id == "limits").caption.en
-                assert light.holds == ("stays bounded" in o.live.en) == ("stays bounded" in said) == (loss < edge.critical)
+                said = next(f for f in LESSON.figures(o) if f.id == "limits").caption("en")
+                assert light.holds == ("stays bounded" in o.live("en")) == ("stays bounded" in said) == (loss < edge.critical)
 
 
 def test_a_deck_that_loses_everything_stays_bounded() -> None:
@@ -135,7 +135,7 @@ def test_nothing_is_said_to_leave_the_error_alone_where_the_meter_reads() -> Non
     quiet = 0
     for design in designs(60):
         o = LESSON.compute(design)
-        said = {f.id: f.caption.en for f in LESSON.figures(o) if f.id in ("blocks", "error")}
+        said = {f.id: f.caption("en") for f in LESSON.figures(o) if f.id in ("blocks", "error")}
         alone = o.metrics["separation_meter"] < HELD
         assert ("do not drive the error" not in said["blocks"]) or alone, design
         assert ("whatever the controller does" in said["error"]) == alone, design
@@ -143,7 +143,7 @@ def test_nothing_is_said_to_leave_the_error_alone_where_the_meter_reads() -> Non
     assert 5 < quiet < 55
     for values in (dict(told="asked", loss_u=0.3, delay=0), dict(jitter=3, order="arrival")):
         o = outcome(**values)
-        caption = next(f for f in LESSON.figures(o) if f.id == "blocks").caption.en
+        caption = next(f for f in LESSON.figures(o) if f.id == "blocks").caption("en")
         assert o.metrics["separation_meter"] > 0.1 and "lost or out of order" in caption
 
 

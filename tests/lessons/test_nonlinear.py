@@ -23,7 +23,7 @@ def many(**values) -> Study:
 
 
 def says(study: Study, name: str) -> str:
-    return verdict(study.nees[name], study.x.shape[1], study.runs).en
+    return verdict(study.nees[name], study.x.shape[1], study.runs)("en")
 
 
 @pytest.mark.slow

@@ -94,7 +94,7 @@ def test_twenty_modes_low_rank_and_nothing_hidden():
     assert min(peers) > 0.4
     assert o.metrics["weakest"] == pytest.approx(min(peers), rel=1e-9)
     assert judged(f) == "unresolved"
-    assert "No mode is hidden" in o.live.en and "7" in o.live.en and " of 20 " in o.live.en
+    assert "No mode is hidden" in o.live("en") and "7" in o.live("en") and " of 20 " in o.live("en")
     assert {c.id: c.holds for c in o.checks} == {"rank": False, "seen": True, "clear": True, "known": False}
 
 
@@ -110,7 +110,7 @@ def test_near_unobservable_pair_is_called_so_at_full_rank(gap):
     o = outcome(plant="pair", gap=gap)
     assert o.metrics["rank"] == 2 and judged(o.study) == "near"
     assert o.metrics["weakest"] == pytest.approx(gap / np.sqrt(2), rel=0.02)
-    assert o.live.en.startswith("Nearly unobservable")
+    assert o.live("en").startswith("Nearly unobservable")
     L = observer_gain(np.diag([-1.0, -1.0 - gap]), np.ones((1, 2)), (-2.0, -3.0)).gain
     assert np.linalg.norm(L) * gap == pytest.approx(2.8, abs=0.1)
 

@@ -254,12 +254,12 @@ def test_the_sweep_of_example_2_stands_at_s_and_s_minus_1():
 def test_poles_that_give_no_observer_get_one_sentence_in_both_languages(changes, word):
     with pytest.raises(KnobError, match=word) as caught:
         outcome(**changes)
-    assert caught.value.text.zh
+    assert caught.value.text("zh")
 
 
 def test_an_unstable_true_loop_is_told_and_drawn_at_the_edge():
     o = outcome(pole=(-11.0,), a1=0.5, a2=0.5, c=-0.1)
-    assert o.metrics["slowest_loop"] > 0 and "unstable" in o.live.en
+    assert o.metrics["slowest_loop"] > 0 and "unstable" in o.live("en")
     assert all(np.all(np.isfinite(c.y)) for f in LESSON.figures(o) for c in getattr(f, "curves", ()))
 
 
@@ -296,7 +296,7 @@ def test_the_exams_answer_is_the_engines_J(seed):
 
 def test_no_steady_amplitude_is_told_of_a_loop_that_is_unstable() -> None:
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"a1": -0.5}))
-    said = next(f.caption.en for f in LESSON.figures(outcome) if f.id == "e_u")
+    said = next(f.caption("en") for f in LESSON.figures(outcome) if f.id == "e_u")
     assert outcome.metrics["slowest_loop"] > 0 and "grows" in said and "amplitude" not in said
 
 

@@ -68,7 +68,7 @@ def test_every_wanted_row_of_an_example_meets_both_conditions(name: str) -> None
             try:
                 outcome = lesson.compute(lesson.apply(lesson.start(), {"wanted": wanted, "order": str(order)}))
             except KnobError as problem:
-                assert problem.text.zh.endswith("。")
+                assert problem.text("zh").endswith("。")
                 continue
             tried += 1
             assert max(conditions(outcome)) < 1e-9
@@ -181,7 +181,7 @@ def test_the_ghost_is_the_whole_state_where_z_and_y_give_it() -> None:
 def test_a_plant_that_does_not_fit_is_refused_in_one_sentence(plant: Plant, words: tuple[str, str]) -> None:
     with pytest.raises(KnobError) as problem:
         LESSON.fit(canonical(plant))
-    assert words[0] in problem.value.text.en and words[1] in problem.value.text.zh
+    assert words[0] in problem.value.text("en") and words[1] in problem.value.text("zh")
 
 
 def test_poles_that_are_unstable_or_coincide_are_one_sentence() -> None:
@@ -189,7 +189,7 @@ def test_poles_that_are_unstable_or_coincide_are_one_sentence() -> None:
     for poles, words in (((0.01, -0.05), "left half plane"), ((-0.05, -0.05), "coincide")):
         with pytest.raises(KnobError) as problem:
             lesson.compute(lesson.apply(lesson.start(), {"order": "2", "poles_2": poles}))
-        assert words in problem.value.text.en and problem.value.text.zh.endswith("。")
+        assert words in problem.value.text("en") and problem.value.text("zh").endswith("。")
 
 
 # --- any plant -----------------------------------------------------------------------------------------------------
@@ -216,7 +216,7 @@ def test_any_observable_plant_gives_an_observer_or_one_sentence(plant: Plant) ->
         try:
             assert max(conditions(lesson.compute(whole))) < 1e-9
         except KnobError as problem:
-            assert problem.text.zh.endswith("。")
+            assert problem.text("zh").endswith("。")
 
 
 @settings(max_examples=8, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])

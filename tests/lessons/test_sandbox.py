@@ -24,7 +24,7 @@ def opened(plant: Plant | str, **changes: object) -> tuple[Lesson, Outcome]:
 def lights(lesson: Lesson, outcome: Outcome) -> dict[str, str]:
     table = next(f for f in lesson.figures(outcome) if f.id == "lights")
     assert isinstance(table, TableFigure)
-    return {name.en: verdict.en for name, verdict, _ in table.rows}  # type: ignore[union-attr]
+    return {name("en"): verdict("en") for name, verdict, _ in table.rows}  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -46,12 +46,12 @@ def test_one_failing_analysis_leaves_the_others_alone() -> None:
     study = outcome.study
     assert all(isinstance(answer, Refusal) for answer in (study.structure.hankel, study.noise, study.trial, study.margins))
     for answer in (study.structure.hankel, study.noise, study.trial, study.margins):
-        assert answer.text.en.strip() and answer.text.zh.strip() and "\n" not in answer.text.en
+        assert answer.text("en").strip() and answer.text("zh").strip() and "\n" not in answer.text("en")
     shown = lights(lesson, outcome)
     assert shown["observable"] == shown["detectable"] == shown["controllable"] == shown["stabilizable"] == "○ no"
     assert shown["Kalman filter consistent"] == shown["robust at the inputs (α ≥ 0.5)"] == "— not here"
     assert outcome.run is not None and len(outcome.run.t) > 30
-    captions = {f.id: f.caption.en for f in lesson.figures(outcome)}
+    captions = {f.id: f.caption("en") for f in lesson.figures(outcome)}
     for name in ("hankel", "valley", "nis", "gain", "sensitivity", "margins"):
         assert captions[name].startswith("Not for this plant: "), name
 

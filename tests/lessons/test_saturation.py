@@ -261,9 +261,10 @@ def test_exam_answer_is_the_resting_point_of_the_driven_error(seed: int) -> None
 
 def test_what_is_drawn_at_the_edge_is_said_so_and_what_fits_is_not():
     lost = {f.id: f for f in LESSON.figures(LESSON.compute(design()))}
-    assert max(abs(lost["state0"].curves[1].y)) == 49.0 and "edge" in lost["state0"].caption.en and "边缘" in lost["state0"].caption.zh
+    assert max(abs(lost["state0"].curves[1].y)) == 49.0
+    assert "edge" in lost["state0"].caption("en") and "边缘" in lost["state0"].caption("zh")
     calm = {f.id: f for f in LESSON.figures(LESSON.compute(design(fed="applied")))}
-    assert not any("edge" in f.caption.en for f in calm.values())
+    assert not any("edge" in f.caption("en") for f in calm.values())
 
 
 # --- sentences -----------------------------------------------------------------------------------------------------

@@ -204,13 +204,13 @@ def test_the_clock_ends_at_a_round_time_and_cells_of_three_numbers_do_not_break(
 
 def test_nothing_is_measured_on_a_run_that_was_held_because_its_loop_is_unstable() -> None:
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"play": "siso", "pair": "published"}))
-    captions = {f.id: f.caption.en for f in LESSON.figures(outcome)}
+    captions = {f.id: f.caption("en") for f in LESSON.figures(outcome)}
     assert "unstable" in captions["stage_velocity"] and "unstable" in captions["stage_force"]
 
 
 def test_a_controller_that_makes_it_worse_is_said_to_be_higher_and_not_minus_lower() -> None:
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"ground": "shaped"}))
-    said = next(f.caption.en for f in LESSON.figures(outcome) if f.id == "sensor_left_h")
+    said = next(f.caption("en") for f in LESSON.figures(outcome) if f.id == "sensor_left_h")
     assert "dB higher than" in said and "-" not in said
 
 

@@ -274,10 +274,10 @@ def test_the_exam_answer_is_twice_the_sum_of_two_hankel_values(seed):
 def test_nothing_is_compared_with_itself_while_all_states_are_kept() -> None:
     figures = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.start()))}
     for name in ("spectrum", "gains", "costs"):
-        assert "All ten states are kept" in figures[name].caption.en
+        assert "All ten states are kept" in figures[name].caption("en")
     fewer = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.apply(LESSON.start(), {"order": 8})))}
     assert len(fewer["gains"].curves) == 2 * len(figures["gains"].curves)
-    assert "kept" not in fewer["gains"].caption.en
+    assert "kept" not in fewer["gains"].caption("en")
 
 
 def test_a_loop_on_the_edge_of_stability_tells_no_variance():

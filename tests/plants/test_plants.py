@@ -138,8 +138,8 @@ def test_model_numbers_fit_its_plant(m):
 @every_model
 def test_model_reads_in_both_languages(m):
     for text in (m.label, m.body.caption, *(s.name for s in m.watched)):
-        assert text.en and text.zh and text.en != text.zh
-        assert any("\u4e00" <= letter <= "\u9fff" for letter in text.zh)
+        assert text("en") and text("zh") and text("en") != text("zh")
+        assert any("\u4e00" <= letter <= "\u9fff" for letter in text("zh"))
 
 
 @every_model

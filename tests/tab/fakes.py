@@ -19,7 +19,7 @@ from app.tab.commands import Command, SetKnobs
 from app.tab.picture import Picture
 from app.tab.playing import FRAME
 from app.tab.session import REST, Session
-from app.text import Text, same
+from app.text import Text, same, text
 
 MODEL = MODELS["chip"]
 FORBIDDEN, BROKEN, UNDRAWABLE, UNSHOWABLE = 7.0, 8.0, 9.0, 9.5  # values of `gain` at which something goes wrong
@@ -130,13 +130,13 @@ class FakeView:
 def toy(name: str = "toy", **changes: Any) -> Lesson:
     """A lesson of a few microseconds: x(t) = gain · e^{−t} + offset over `length` seconds."""
     knobs = (
-        Number("gain", "g", Text("gain", "增益"), low=0.0, high=10.0, default=1.0),
-        Number("offset", "o", Text("offset", "偏置"), low=-1.0, high=1.0, default=0.0),
-        Number("length", "T", Text("length", "时长"), "s", low=1.0, high=4.0, default=2.0, hidden=True),
-        Number("kick", "t_k", Text("kick", "冲击"), "s", low=-1.0, high=4.0, default=-1.0, hidden=True),
-        Choice("mode", "", Text("mode", "方式"), options=(("a", same("a")), ("b", same("b"))), default="a"),
-        Poles("poles", "p", Text("poles", "极点"), default=(-1 + 1j, -1 - 1j)),
-        Track("hand", "h", Text("hand", "手动")),
+        Number("gain", "g", text("gain"), low=0.0, high=10.0, default=1.0),
+        Number("offset", "o", text("offset"), low=-1.0, high=1.0, default=0.0),
+        Number("length", "T", text("length"), "s", low=1.0, high=4.0, default=2.0, hidden=True),
+        Number("kick", "t_k", text("kick"), "s", low=-1.0, high=4.0, default=-1.0, hidden=True),
+        Choice("mode", "", text("mode"), options=(("a", same("a")), ("b", same("b"))), default="a"),
+        Poles("poles", "p", text("poles"), default=(-1 + 1j, -1 - 1j)),
+        Track("hand", "h", text("hand")),
     )
     lesson = Lesson(
         name, 1, knobs, toy_compute, toy_figures, answer=1,
@@ -169,15 +169,15 @@ def toy_exam(seed: int) -> ExamItem:
 
 
 def _at_least(outcome: Outcome) -> Verdict:
-    return Verdict(outcome.metrics["gain"] >= 5, Text("at least 5", "至少 5"))
+    return Verdict(outcome.metrics["gain"] >= 5, text("at least 5"))
 
 
 def _at_most(outcome: Outcome) -> Verdict:
-    return Verdict(outcome.metrics["gain"] <= 0.5, Text("at most 0.5", "至多 0.5"))
+    return Verdict(outcome.metrics["gain"] <= 0.5, text("at most 0.5"))
 
 
 def job_of(run: Callable[[Outcome], Iterator[tuple[float, Outcome]]]) -> Job:
-    return Job(Text("long", "长计算"), run)
+    return Job(text("long"), run)
 
 
 class Tab:

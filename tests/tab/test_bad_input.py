@@ -27,7 +27,7 @@ from app.tab.commands import (
     UploadPlant,
 )
 from app.tab.history import MERGE
-from app.text import Text
+from app.text import Text, text
 
 GOOD = 2.0
 
@@ -48,8 +48,8 @@ def nothing_happened(tab: Tab) -> None:
     """One sentence, the last good picture on the screen, and the tab goes on working."""
     assert len(tab.view.scolded()) == 1
     sentence = tab.view.scolded()[0]
-    assert isinstance(sentence, Text) and sentence.en.strip() and sentence.zh.strip()
-    assert "\n" not in sentence.en and "Traceback" not in sentence.en
+    assert isinstance(sentence, Text) and sentence("en").strip() and sentence("zh").strip()
+    assert "\n" not in sentence("en") and "Traceback" not in sentence("en")
     assert tab["gain"] == GOOD and tab.picture.outcome.metrics["gain"] == GOOD
     assert all(p.design["gain"] == GOOD for p in tab.view.of("show"))
     tab.set(gain=4.0)
@@ -92,7 +92,7 @@ def test_a_bad_value_does_not_take_a_good_one_of_another_knob_with_it(tab: Tab) 
     Seek("soon"), Seek([1.0]), OpenLesson("nowhere"), OpenLesson(None), OpenLesson(["toy"]), CheckTask("nothing"),
     CheckTask(None), ShowHint("nothing"), ShowHint(None), ShowSolution("nothing"), AnswerExam("a lot"),
     AnswerExam(None), DrawByHand("gain", 1.0), ChoosePlant("nowhere"), UploadPlant("a.json", None),
-    Refuse(Text("No.", "不行。")),
+    Refuse(text("No.")),
 ], ids=lambda command: type(command).__name__)
 def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, command: Command) -> None:
     before = tab.picture.state
@@ -106,12 +106,12 @@ def test_a_sentence_about_a_command_does_not_speak_of_computing_a_design(tab: Ta
     """What happened and what to change: a task that does not exist has nothing to do with the design."""
     for command in (ShowSolution("nothing"), AnswerExam("a lot"), Predict("first"), Seek("soon")):
         tab.do(command)
-    assert not [s.en for s in tab.view.scolded() if "could not compute this design" in s.en]
+    assert not [s("en") for s in tab.view.scolded() if "could not compute this design" in s("en")]
 
 
 def test_an_error_of_the_engine_is_passed_on_in_its_own_words(tab: Tab) -> None:
     tab.set(gain=FORBIDDEN)
-    assert tab.view.scolded()[0].en == "Seven is not a gain; choose another."
+    assert tab.view.scolded()[0]("en") == "Seven is not a gain; choose another."
     nothing_happened(tab)
 
 

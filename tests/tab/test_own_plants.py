@@ -21,7 +21,7 @@ from app.tab.designing import YOURS
 from app.tab.history import MERGE
 from app.tab.picture import Picture
 from app.tab.session import Session
-from app.text import Text
+from app.text import Text, text
 
 SMALL = Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.ones((1, 2)), name="small")
 LARGE = Plant(-np.eye(5), np.ones((5, 1)), np.ones((1, 5)), name="large")
@@ -32,7 +32,7 @@ def wear(_: Lesson, model: Model, name: str = "toy") -> Lesson:
     six."""
     n = model.plant.n
     if n == 3:
-        raise KnobError(Text("Three states do not fit this lesson.", "本课不接受三个状态。"))
+        raise KnobError(text("Three states do not fit this lesson."))
     extra = tuple(Number(f"state{i}", "x", Text(f"state {i}", f"状态 {i}"), low=0.0, high=1.0, default=0.5)
                   for i in range(n))
     lesson = toy(name)
@@ -172,7 +172,7 @@ def test_a_refused_file_costs_one_sentence_and_the_last_picture_stays(file: tupl
     tab.do(UploadPlant(*file))
     assert len(tab.view.scolded()) == 1
     said = tab.view.scolded()[0]
-    assert said.en.strip() and said.zh.strip() and "\n" not in said.en
+    assert said("en").strip() and said("zh").strip() and "\n" not in said("en")
     assert tab.picture.design == good.design and tab.picture.lesson is good.lesson
     assert tab.picture.outcome is good.outcome
     assert tab.picture.state.plant == good.state.plant
@@ -193,7 +193,7 @@ def test_a_lesson_that_takes_no_plant_says_so() -> None:
     tab = tab_of()
     tab.do(OpenLesson("plain"))
     tab.do(UploadPlant(*file_of(SMALL)))
-    assert "about its own plant" in tab.view.scolded()[0].en and tab.picture.design.plant == ""
+    assert "about its own plant" in tab.view.scolded()[0]("en") and tab.picture.design.plant == ""
 
 
 def test_a_screen_that_cannot_show_the_new_plant_is_laid_out_for_the_old_one_again() -> None:

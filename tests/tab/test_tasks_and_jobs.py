@@ -28,7 +28,7 @@ from app.tab.commands import (
     Undo,
 )
 from app.tab.drafts import KEPT, Drafts
-from app.text.words import same
+from app.text import same
 
 
 # --- tasks ---------------------------------------------------------------------------------------------------------
@@ -213,7 +213,7 @@ def test_a_job_that_fails_at_once_says_one_sentence() -> None:
     tab = Tab({"toy": toy(job=job_of(broken))})
     tab.do(RunJob())
     tab.session.step(0.0)
-    assert [s.en for s in tab.view.scolded()] == ["No."]
+    assert [s("en") for s in tab.view.scolded()] == ["No."]
     assert not tab.view.of("progress") or tab.view.of("progress")[-1] is None
 
 

@@ -75,7 +75,7 @@ def test_an_error_that_nobody_foresaw() -> None:
     tab = Tab(language="zh")
     tab.set(gain=BROKEN)
     assert "除数为零" in told(tab)
-    assert "a division by zero" in tab.view.scolded()[0].en
+    assert "a division by zero" in tab.view.scolded()[0]("en")
 
 
 def test_a_job_that_fails() -> None:

@@ -118,7 +118,7 @@ def test_every_lesson_opens_over_the_wire(enter: Enter, newest: Newest, lesson: 
     tab.until(lambda: newest().picture.lesson.id == lesson, "the lesson")  # type: ignore[union-attr]
     tab.settle()
     knobs = [k for k in LESSONS[lesson].knobs if not k.hidden]
-    tab.until(lambda: all(any((w["props"].get("label") or "").startswith(k.label.en) for w in tab.widgets.values()) for k in knobs),
+    tab.until(lambda: all(any((w["props"].get("label") or "").startswith(k.label("en")) for w in tab.widgets.values()) for k in knobs),
               "a widget for every knob")
     assert not tab.notes
 
@@ -150,7 +150,7 @@ def test_the_clock_names_the_length_of_a_run_that_a_job_made_longer(enter: Enter
     draft = length()
     assert draft == round(newest().picture.horizon, 5)  # type: ignore[union-attr]
     assert lesson.job is not None
-    tab.press(lesson.job.label.en)
+    tab.press(lesson.job.label("en"))
     tab.settle()
     assert length() > 1.5 * draft
 
@@ -238,8 +238,8 @@ def test_a_heading_stands_over_its_knobs_and_goes_with_them(enter: Enter, newest
         return {w["props"]["content"].split(">")[1].split("<")[0] for w in tab.widgets.values()
                 if str(w["props"].get("content", "")).startswith('<div class="ol-group">') and w["props"]["visible"] == visible}
     start = lesson.start()
-    wanted = {k.group.en for k in lesson.knobs if k.group is not None and lesson.shown(k, start)}
-    every = {k.group.en for k in lesson.knobs if k.group is not None and not k.hidden}
+    wanted = {k.group("en") for k in lesson.knobs if k.group is not None and lesson.shown(k, start)}
+    every = {k.group("en") for k in lesson.knobs if k.group is not None and not k.hidden}
     assert wanted and headings(True) == wanted and headings(True) | headings(False) == every
 
 
