@@ -13,7 +13,7 @@ from .own import Misfit, read
 
 __all__ = ["EXAMPLES", "Example", "example"]
 
-DATA = files(__package__) / "data"
+DATA = files("app.plants") / "data"
 
 
 @dataclass(frozen=True)

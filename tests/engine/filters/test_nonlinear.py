@@ -1,4 +1,4 @@
-"""Extended and unscented filters: the Kalman filter on linear plants, derivatives exact, honest where EKF is not."""
+"""Extended and unscented filters: derivatives exact, honest where EKF is not; on linear plants test_laws.py has them."""
 
 import mpmath
 import numpy as np
@@ -9,38 +9,6 @@ from hypothesis import strategies as st
 from app.engine import Belief, EngineError, ExtendedKalmanFilter, KalmanFilter, ShapeError, UnscentedKalmanFilter, nees
 from app.engine.filters import Beliefs, PrintedUnscentedFilter
 from app.engine.systems import each_column, slopes
-
-
-def linear(seed, n=4, m=2, p=2):
-    rng = np.random.default_rng(seed)
-    A = rng.standard_normal((n, n))
-    A *= 0.95 / np.abs(np.linalg.eigvals(A)).max()
-    B, C, D = rng.standard_normal((n, m)), rng.standard_normal((p, n)), rng.standard_normal((p, m))
-    Q, R = rng.standard_normal((n, n)), rng.standard_normal((p, p))
-    Q, R = Q @ Q.T, R @ R.T + 0.1 * np.eye(p)
-    maps = (lambda x, u: A @ x + B @ u), (lambda x, u: C @ x + D @ u)
-    return KalmanFilter(A, B, C, Q, R, D), maps
-
-
-NONLINEAR = pytest.mark.parametrize("make", [
-    ExtendedKalmanFilter,
-    UnscentedKalmanFilter,
-    lambda *a: UnscentedKalmanFilter(*a, alpha=0.1),
-    lambda *a: UnscentedKalmanFilter(*a, alpha=0.5, beta=0.0, kappa=-1.0),
-], ids=["extended", "unscented", "alpha 0.1", "kappa -1"])
-
-
-@NONLINEAR
-@pytest.mark.parametrize("seed", range(3))
-def test_on_a_linear_plant_it_is_the_kalman_filter(make, seed):
-    kalman, maps = linear(seed)
-    rng = np.random.default_rng(seed)
-    y, u = rng.standard_normal((40, 2)), rng.standard_normal((40, 2))
-    y[5], y[9, 1] = np.nan, np.nan
-    start = Belief(rng.standard_normal(4), 2 * np.eye(4))
-    ours, theirs = make(*maps, kalman.Q, kalman.R).run(start, y, u), kalman.run(start, y, u)
-    for name in ("predicted", "means", "innovations", "covariances", "prior_covariances", "S", "gains"):
-        np.testing.assert_allclose(getattr(ours, name), getattr(theirs, name), rtol=1e-9, atol=1e-10, err_msg=name)
 
 
 def test_without_the_redraw_the_printed_algorithm_is_not_the_kalman_filter():
@@ -182,10 +150,3 @@ def test_semidefinite_beliefs_have_sigma_points():
 def test_bad_filters_get_one_sentence(call, sentence):
     with np.errstate(all="ignore"), pytest.raises((EngineError, ShapeError), match=sentence):
         call()
-
-
-@pytest.mark.parametrize("kind", [ExtendedKalmanFilter, UnscentedKalmanFilter])
-def test_an_infinite_measurement_does_not_pass_for_a_missing_one(kind):
-    filter_ = kind(lambda x, u: 0.9 * x, lambda x, u: x[:1], np.eye(2), np.eye(1))
-    with pytest.raises(EngineError, match="infinite"):
-        filter_.update(Belief([0.0, 0.0], np.eye(2)), [-np.inf])
