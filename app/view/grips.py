@@ -23,7 +23,7 @@ GRIPS = "/grips"  # how the name of such a node ends
 Vector = tuple[float, float, float]
 
 
-def radius(camera: viser.CameraHandle, place: Sequence[float]) -> float:
+def radius(camera: viser.CameraHandle, place: Sequence[float] | np.ndarray) -> float:
     """The radius (stage units) of a disc at `place` that is POINTER px on the screen, FINGER px on a phone.
 
     A browser that says nothing sensible of its camera gets a radius within the bounds all the same.

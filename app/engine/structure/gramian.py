@@ -64,7 +64,7 @@ class Truncation:
 
 def _unstable_pole(plant: Plant) -> complex | None:
     poles, stable = stable_poles(plant.A, plant.dt)
-    excess = np.where(stable, -np.inf, np.abs(poles) if plant.dt > 0 else poles.real)
+    excess = np.where(stable, -np.inf, np.abs(poles) if plant.dt > 0 else np.real(poles))
     return complex(poles[np.argmax(excess)]) if not stable.all() else None
 
 

@@ -160,7 +160,7 @@ def stable_poles(A: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray
         return np.empty(0, dtype=complex), np.empty(0, dtype=bool)
     scale = state_scale(A)
     balanced = A * scale / scale[:, None]
-    poles, left, right = eig(balanced, left=True, right=True)
+    poles, left, right = tuple(eig(balanced, left=True, right=True))
     size = float(np.linalg.norm(balanced, 2))
     dust = n * np.finfo(float).eps * size
     cosine = np.abs(np.sum(left.conj() * right, axis=0))
