@@ -53,6 +53,7 @@ class BoardView:
         self._zeros: tuple[complex, ...] = ()
         self._signature: tuple[Any, ...] = ()
         self._shown: tuple[complex, ...] | None = None
+        self._held = True
         self._grip = time.monotonic_ns()  # told apart from the grips of every other board
         self._grabbed: tuple[int, tuple[complex, ...], complex] | None = None  # which pole, all poles, from hand to pole
         self._grips = Grips(client, self._root, rgb(COLOURS[board.role]), self._origin, self._pulled)
@@ -111,9 +112,10 @@ class BoardView:
                 scene.add_label(f"{root}/im{im:g}", f"{im:g}j".replace("-", "−"), position=(x + 0.04, y, z),
                                 anchor="center-left", font_screen_scale=0.8 * self._size, depth_test=True)
 
-    def show(self, board: Board) -> None:
-        """Move the poles to where the design has them."""
-        before, self._board = self._shown, board
+    def show(self, board: Board, held: bool) -> None:
+        """Move the poles to where the design has them; while they are held, no hand can take hold of one."""
+        before, self._board, self._held = self._shown, board, held or board.knob is None
+        self._grips.show([] if self._held else [self.local(pole) for pole in board.poles])
         if board.zeros != self._zeros:
             self._make_rings(board)
         signature = (len(board.poles), board.fixed, board.knob)
@@ -124,7 +126,6 @@ class BoardView:
         self._shown = board.poles
         if before == board.poles:
             return  # nothing moved: no message, and no frame of the scene
-        self._grips.show([self.local(pole) for pole in board.poles] if board.knob is not None else [])
         marks = [(at[0], at[2]) for at in map(self.local, (*board.poles, *board.zeros, *board.fixed))]
         taken = list(self._bolted)
         for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
@@ -188,7 +189,7 @@ class BoardView:
 
     async def _pulled(self, event: viser.SceneNodeDragEvent) -> None:
         board = self._board
-        if board.knob is None:
+        if board.knob is None or self._held:
             return
         if event.phase == "start" or self._grabbed is None:
             self._grabbed = self._taken(event.start_position)

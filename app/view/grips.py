@@ -16,8 +16,7 @@ from .stage import PHONE, aspect_of
 POINTER, FINGER = 22.0, 44.0  # px, radius of a disc
 SMALLEST, LARGEST = 0.12, 0.9  # stage units
 SAME = 0.06  # a radius that differs by less is not sent
-FAINT = 0.13  # how much of the colour a disc has
-DIM = 0.6  # the stage's light shines straight on a board: a lighter colour would lose its hue there
+FAINT = 0.16  # how much of the colour a disc has
 LAYER = 0.003  # stage units between two discs, so that where they overlap none cuts into another
 GRIPS = "/grips"  # how the name of such a node ends
 Vector = tuple[float, float, float]
@@ -43,6 +42,7 @@ class Grips:
                  moved: Callable[[viser.SceneNodeDragEvent], Any]) -> None:
         self._client, self._name, self._colour, self._middle, self._moved = client, root + GRIPS, colour, middle, moved
         self._node: viser.BatchedMeshHandle | None = None
+        self._at = np.zeros((0, 3), dtype=np.float32)
         self._count, self._radius = 0, 0.0
         self._lock = threading.Lock()  # the tab's thread moves the discs, the server's loop fits them to the camera
 
@@ -51,6 +51,9 @@ class Grips:
         with self._lock:
             at = np.array(places, dtype=np.float32).reshape(-1, 3)
             at[:, 1] += LAYER * np.arange(len(at), dtype=np.float32)
+            if np.array_equal(at, self._at):
+                return
+            self._at = at
             if self._node is not None and len(at) == self._count:
                 self._node.batched_positions = at
                 return
@@ -65,7 +68,7 @@ class Grips:
         upright = np.tile(np.array([1.0, 0.0, 0.0, 0.0], dtype=np.float32), (len(at), 1))
         self._node = self._client.scene.add_batched_meshes_simple(
             self._name, *disc(), upright, at, batched_scales=self._scales(), opacity=FAINT, lod="off",
-            batched_colors=tuple(round(DIM * part) for part in self._colour), side="double", cast_shadow=False, receive_shadow=False)
+            batched_colors=self._colour, cast_shadow=False, receive_shadow=False)
         self._node.on_drag("left")(self._moved)
 
     def _scales(self) -> np.ndarray:

@@ -223,8 +223,8 @@ class Panel:
         else:
             said = phrases.SKIPPED if state.predicted < 0 else phrases.YOU_PREDICTED.format(letter=LETTERS[state.predicted])
             waiting = not state.revealed
-            then = phrases.WATCH_FIRST if waiting else self._judged(state.predicted)
-            text = joined(said, then)(lang) + ("" if waiting else f"\n\n{render(self._words.reveal)}")
+            text = (joined(said, phrases.WATCH_FIRST)(lang) if waiting
+                    else f"{self._told(state.predicted, said)}\n\n{render(self._words.reveal)}")
         if self._unveil.visible != waiting:
             self._unveil.visible = waiting
         if self._letters.visible != (state.predicted is None):
@@ -232,9 +232,12 @@ class Panel:
         if self._answer.content != text:
             self._answer.content = text
 
-    def _judged(self, predicted: int) -> Text:
+    def _told(self, predicted: int, said: Text) -> str:
+        """What was predicted and what the run says, with a sign and a colour where something was predicted."""
         right = predicted == self._lesson.answer
-        return phrases.WAS_RIGHT if right else phrases.WAS_WRONG.format(letter=LETTERS[self._lesson.answer])
+        says = phrases.WAS_RIGHT if right else phrases.WAS_WRONG.format(letter=LETTERS[self._lesson.answer])
+        words = joined(said, says)(self._lang)
+        return words if predicted < 0 else _judged(right, words)
 
     def _show_task(self, task_id: str, state: TaskState) -> None:
         words, lang = self._words.tasks[task_id], self._lang

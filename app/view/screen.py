@@ -113,7 +113,7 @@ class Screen:
             if anew:
                 self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, aspect_of(self._client.camera)))
             for board in picture.outcome.boards:
-                self._board(board, picture).show(board)
+                self._board(board, picture).show(board, held=picture.state.predicted is None)
             self._landscape(picture)
             self._show_map(picture)
             self._stage.pose(picture.state.t)

@@ -18,6 +18,7 @@ def pair_of(tab: Tab, board: str, pole: int, count: int = 6) -> int:
 
 def test_dragging_a_pole_changes_its_gain_and_not_the_other(new_tab: Callable[..., Tab]) -> None:
     tab = new_tab(1280, 760)
+    tab.predict("skip")
     eventually(tab.equations, lambda words: len(words) == 3 and all(words), "the live equations")
     for board, gain in (("controller", 1), ("observer", 2)):
         before, curves, place, twin = tab.equations(), tab.shown(), on_board(tab, board, 0), pair_of(tab, board, 0)
@@ -31,6 +32,7 @@ def test_dragging_a_pole_changes_its_gain_and_not_the_other(new_tab: Callable[..
 
 def test_undo_takes_a_drag_back(new_tab: Callable[..., Tab]) -> None:
     tab = new_tab(1280, 760)
+    tab.predict("skip")
     before = eventually(tab.equations, lambda words: len(words) == 3 and all(words), "the live equations")
     drag(tab, on_screen(tab, "/board/controller/pole0"), (-15.0, 10.0), steps=3)
     eventually(tab.equations, lambda words: words != before, "the gain follows the pole")
@@ -49,6 +51,7 @@ SIGHT = "() => window.__viserMutable.camera.matrixWorldInverse.toArray()"
 def test_a_hand_that_misses_the_cross_by_twenty_pixels_still_holds_it(new_tab: Callable[..., Tab], size: tuple[int, int]) -> None:
     """The pole goes with the hand: it does not jump to it, and the camera stays."""
     tab = new_tab(*size)
+    tab.predict("skip")
     for board, pole in (("controller", 0), ("observer", 0)):
         x, y = on_screen(tab, f"/board/{board}/pole{pole}")
         seen = tab.page.evaluate(SIGHT)
@@ -79,6 +82,15 @@ def test_the_camera_stays_above_the_floor_and_a_button_brings_it_back(new_tab: C
 
 def test_the_discs_swell_once_when_a_pointer_comes(new_tab: Callable[..., Tab]) -> None:
     tab = new_tab(1280, 760)
+    tab.predict("skip")
     assert tab.page.evaluate("window.observerLabPulse") == "waits"
     tab.page.mouse.move(*on_screen(tab, "/board/observer/pole0"))
     eventually(lambda: tab.page.evaluate("window.observerLabPulse"), lambda said: said == "told", "the pulse")
+
+
+def test_poles_are_held_until_a_prediction_is_made(new_tab: Callable[..., Tab]) -> None:
+    tab = new_tab(1280, 760)
+    before, place = tab.shown(), on_board(tab, "observer", 0)
+    drag(tab, on_screen(tab, "/board/observer/pole0"), (-15.0, 10.0), steps=3)
+    tab.answered(rests=True)
+    assert tab.shown() == before and on_board(tab, "observer", 0) == place

@@ -93,6 +93,27 @@ def test_a_paused_tab_gets_no_messages_and_a_playing_one_does(enter: Enter) -> N
     assert tab.unasked() == []
 
 
+def test_a_prediction_frees_the_poles(enter: Enter) -> None:
+    tab = enter()
+    grips = {f"/board/{board}/grips" for board in ("controller", "observer")}
+    assert not grips & set(tab.nodes)
+    tab.press("skip")
+    tab.settle()
+    assert grips <= set(tab.nodes)
+
+
+@pytest.mark.parametrize("choice", ["A", "B", "C", "skip"])
+def test_a_prediction_is_judged_by_sign_and_colour(enter: Enter, choice: str) -> None:
+    tab = enter()
+    tab.press(choice)
+    tab.press("reveal")
+    tab.settle()
+    said = " ".join(str(w["props"].get("_markdown")) for w in tab.widgets.values())
+    right = "ABC"[LESSONS["separation"].answer]
+    assert ('class="ol-note ol-right">✓' in said) == (choice == right)
+    assert ('class="ol-note ol-wrong">✗' in said) == (choice not in (right, "skip"))
+
+
 def test_keys_do_what_buttons_do(enter: Enter, newest: Newest) -> None:
     tab = enter()
     tab.update(STIFFNESS, value=10.0)
