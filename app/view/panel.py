@@ -25,7 +25,7 @@ from ..tab.commands import (
 )
 from ..tab.picture import Picture, TaskState
 from ..text import Text, joined, languages, name_of
-from . import phrases
+from . import phrases, quirks
 from .knobs import Widget, make_widget
 from .plants import PlantRow
 from .prose import mathml, render, with_minus
@@ -82,10 +82,10 @@ class Panel:
     def _predict(self) -> None:
         gui, lang = self._gui, self._lang
         with gui.add_folder(phrases.PREDICTION(lang)):
-            options = "\n".join(f"{LETTERS[i]}. {render(o)}\n" for i, o in enumerate(self._words.options))
-            gui.add_markdown(f"{render(self._words.predict)}\n\n{options}")
+            gui.add_markdown(render(self._words.predict))
             letters = tuple(LETTERS[: len(self._words.options)])
-            self._letters = gui.add_button_group(phrases.CHOOSE(lang), (*letters, phrases.SKIP(lang)))
+            self._letters = gui.add_button_group("", (*letters, phrases.SKIP(lang)), visible=False)
+            self._options = gui.add_html("")
             self._unveil = gui.add_button(phrases.REVEAL(lang), visible=False)
             self._answer = gui.add_markdown("")
 
@@ -227,10 +227,18 @@ class Panel:
                     else f"{self._told(state.predicted, said)}\n\n{render(self._words.reveal)}")
         if self._unveil.visible != waiting:
             self._unveil.visible = waiting
-        if self._letters.visible != (state.predicted is None):
-            self._letters.visible = state.predicted is None
+        _write(self._options, self._sentences(state.predicted))
         if self._answer.content != text:
             self._answer.content = text
+
+    def _sentences(self, predicted: int | None) -> str:
+        """The options as sentences to press; afterwards the chosen one is marked and none can be pressed."""
+        skip = phrases.SKIP(self._lang)
+        said = [(letter, f"<b>{letter}</b> {render(words)}") for letter, words in zip(LETTERS, self._words.options, strict=False)]
+        return "".join(
+            f'<button type="button" class="ol-option{" ol-chosen" if i == predicted else ""}" data-value="{value}" '
+            f'data-to="{quirks.id_of(self._letters)}"{"" if predicted is None else " disabled"}>{words}</button>'
+            for i, (value, words) in enumerate([*said, *([(skip, skip)] if predicted is None else [])]))
 
     def _told(self, predicted: int, said: Text) -> str:
         """What was predicted and what the run says, with a sign and a colour where something was predicted."""

@@ -6,7 +6,6 @@ from ..text import same, text
 
 LESSON = text("lesson")
 PREDICTION = text("Predict")
-CHOOSE = text("your choice")
 SKIP = text("skip")
 REVEAL = text("reveal")
 YOU_PREDICTED = text("You predicted {letter}.")

@@ -196,6 +196,11 @@ def one_meaning_per_key(client: viser.ClientHandle) -> None:
     _run(client, "keys")
 
 
+def sentences_to_press(client: viser.ClientHandle) -> None:
+    """Let a button of our own HTML, with mathematics in it, answer for a widget."""
+    _run(client, "options")
+
+
 def stay_above_the_floor(client: viser.ClientHandle) -> None:
     """Keep the camera from turning or sliding under the floor, from where nothing can be seen."""
     _run(client, "floor")

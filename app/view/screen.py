@@ -85,6 +85,7 @@ class Screen:
                 quirks.frugal_frames(self._client)
                 quirks.folders_by_key(self._client)
                 quirks.one_meaning_per_key(self._client)
+                quirks.sentences_to_press(self._client)
                 quirks.stay_above_the_floor(self._client)
                 quirks.pulse_once(self._client, GRIPS, FAINT)
                 self._stage.camera("all")

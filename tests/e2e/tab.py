@@ -171,9 +171,10 @@ class Tab:
         self.settle()
 
     def predict(self, letter: str = "A") -> None:
-        """Choose a prediction."""
-        self.press(letter)
-        eventually(lambda: self.button(letter).count(), lambda n: n == 0, "the prediction is taken")
+        """Choose a prediction by pressing its sentence."""
+        self.page.locator(f'.ol-option[data-value="{letter}"]').click()
+        self.answered()
+        eventually(lambda: self.page.locator(".ol-option:enabled").count(), lambda n: n == 0, "the prediction is taken")
 
     def row(self, label: str) -> Locator:
         """The row of a widget by its label, the smallest element that holds label and widget."""

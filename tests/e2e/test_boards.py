@@ -64,7 +64,9 @@ def test_a_hand_that_misses_the_cross_by_twenty_pixels_still_holds_it(new_tab: C
 
 def test_the_camera_stays_above_the_floor_and_a_button_brings_it_back(new_tab: Callable[..., Tab]) -> None:
     tab = new_tab(1280, 760)
-    tab.drawn()
+    for _ in range(2):  # the first word on a canvas that the panels have narrowed
+        tab.press("whole view")
+        tab.drawn()
     before = tab.page.evaluate(SIGHT)
     left, top, width = tab.page.evaluate(CANVAS)
     empty = (left + width / 2, top + 30.0)
@@ -77,7 +79,7 @@ def test_the_camera_stays_above_the_floor_and_a_button_brings_it_back(new_tab: C
     assert tab.page.evaluate(SIGHT) != pytest.approx(before), "the camera has moved"
     assert tab.page.evaluate(HEIGHT) > 0.0 and tab.page.evaluate(TARGET) > 0.0
     tab.press("whole view")
-    eventually(lambda: tab.page.evaluate(SIGHT), lambda seen: seen == pytest.approx(before, abs=1e-3), "the view as it was")
+    eventually(lambda: tab.page.evaluate(SIGHT), lambda seen: seen == pytest.approx(before, rel=1e-3, abs=1e-3), "the view as it was")
 
 
 def test_the_discs_swell_once_when_a_pointer_comes(new_tab: Callable[..., Tab]) -> None:
