@@ -229,7 +229,7 @@ def test_slips_of_the_report_are_named_with_numbers():
 def test_the_known_sine_leaves_no_peak_in_the_output_error():
     """Figure 11 of the report: a known force at 0.16 Hz is in the output and not in its error."""
     loud = next(f for f in LESSON.figures(outcome(q=1.0, r=1.0, force=2.0)) if f.id == "tracking")
-    near = int(np.argmin(np.abs(loud.f - 0.16)))
+    near = int(np.argmin(np.abs(loud.x - 0.16)))
     output, error = (c.y for c in loud.curves)
     assert output[near] > 100 * error[near]
     quiet = next(f for f in LESSON.figures(outcome(q=1.0, r=1.0, force=0.0)) if f.id == "tracking")

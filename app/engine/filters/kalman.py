@@ -73,9 +73,9 @@ def gain_of(S: np.ndarray, across: np.ndarray) -> np.ndarray:
 def joseph(P: np.ndarray, C: np.ndarray, R: np.ndarray, M: np.ndarray) -> np.ndarray:
     """(I − M C) P (I − M C)ᵀ + M R Mᵀ, symmetric: right for any gain M, positive semidefinite whatever the rounding.
 
-    P (…, n, n), C (…, p, n) and M (…, n, p) may be stacks.
+    P (…, n, n), C (…, p, n) and M (…, n, p) may be stacks. Computed in the precision given.
     """
-    keep = np.eye(P.shape[-1]) - M @ C
+    keep = np.eye(P.shape[-1], dtype=P.dtype) - M @ C
     return symmetric(keep @ P @ keep.swapaxes(-1, -2) + M @ R @ M.swapaxes(-1, -2))
 
 

@@ -71,6 +71,13 @@ def test_roots_stay_right_over_many_steps_where_the_short_form_turns_negative():
     assert np.isfinite(safe.covariance).all()
 
 
+@pytest.mark.parametrize("size", [np.float32, np.float64])
+def test_both_updates_stay_in_the_precision_given(size: type):
+    """A comparison of rounding is one only if no form borrows digits."""
+    P, C, R, M = (np.asarray(part, dtype=size) for part in (np.diag([2.0, 3.0]), [[1.0, 1.0]], [[1.0]], [[0.3], [0.5]]))
+    assert joseph(P, C, R, M).dtype == short_form(P, C, M).dtype == size
+
+
 def test_joseph_forgives_a_gain_that_is_a_little_wrong_and_the_short_form_does_not():
     P, C, R = np.diag([4.0, 1.0]), np.array([[1.0, 0.5]]), np.array([[0.5]])
     best = P @ C.T / (C @ P @ C.T + R)
