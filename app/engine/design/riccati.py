@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +24,7 @@ __all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_
 
 NEWTON_STEPS = 4  # at most; none or one nearly always does
 GOOD_RESIDUAL = 2e-15
+FAIR_RESIDUAL = 1e-13  # above it the equation is solved once more, from another beginning
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,27 +92,40 @@ def _solve(
     own, states, inputs = in_balanced_units(plain)
     scaled, cost_scale, input_scale = unit_scale(own)
     cost_scale, input_scale = first_cost * cost_scale, first_input * input_scale
-    try:
-        S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None)
-    except (np.linalg.LinAlgError, ValueError) as failure:
-        raise RiccatiError("The Riccati equation has no stabilising solution; change the weights or the plant.") from failure
-    S = symmetric(S)
-    residual, size, K = evaluate(scaled, S)
+    best = None
+    for balanced in (True, False):  # where SciPy's own balancing makes its reordering of the pencil fail, we do without
+        with suppress(np.linalg.LinAlgError, ValueError):
+            S = library(scaled.A, scaled.B, scaled.Q, scaled.R, s=scaled.N if np.any(scaled.N) else None, balanced=balanced)
+            found = _polished(scaled, symmetric(S), newton, evaluate)
+            best = found if best is None or found[2] < best[2] else best
+            if best[2] < FAIR_RESIDUAL:
+                break
+    if best is None:
+        raise RiccatiError("The Riccati equation has no stabilising solution; change the weights or the plant.")
+    S, K, size = best
+    return cost_scale * S / states / states[:, None], input_scale * K * inputs[:, None] / states, size
+
+
+def _polished(
+    problem: RiccatiProblem, S: np.ndarray, newton: Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray],
+    evaluate: Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]],
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """S after Newton's steps, as long as they help, its K and relative residual."""
+    residual, size, K = evaluate(problem, S)
     for _ in range(NEWTON_STEPS):
         if size < GOOD_RESIDUAL:
             break
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                better = S + newton(scaled, K, residual)
-            better = symmetric(better)
-            new_residual, new_size, new_K = evaluate(scaled, better)
+                better = symmetric(S + newton(problem, K, residual))
+            new_residual, new_size, new_K = evaluate(problem, better)
         except (np.linalg.LinAlgError, ValueError, RuntimeWarning, LinAlgWarning):
             break
         if not new_size < size:
             break
         S, residual, size, K = better, new_residual, new_size, new_K
-    return cost_scale * S / states / states[:, None], input_scale * K * inputs[:, None] / states, size
+    return S, K, size
 
 
 def in_balanced_units(problem: RiccatiProblem) -> tuple[RiccatiProblem, np.ndarray, np.ndarray]:
