@@ -13,7 +13,7 @@ import viser
 from .meshes import disc
 from .stage import PHONE, aspect_of
 
-POINTER, FINGER = 22.0, 44.0  # px, radius of a disc
+POINTER, FINGER = 22.0 / 768, 44.0 / 844  # radius of a disc in heights of the window: 22 px on a laptop, 44 on a phone
 SMALLEST, LARGEST = 0.12, 0.9  # stage units
 SAME = 0.06  # a radius that differs by less is not sent
 FAINT = 0.16  # how much of the colour a disc has
@@ -23,15 +23,16 @@ Vector = tuple[float, float, float]
 
 
 def radius(camera: viser.CameraHandle, place: Sequence[float] | np.ndarray) -> float:
-    """The radius (stage units) of a disc at `place` that is POINTER px on the screen, FINGER px on a phone.
+    """The radius (stage units) of a disc at `place` that takes POINTER of the window's height, FINGER on a phone.
 
-    A browser that says nothing sensible of its camera gets a radius within the bounds all the same.
+    Not in the pixels that a browser tells: those are its drawing's, of which there are fewer while a slow machine moves
+    the scene. A browser that says nothing sensible of its camera gets a radius within the bounds all the same.
     """
     eye, aim = np.asarray(camera.position, dtype=float), np.asarray(camera.look_at, dtype=float)
     ahead = aim - eye
     depth = float((np.asarray(place) - eye) @ ahead) / max(float(np.linalg.norm(ahead)), 1e-9)
     wanted = FINGER if aspect_of(camera) < PHONE else POINTER
-    size = wanted * 2.0 * math.tan(camera.fov / 2) * depth / max(float(camera.image_height), 1.0)
+    size = wanted * 2.0 * math.tan(camera.fov / 2) * depth
     return min(max(size, SMALLEST), LARGEST) if math.isfinite(size) else 2 * SMALLEST
 
 
