@@ -281,8 +281,9 @@ def test_nothing_is_compared_with_itself_while_all_states_are_kept() -> None:
 
 
 def test_a_loop_on_the_edge_of_stability_tells_no_variance():
-    """Here the slowest pole of the loop is at −2.7e-12 rad/s, where the Lyapunov equation has no solution in double precision."""
-    edge = outcome(order=1, s=0.1, h=0.026546121469652753, a=0.1727031946620189, mu=0.01, kp=1265.2509013125311, v0=1e-12)
+    """Here the slowest pole of the loop is at −4.4e-11 rad/s, where the Lyapunov equation has no solution in double precision."""
+    edge = outcome(order=1, s=0.17122848483517683, h=0.025801420435433667, a=0.10739045461079666, mu=0.01,
+                   kp=855.0626120101867, v0=1e-06)
     small = edge.study.compared.small
     assert -1e-9 < small.rightmost < 0 and not small.stable
     assert small.cost is None and small.force is None and "extra" not in edge.metrics
