@@ -7,6 +7,7 @@ from scipy.optimize import least_squares
 
 from ..structure.coprime import CoprimeFactors
 from ..systems.balance import state_scale
+from ..systems.plant import Plant
 from ..systems.pole_sets import Poles
 
 __all__ = ["choose_directions", "full_stack", "gap", "linear_directions", "normalised", "row_condition",
@@ -23,10 +24,13 @@ def upper(poles: Poles) -> Poles:
 
 def full_stack(factors: CoprimeFactors, C: np.ndarray, heads: Poles) -> np.ndarray:
     """All rows that some T and C can offer: C, H(sᵢ)ᵀ of real poles, Re H(sᵢ)ᵀ and −Im H(sᵢ)ᵀ of pairs."""
+    return _stacked(C, heads, [factors.H_at(s if s.imag else s.real) for s in heads])
+
+
+def _stacked(C: np.ndarray, heads: Poles, H: list[np.ndarray]) -> np.ndarray:
     rows = [C]
-    for s in heads:
-        H = factors.H_at(s if s.imag else s.real).T
-        rows += [np.real(H), -np.imag(H)] if s.imag else [H]
+    for s, own in zip(heads, H, strict=True):
+        rows += [np.real(own.T), -np.imag(own.T)] if s.imag else [own.T]
     return np.vstack(rows)
 
 
@@ -64,14 +68,14 @@ def solve_row(stack: np.ndarray, K: np.ndarray, shift: np.ndarray | None = None)
     return c / length, float(np.linalg.norm(K - c @ rows) / np.linalg.norm(K))
 
 
-def choose_directions(factors: CoprimeFactors, C: np.ndarray, K: np.ndarray, heads: Poles) -> np.ndarray:
+def choose_directions(factors: CoprimeFactors, plant: Plant, K: np.ndarray, heads: Poles) -> np.ndarray:
     """g (heads, p) for K (r×n): exact for one row, else a well-spread choice, bent until K fits where it must.
 
     The best found is returned also where K cannot be met; the caller judges the residual.
     """
-    p, n = C.shape
-    stack = full_stack(factors, C, heads)
+    C, p, n = plant.C, plant.p, plant.n
     if len(K) == 1:
+        stack = _stacked(C, heads, [factors.exact_at(plant.A, C, s if s.imag else s.real)[0] for s in heads])
         return linear_directions(stack, p, heads, solve_row(stack, K[0])[0])[0]
     order = sum(2 if s.imag else 1 for s in heads)
     g = _spread(factors, C, heads)

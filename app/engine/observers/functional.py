@@ -112,7 +112,7 @@ def functional_observer(
         return _in_like_units(plant, wanted, own, asked, every_entry(plant) if wrong is None else wrong, check_norm(norm))
     factors = coprime_factors(plant)
     heads = upper(asked)
-    g = (choose_directions(factors, plant.C, wanted, heads) if directions is None
+    g = (choose_directions(factors, plant, wanted, heads) if directions is None
          else _given_directions(directions, asked, plant.p))
     observer = assemble(plant, wanted, factors, asked, g, W, None if free is None else as_matrix(free, "free"),
                         every_entry(plant) if wrong is None else wrong, check_norm(norm))
@@ -192,17 +192,14 @@ def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles,
 def real_rows(plant: Plant, factors: CoprimeFactors, heads: Poles, g: np.ndarray) -> tuple[np.ndarray, ...]:
     """J (q×q), T′ (q×n), L′ (q×p), real: tᵢ, lᵢ of a real pole, Re and Im of those of a pair, residual at rounding.
 
-    (t, l) from the polynomials is moved to the nearest solution of tᵀA − s tᵀ − lᵀC = 0.
+    (t, l) = (H(s) g, −L(s) g) solves tᵀA − s tᵀ − lᵀC = 0.
     """
-    n, J, T, L = plant.n, [], [], []
+    J, T, L = [], [], []
     for s, direction in zip(heads, g, strict=True):
         value = s if s.imag else s.real
         direction = direction if s.imag else direction.real
-        pair = np.concatenate([factors.H_at(value) @ direction, -factors.L_at(value) @ direction])
-        system = np.hstack([plant.A.T - value * np.eye(n), -plant.C.T])
-        scale = np.where(pair != 0, np.abs(pair), np.abs(pair).max() * 1e-16)  # zeros of the polynomials stay zeros
-        pair = pair - scale * np.linalg.lstsq(system * scale, system @ pair, rcond=None)[0]
-        t, l = pair[:n], pair[n:]
+        H, L_s = factors.exact_at(plant.A, plant.C, value)
+        t, l = H @ direction, -L_s @ direction
         J.append(np.array([[s.real, -s.imag], [s.imag, s.real]]) if s.imag else np.array([[s.real]]))
         T += [t.real, t.imag] if s.imag else [t]
         L += [l.real, l.imag] if s.imag else [l]

@@ -38,6 +38,20 @@ class CoprimeFactors:
         """L(s), p×p, real for real s."""
         return _horner(self.L, s)
 
+    def exact_at(self, A: np.ndarray, C: np.ndarray, s: complex) -> tuple[np.ndarray, np.ndarray]:
+        """H(s), L(s), each column moved to the nearest solution of (sI − Aᵀ)h = Cᵀl, so that the rounding of the
+        coefficients, which grows with the powers of s, is gone; relative to each entry, so zeros stay zeros."""
+        columns = np.vstack([self.H_at(s), self.L_at(s)]).T
+        system = np.hstack([s * np.eye(len(A)) - A.T, -C.T])
+        moved = np.array([_nearest(system, column) for column in columns]).T
+        return moved[:len(A)], moved[len(A):]
+
+
+def _nearest(system: np.ndarray, v: np.ndarray) -> np.ndarray:
+    """The solution of system · v = 0 nearest to v, each entry in its own size."""
+    size = np.where(v != 0, np.abs(v), np.abs(v).max() * 1e-16)
+    return v - size * np.linalg.lstsq(system * size, system @ v, rcond=None)[0]
+
 
 def _horner(coefficients: np.ndarray, s: complex) -> np.ndarray:
     value = coefficients[-1]

@@ -35,6 +35,22 @@ def spread_poles(seed, order, pairs):
 
 
 # --- coprime factors -----------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("n", [4, 12, 20])
+def test_exact_factors_at_a_point_have_no_error_of_the_coefficients(n):
+    """A row of states k² apart in stiffness, as a beam's: Horner's sum is far from rounding there, and the rows of T with it."""
+    A = np.zeros((n, n))
+    for k in range(0, n, 2):
+        A[k, k + 1], A[k + 1, k] = 1.0, -36.0 * (1 + k / 2) ** 4
+    plant = Plant(A, np.zeros((n, 1)), np.random.default_rng(1).choice([-1.0, 1.0], (2, n)))
+    f = coprime_factors(plant)
+    for s in (-3.0, -200.0, -20.0 + 50j):
+        H, L = f.exact_at(A, plant.C, s)
+        left, right = (s * np.eye(n) - A.T) @ H, plant.C.T @ L
+        size = np.abs(s * np.eye(n) - A.T) @ np.abs(H) + np.abs(plant.C.T) @ np.abs(L)
+        assert np.all(np.abs(left - right) <= 1e-12 * size)
+        np.testing.assert_allclose(H, f.H_at(s), rtol=0, atol=1e-6 * np.abs(H).max())
+
+
 def test_factors_of_example_1():
     f = coprime_factors(ONE)
     np.testing.assert_allclose(f.H[:, :, 0], [[1, 0], [0, 1]], atol=1e-14)  # H(s) = [1; s]
