@@ -14,9 +14,10 @@ from laws import holds_for_all
 from lesson_checks import boards_of, check_figures, check_mathml, complete, contents, every_lesson, numbers_of, others
 
 from app.cli.entry import main
-from app.engine import EngineError, Plant, from_json, load_plant, to_json, to_mat
+from app.engine import EngineError, Plant, Scenario, from_json, load_plant, simulate, to_json, to_mat
 from app.lesson.knobs import KnobError, Poles
-from app.lesson.lesson import Lesson
+from app.lesson.lesson import Lesson, Stage
+from app.plants import spring_damper
 from app.plants.examples import DATA, EXAMPLES, example
 from app.plants.own import canonical, own_model, plant_of
 from app.tab.state import read_design, write_design
@@ -78,6 +79,14 @@ def opens(lesson: Lesson, plant: str) -> None:
             knob = fitted.knob(board.knob)
             assert isinstance(knob, Poles) and (board.re_low, board.re_high, board.im_high) == (knob.re_low, knob.re_high, knob.im_high)
             fitted.apply(outcome.design, {board.knob: board.held, **dict(board.also)})
+
+
+def test_a_run_lost_within_its_first_step_is_said_in_a_sentence() -> None:
+    """Of such a run no more than its start is left, which no figure over time can show."""
+    run = simulate(Scenario(Plant([[1e5]], [[1]], [[1]]), x0=[1.0], horizon=1.0))
+    assert len(run.t) == 1
+    with pytest.raises(KnobError, match="first step"):
+        Stage(spring_damper.MODEL.body, run.t, run.x)
 
 
 @adaptable

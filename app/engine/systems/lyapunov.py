@@ -6,10 +6,12 @@ import numpy as np
 from scipy.linalg import qr
 
 from .balance import balance
+from .errors import EngineError
 
 __all__ = ["settled_covariance", "settled_factor"]
 
 EPS = float(np.finfo(float).eps)
+LARGEST = 1e150  # a factor as large as this has variances that overflow
 
 
 def settled_covariance(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
@@ -21,7 +23,7 @@ def settled_covariance(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndar
 def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
     """R (n×n) with R Rᵀ the solution of `settled_covariance`: R ← [R, A^(2^k) R], compressed orthogonally each time.
 
-    In states balanced with what drives them. Smith, "Matrix equation XA + BX = C" (1968), on square-root factors.
+    In states balanced with what drives them. Raises EngineError where rounding makes a power of A grow. Smith, "Matrix equation XA + BX = C" (1968), on square-root factors.
     """
     n = len(A)
     if n == 0:
@@ -30,12 +32,16 @@ def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
     power, R = A * scale / scale[:, None], G / scale[:, None]
     if dt == 0:
         power, R = _to_discrete(power, R)
-    for _ in range(64):
-        more = power @ R
-        if np.linalg.norm(more) <= EPS * np.linalg.norm(R):
-            break
-        R = _compress(np.hstack([R, more]))
-        power = power @ power
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(64):
+            more = power @ R
+            if np.linalg.norm(more) <= EPS * np.linalg.norm(R):
+                break
+            if not np.linalg.norm(more) < LARGEST:
+                raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be told; choose gentler "
+                                  "gains or other units.")
+            R = _compress(np.hstack([R, more]))
+            power = power @ power
     R = _compress(R)
     return scale[:, None] * np.pad(R, ((0, 0), (0, n - R.shape[1])))
 
