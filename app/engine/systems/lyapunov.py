@@ -23,7 +23,8 @@ def settled_covariance(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndar
 def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
     """R (n×n) with R Rᵀ the solution of `settled_covariance`: R ← [R, A^(2^k) R], compressed orthogonally each time.
 
-    In states balanced with what drives them. Raises EngineError where rounding makes a power of A grow. Smith, "Matrix equation XA + BX = C" (1968), on square-root factors.
+    In states balanced with what drives them. Raises EngineError where rounding makes a power of A grow.
+    Smith, "Matrix equation XA + BX = C" (1968), on square-root factors.
     """
     n = len(A)
     if n == 0:
