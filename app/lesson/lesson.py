@@ -22,6 +22,9 @@ R = TypeVar("R")  # what a lesson's job finds
 NO_STUDY: Any = None  # of a lesson that computes nothing of its own
 
 
+LOST = text("The run is lost within its first step; choose gentler gains.")
+
+
 @dataclass(frozen=True)
 class Design:
     """Everything a person has chosen in a lesson: the one record that undo, share links, files and tests carry.
@@ -96,7 +99,7 @@ class Stage:
 
     def __post_init__(self) -> None:
         if len(self.t) < 2:
-            raise KnobError(text("The run is lost within its first step; choose gentler gains."))
+            raise KnobError(LOST)
 
 
 @dataclass(frozen=True)

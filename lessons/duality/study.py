@@ -12,7 +12,8 @@ from scipy.linalg import expm, schur
 from app.engine import EngineError, Plant, Scenario, lqe, lqr, observer_gain, place, simulate
 from app.engine.structure import reachability_gramian
 from app.engine.systems import sorted_poles, symmetric
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import LOST, Board, Check, Design, Formula, Outcome
 from app.plants import Model, Window
 from app.text import Text, same, text
 
@@ -99,13 +100,18 @@ def gains_of(here: Setting, design: Design, plant: Plant) -> tuple[np.ndarray, n
 
 
 def run_pair(model: Model, plant: Plant, L: np.ndarray, K_dual: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """e(t) of the observer and x_d(T − t) of the dual loop over a window of about two of the slowest time constants."""
+    """e(t) of the observer and x_d(T − t) of the dual loop over a window of about two of the slowest time constants.
+
+    Raises KnobError where one of them is lost within its first step.
+    """
     slowest = float(np.min(np.abs(np.linalg.eigvals(plant.A - L @ plant.C).real)))
     span = float(np.clip(2 / max(slowest, 1e-6 / model.horizon), model.horizon / 24, model.horizon / 3))
     step = span / 200
     seen = simulate(Scenario(plant, L=L, x0=model.x0, xhat0=model.guess, horizon=span, dt=step))
     dual = simulate(Scenario(plant.dual(), K_dual, x0=np.ones(plant.n), horizon=span, dt=step, state_feedback=True))
     count = min(len(seen.t), len(dual.t))
+    if count < 2:
+        raise KnobError(LOST)
     return seen.t[:count], seen.e[:count], dual.x[:count][::-1]
 
 
