@@ -28,6 +28,7 @@ IN_ROW = """label => {
   return rows.some(row => Array.from(row.querySelectorAll('label')).some(l => l.textContent === label)
     && row.querySelectorAll('label').length === 1 && row.querySelectorAll('input').length <= 2);
 }"""
+OPTION = "letter => document.activeElement?.matches?.('button.ol-option') && document.activeElement.dataset.value === letter"
 EXPANDED = "() => document.activeElement?.getAttribute('aria-expanded')"
 ON_PAGE = "() => document.activeElement?.blur()"
 REACH = 80  # presses of Tab within which everything in the left column must be reachable
@@ -43,7 +44,7 @@ def walk_to(tab: Tab, there: str, argument: str | None = None, wanted: object = 
 
 
 def test_the_whole_lesson_by_keyboard_alone(tab: Tab) -> None:
-    walk_to(tab, FOCUS, wanted="B")
+    walk_to(tab, OPTION, "B")
     tab.key("Enter")
     eventually(tab.clock, lambda t: t > 0.0, "the choice of a prediction starts the run")
     walk_to(tab, IS_THUMB, SLIDER)
@@ -125,7 +126,7 @@ def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None
         tab.key("p")
         eventually(tab.question, lambda words, old=before: words != old, "P opens the lesson before")
     assert tab.question() == lesson.words["en"].question
-    walk_to(tab, FOCUS, wanted="BCD"[lesson.answer - 1])
+    walk_to(tab, OPTION, "ABCD"[lesson.answer])
     tab.key("Enter")
     open_folder(tab, "Tasks")
     for task in lesson.tasks:
