@@ -166,6 +166,12 @@ def test_no_mutable_globals() -> None:
                                                          for m in modules("app", "lessons")) == []
 
 
+def test_any_is_said_in_lessons_and_the_tab_only_with_the_reason_beside_it() -> None:
+    """A comment that names `Any` says why no type can stand there."""
+    assert violations((m, [name for name in m.imports() if name == "typing.Any" and not re.search(r"# .*`Any`", m.source)])
+                      for m in modules("lessons", "app.tab")) == []
+
+
 def test_top_level_folders_are_those_agreed_and_no_others() -> None:
     there = {p.relative_to(ROOT).parts[0] for p in tracked() if len(p.relative_to(ROOT).parts) > 1}
     assert there == FOLDERS

@@ -131,7 +131,7 @@ def test_the_long_computation_runs_only_with_final(capsys, monkeypatch) -> None:
     def job(outcome):
         yield 0.5, replace(outcome, metrics={"half": 1.0})
         yield 1.0, replace(outcome, metrics={"done": 1.0})
-    use(monkeypatch, replace(SEPARATION, job=Job(same("long"), job)))
+    use(monkeypatch, replace(SEPARATION, job=Job(same("long"), job, key=lambda design: design, shown=lambda outcome, found: found)))
     assert "done" not in run_json(capsys)[1]["metrics"]
     assert run_json(capsys, "--final")[1]["metrics"] == {"done": 1.0}
     use(monkeypatch, replace(SEPARATION, job=None))

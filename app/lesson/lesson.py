@@ -164,14 +164,6 @@ class ExamItem:
     tolerance: float
 
 
-def _itself(given: Any) -> Any:
-    return given
-
-
-def _whole(outcome: Any, found: Any) -> Any:
-    return found
-
-
 @dataclass(frozen=True)
 class Job(Generic[S, R]):
     """A longer computation that a person starts, and on what its result depends.
@@ -182,8 +174,8 @@ class Job(Generic[S, R]):
 
     label: Text
     run: Callable[[Outcome[S]], Iterator[tuple[float, R | None]]]
-    key: Callable[[Design], Hashable] = _itself
-    shown: Callable[[Outcome[S], R], Outcome[S]] = _whole
+    key: Callable[[Design], Hashable]
+    shown: Callable[[Outcome[S], R], Outcome[S]]
 
     def outcomes(self, outcome: Outcome[S]) -> Iterator[tuple[float, Outcome[S]]]:
         """Run it from an outcome to its end: (fraction, the outcome that shows what is found so far)."""

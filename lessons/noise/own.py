@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from app.lesson.knobs import Choice, Knob, Number, Poles
-from app.lesson.lesson import Job, Lesson, Outcome
+from app.lesson.lesson import Design, Job, Lesson, Outcome
 from app.plants import Model
 from app.text import text
 
@@ -68,7 +68,12 @@ def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     return replace(outcome, study=replace(outcome.study, trials=trials))
 
 
+def key(design: Design) -> Design:
+    """What the runs rest on: the whole design, for one error alone is averaged."""
+    return design
+
+
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; the tasks stay with the block."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(text("Try {runs} runs", runs=RUNS), partial(try_often, model), shown=shown))
+                   job=Job(text("Try {runs} runs", runs=RUNS), partial(try_often, model), key, shown))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -87,7 +86,7 @@ def with_starts(outcome: Outcome[Study], starts: Starts) -> Outcome[Study]:
                    metrics={**outcome.metrics, "map_done": starts.done, "map_home": starts.home})
 
 
-def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, Any]:
+def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:
     """A click on the map: the start of the nearest cell, without a kick, so that it runs as the map says."""
     if not (np.isfinite(x) and np.isfinite(y)):
         raise KnobError(text("That click is not on the map."))

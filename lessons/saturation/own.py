@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
 import numpy as np
 
@@ -184,7 +184,7 @@ def with_map(outcome: Outcome[OwnStudy], values: np.ndarray) -> Outcome[OwnStudy
     return replace(outcome, study=replace(outcome.study, values=values))
 
 
-def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, Any]:
+def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, float]:
     """A click on the map: the start of the nearest cell, without a kick."""
     if not (np.isfinite(x) and np.isfinite(y)):
         raise KnobError(text("That click is not on the map."))

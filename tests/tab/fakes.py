@@ -177,7 +177,8 @@ def _at_most(outcome: Outcome) -> Verdict:
 
 
 def job_of(run: Callable[[Outcome], Iterator[tuple[float, Outcome]]]) -> Job:
-    return Job(text("long"), run)
+    """A job that finds whole outcomes, each for its own design."""
+    return Job(text("long"), run, key=lambda design: design, shown=lambda outcome, found: found)
 
 
 class Tab:
