@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -14,8 +15,10 @@ from ..plants.body import Body
 from ..plants.model import Model
 from ..plants.own import own_model, plant_of, without_hold
 from ..text import NO_WORDS, Text, joined, text
+from .design import Design as Design
 from .figures import Figure
 from .knobs import Knob, KnobError
+from .typed import Typed
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own
 R = TypeVar("R")  # what a lesson's job finds
@@ -23,28 +26,6 @@ NO_STUDY: Any = None  # of a lesson that computes nothing of its own
 
 
 LOST = text("The run is lost within its first step; choose gentler gains.")
-
-
-@dataclass(frozen=True)
-class Design:
-    """Everything a person has chosen in a lesson: the one record that undo, share links, files and tests carry.
-
-    `plant` is the user's own plant as canonical JSON (`app.plants.own.canonical`), empty for the lesson's own.
-    """
-
-    lesson: str
-    values: tuple[tuple[str, Any], ...]
-    plant: str = ""
-
-    def __getitem__(self, name: str) -> Any:
-        for key, value in self.values:
-            if key == name:
-                return value
-        raise KeyError(name)
-
-    def with_values(self, **changes: Any) -> Design:
-        """The same design with some values changed; nothing is checked here, `Lesson.apply` does that."""
-        return Design(self.lesson, tuple((key, changes.get(key, value)) for key, value in self.values), self.plant)
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,11 +129,31 @@ class Verdict:
 
 @dataclass(frozen=True)
 class Task(Generic[S]):
-    """A task that the engine checks. It fails at the lesson's start and passes at its own `solution`."""
+    """A task that the engine checks. It fails at the lesson's start and passes at its own `solution`.
+
+    `check` asks the design, `typed` a result found with a pencil; a task has one of them or both. `easy` says why a task
+    may be solved by a single stop or click; the others are attacked by a test.
+    """
 
     id: str
     check: Callable[[Outcome[S]], Verdict]
     solution: Mapping[str, Any]
+    typed: Typed | None = None
+    easy: str = ""
+
+    def judge(self, outcome: Outcome[S], said: str = "") -> Verdict:
+        """The verdict on a design and on what was typed."""
+        found = self.check(outcome)
+        if self.typed is None or not found.solved:
+            return found
+        right, why = self.typed.judge(outcome, said)
+        return Verdict(right, joined(why, found.text) if right and found.text.id else why)
+
+
+def pencil(id: str, typed: Typed, check: Callable[[Outcome[Any]], Verdict] = lambda _: Verdict(True, NO_WORDS),
+           solution: Mapping[str, Any] = MappingProxyType({})) -> Task[Any]:
+    """A task whose result is found with a pencil and typed in, on any design that passes `check`."""
+    return Task(id, check, solution, typed)
 
 
 @dataclass(frozen=True)

@@ -118,9 +118,10 @@ class Reveal:
 
 @dataclass(frozen=True)
 class CheckTask:
-    """Judge a task by the present design."""
+    """Judge a task by the present design and by what was typed under it."""
 
     task: str
+    said: object = ""
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ class TaskState:
     verdict: Verdict | None = None
     hints: int = 0
     solution: bool = False
+    typed: str = ""  # what was typed when it was last checked
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import assert_never
 
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Task, Verdict
+from ..lesson.typed import LONGEST
 from ..text import text
 from .commands import (
     AnswerExam,
@@ -40,8 +41,8 @@ def obey(show: Presenter, command: Studying) -> None:
         case Reveal():
             if not locked(show):
                 show.change(replace(show.state, revealed=True))
-        case CheckTask(task):
-            _check(show, _find(show, task))
+        case CheckTask(task, said):
+            _check(show, _find(show, task), said)
         case CheckNextTask():
             _check_next(show)
         case ShowHint(task):
@@ -80,17 +81,18 @@ def _see(show: Presenter, task: Task, seen: TaskState) -> None:
     show.change(replace(show.state, tasks={**show.state.tasks, task.id: seen}))
 
 
-def _check(show: Presenter, task: Task) -> None:
-    verdict = task.check(show.picture.outcome)
-    _see(show, task, replace(_seen(show, task), verdict=verdict))
+def _check(show: Presenter, task: Task, said: object) -> None:
+    words = said[:LONGEST] if isinstance(said, str) else ""
+    verdict = task.judge(show.picture.outcome, words)
+    _see(show, task, replace(_seen(show, task), verdict=verdict, typed=words))
     show.view.say(verdict.text, not verdict.solved)
 
 
 def _check_next(show: Presenter) -> None:
     for task in show.lesson.tasks:
-        verdict = _seen(show, task).verdict
-        if verdict is None or not verdict.solved:
-            _check(show, task)
+        seen = _seen(show, task)
+        if seen.verdict is None or not seen.verdict.solved:
+            _check(show, task, seen.typed)
             return
 
 

@@ -58,7 +58,7 @@ class Panel:
         self._knobs()
         self._numbers(picture)
         self._explain()
-        self._make_tasks()
+        self._make_tasks(picture)
         self._make_exam(picture)
 
     # --- building --------------------------------------------------------------------------------------------------
@@ -145,25 +145,29 @@ class Panel:
             with self._gui.add_folder(heading, expand_by_default=False):
                 self._gui.add_markdown(render(text))
 
-    def _make_tasks(self) -> None:
+    def _make_tasks(self, picture: Picture) -> None:
         if not self._lesson.tasks:
             return
         lang = self._lang
         with self._gui.add_folder(phrases.TASKS(lang), expand_by_default=False):
             for task in self._lesson.tasks:
                 text = self._gui.add_markdown("")
+                typed = picture.state.tasks.get(task.id, TaskState()).typed
+                field = None if task.typed is None else self._gui.add_text(phrases.RESULT(lang), typed)
                 row = self._gui.add_button_group("", (phrases.CHECK(lang), phrases.HINT(lang), phrases.SOLUTION(lang)))
                 self._tasks[task.id] = text, row
-                self._listen(row, task.id)
+                self._listen(row, task.id, field)
 
-    def _listen(self, row: viser.GuiButtonGroupHandle, task_id: str) -> None:
-        commands: dict[str, Edit] = {phrases.CHECK(self._lang): CheckTask(task_id), phrases.HINT(self._lang): ShowHint(task_id),
-                                     phrases.SOLUTION(self._lang): ShowSolution(task_id)}
+    def _listen(self, row: viser.GuiButtonGroupHandle, task_id: str, field: viser.GuiInputHandle[str] | None) -> None:
+        commands: dict[str, Edit] = {phrases.HINT(self._lang): ShowHint(task_id), phrases.SOLUTION(self._lang): ShowSolution(task_id)}
 
         @row.on_click
         async def _(event: viser.GuiEvent) -> None:
-            if event.target.value in commands:
-                self._post(commands[event.target.value])
+            word = event.target.value
+            if word == phrases.CHECK(self._lang):
+                self._post(CheckTask(task_id, "" if field is None else field.value))
+            elif word in commands:
+                self._post(commands[word])
 
     def _make_exam(self, picture: Picture) -> None:
         gui, lang = self._gui, self._lang

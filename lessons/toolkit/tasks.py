@@ -16,7 +16,8 @@ def fair(lesson: Lesson) -> Lesson:
 
     def passes(task: Task) -> bool:
         try:
-            return task.check(lesson.compute(lesson.apply(start, task.solution))).solved
+            outcome = lesson.compute(lesson.apply(start, task.solution))
+            return task.judge(outcome, task.typed.right(outcome) if task.typed else "").solved
         except (EngineError, KnobError):
             return False
-    return replace(lesson, tasks=tuple(t for t in lesson.tasks if not t.check(opened).solved and passes(t)))
+    return replace(lesson, tasks=tuple(t for t in lesson.tasks if not t.judge(opened).solved and passes(t)))

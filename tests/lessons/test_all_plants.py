@@ -158,8 +158,9 @@ def is_complete_on(lesson: Lesson, name: str) -> None:
         complete(knob.label, f"label of {knob.name}")
         assert knob.hidden or knob.hint("en").strip(), knob.name
     for task in own.tasks:
-        assert not task.check(outcome).solved
-        assert task.check(own.compute(own.apply(own.start(), task.solution))).solved
+        solved = own.compute(own.apply(own.start(), task.solution))
+        assert not task.judge(outcome).solved
+        assert task.judge(solved, task.typed.right(solved) if task.typed else "").solved
     assert {tab.tab("en") for tab in figures if sum(f.tab == tab.tab for f in figures) > 3} == set()
 
 

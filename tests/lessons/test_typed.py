@@ -1,0 +1,62 @@
+"""Results typed in: what is read, what is right, and how a wrong one is refuted."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from laws import each
+
+from app.lesson.lesson import NO_STUDY, Design, Outcome, pencil
+from app.lesson.typed import LONGEST, Typed, Unreadable, value_of
+from app.text import text
+
+BLANK = Outcome(Design("none", ()), study=NO_STUDY)
+GAIN = Typed("p^2 - k - b*(2*p - b)", ("p", "k", "b"), slips=(("p^2 - k", text("You left out the damper.")),))
+
+
+@each("said, value", [
+    ("1.25", 1.25), ("5/4", 1.25), (" -3 ", -3.0), ("−3", -3.0), ("2p", 4.0), ("2(p+1)", 6.0), ("l = p²", 4.0), ("√(p+2)", 2.0),
+    ("p^3", 8.0), ("e^0", 1.0), ("ln(e)", 1.0), ("2·p×3", 12.0), ("1e-3", 1e-3), ("(p)(p)", 4.0), ("-p^2", -4.0), ("2e", 2 * math.e)])
+def test_an_expression_is_read_as_it_is_written_on_paper(said: str, value: float) -> None:
+    assert value_of(said, {"p": 2.0}) == pytest.approx(value, rel=1e-12)
+
+
+@each("said", ["", "=", "q", "p +", "1/0", "ln(0-1)", "9^9^9^9", "p.real", "__import__('os')", "p if p else 1", "[1]", "True", "abs", "1j",
+               "(" * 300, "1" * (LONGEST + 1), "lambda: 1", "ln(p, 2)", "(-8)^(1/3)"])
+def test_what_is_no_number_is_refused_in_a_sentence(said: str) -> None:
+    with pytest.raises(Unreadable):
+        value_of(said, {"p": 2.0})
+    solved, why = GAIN.judge(BLANK, said)
+    assert not solved and why("en").endswith(".") and why("zh") != why("en")
+
+
+@given(st.text(max_size=60))
+def test_whatever_is_typed_is_a_number_or_unreadable(said: str) -> None:
+    with contextlib.suppress(Unreadable):
+        assert math.isfinite(value_of(said, {"p": 2.0}))
+
+
+@each("said", ["p^2 - k - 2*b*p + b^2", "(p-b)^2 - k", "l2 = -k + b² + p² − 2 p*b"])
+def test_the_same_expression_in_another_form_is_right(said: str) -> None:
+    assert GAIN.judge(BLANK, said)[0]
+
+
+def test_a_usual_slip_is_refuted_by_its_own_sentence_and_another_by_numbers() -> None:
+    assert GAIN.judge(BLANK, "p*p - k")[1]("en") == "You left out the damper."
+    solved, why = GAIN.judge(BLANK, "p^2")
+    assert not solved and "yours gives" in why("en")
+
+
+def test_a_number_is_right_to_the_digits_that_are_asked() -> None:
+    third = Typed(lambda _: 1 / 3)
+    assert third.judge(BLANK, "0.333")[0] and third.judge(BLANK, "1/3")[0]
+    assert not third.judge(BLANK, "0.34")[0] and not third.judge(BLANK, "")[0]
+
+
+def test_a_pencil_task_is_solved_by_what_is_typed_alone() -> None:
+    task = pencil("gain", GAIN)
+    assert not task.judge(BLANK).solved and task.judge(BLANK, GAIN.right(BLANK)).solved
