@@ -49,6 +49,13 @@ class Kick:
     """Strike the plant now."""
 
 
+@dataclass(frozen=True)
+class Watched:
+    """The page is seen by somebody who minds no motion (1), or is hidden (0)."""
+
+    seen: object
+
+
 # --- the design ----------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class Undo:
@@ -213,7 +220,7 @@ class Recalled:
     text: str | None
 
 
-Playing = Play | Rewind | Seek | ChangeSpeed | Kick
+Playing = Play | Rewind | Seek | ChangeSpeed | Kick | Watched
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
 Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp | Answer

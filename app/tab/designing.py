@@ -46,7 +46,7 @@ def obey(show: Presenter, command: Designing) -> None:
 def _start(show: Presenter, plant: str) -> None:
     """Open the lesson at its start with a plant, as one step of undo."""
     show.adopt(show.lessons[show.lesson.id].fit(plant).start())
-    show.change(replace(show.state, playing=False, t=0.0))
+    show.change(replace(show.state, playing=False, loop=None, stopped=False, t=0.0))
     show.view.pose(0.0)
 
 
@@ -72,4 +72,4 @@ def _pick(show: Presenter, x: float, y: float) -> None:
         return
     show.set_knobs([SetKnobs(show.lesson.pick(show.picture.outcome, x, y))])
     if show.state.predicted is not None:
-        show.change(replace(show.state, playing=True, t=0.0))
+        show.change(replace(show.state, playing=True, loop=None, stopped=False, t=0.0))

@@ -27,8 +27,8 @@ class Desk:
 
     def laid_out(self, state: State) -> State:
         """The tab's state with this lesson open, at the start of its run."""
-        return replace(state, playing=False, t=0.0, predicted=self.predicted, revealed=self.revealed, tasks=self.tasks,
-                       exam=self.exam)
+        return replace(state, playing=False, loop=None, stopped=False, t=0.0, predicted=self.predicted,
+                       revealed=self.revealed, tasks=self.tasks, exam=self.exam)
 
     def take_back(self, old: Desk) -> bool:
         """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from ..lesson.figures import Figure
 from ..lesson.lesson import Design, Lesson, Outcome, Verdict
+from ..lesson.living import Part
 from ..text import Text
 
 
@@ -23,12 +24,27 @@ class TaskState:
 
 
 @dataclass(frozen=True)
+class Loop:
+    """A part of the run that is played `rounds` times more; then it comes to rest at `rest`."""
+
+    part: Part
+    rounds: int
+    rest: float
+
+
+@dataclass(frozen=True)
 class State:
-    """What belongs to the tab and not to the design."""
+    """What belongs to the tab and not to the design.
+
+    `playing` is the whole run, `loop` a part of it under the hand; `stopped` says that the person has chosen the moment
+    that stands, which then stays while the design changes.
+    """
 
     language: str = "en"
     lecture: bool = False
     playing: bool = False
+    loop: Loop | None = None
+    stopped: bool = False
     t: float = 0.0
     speed: float = 1.0
     predicted: int | None = None  # index of the option; −1 when skipped
@@ -40,6 +56,11 @@ class State:
     plant: str = ""  # the plant that the person brought last, shown now or not
     can_undo: bool = False
     can_redo: bool = False
+
+    @property
+    def moving(self) -> bool:
+        """Whether the clock goes."""
+        return self.playing or self.loop is not None
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,8 +85,9 @@ class Picture:
     @property
     def rate(self) -> float:
         """Seconds of the run in a second of playing: the speed chosen, and for a run far from human times a power of
-        ten."""
-        return self.state.speed * tempo(self.horizon)
+        ten; a loop has its own."""
+        loop = self.state.loop
+        return self.state.speed * (tempo(self.horizon) if loop is None else loop.part.rate)
 
 
 def tempo(horizon: float) -> float:

@@ -5,12 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import assert_never
 
+from ..lesson.living import Part, living
 from ..text import text
-from .commands import ChangeSpeed, Kick, Play, Playing, Rewind, Seek
+from .commands import ChangeSpeed, Kick, Play, Playing, Rewind, Seek, Watched
 from .gate import number
+from .picture import Loop
 from .presenter import Presenter
 
 FRAME = 1 / 30  # s between poses while playing
+HAND_ROUNDS = 2  # of the loop after the last move of a hand: what is left of this one, and a whole one
+OPENING_ROUNDS = 3  # that an opened lesson shows by itself
 STALL = 0.25  # s of real time that one pose may cover at most: a stalled worker does not leap over the run
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 PREDICT_FIRST = text("Choose a prediction first; then the run unlocks.")
@@ -29,6 +33,8 @@ def obey(show: Presenter, command: Playing) -> None:
             _change_speed(show, steps)
         case Kick():
             _kick(show)
+        case Watched(seen):
+            _watched(show, number(seen) > 0)
         case _:
             assert_never(command)
 
@@ -42,22 +48,69 @@ def locked(show: Presenter) -> bool:
 
 
 def wait_for_frame(show: Presenter, now: float) -> float | None:
-    """Seconds until the next pose is due, None while nothing plays."""
-    return max(0.0, show.last_tick + FRAME - now) if show.state.playing else None
+    """Seconds until the next pose is due, None while nothing moves."""
+    return max(0.0, show.last_tick + FRAME - now) if show.state.moving else None
 
 
 def tick(show: Presenter, now: float) -> None:
-    """The pose that is due at `now`; the end of the run reveals the answer to the prediction."""
-    if not show.state.playing or now - show.last_tick < FRAME * 0.9:
+    """The pose that is due at `now`; the end of the run, or of its loop, reveals the answer to the prediction."""
+    if not show.state.moving or now - show.last_tick < FRAME * 0.9:
         return
-    picture = show.picture
+    picture, loop = show.picture, show.state.loop
     t = show.state.t + min(now - show.last_tick, STALL) * picture.rate
+    end = picture.horizon if loop is None else min(loop.part.end, picture.horizon)
     show.last_tick = now
-    ended = t >= picture.horizon
-    show.state = replace(show.state, t=min(t, picture.horizon), playing=not ended)
+    if t < end:
+        show.state = replace(show.state, t=t)
+    elif loop is not None and loop.rounds > 1:
+        part = _part(show)
+        show.state = replace(show.state, t=part.begin, loop=replace(loop, part=part, rounds=loop.rounds - 1))
+    else:
+        t = end if loop is None else min(loop.rest, end)
+        show.state = replace(show.state, t=t, playing=False, loop=None)
+        show.view.pose(t)
+        show.change(replace(show.state, revealed=show.state.revealed or show.state.predicted is not None))
+        return
     show.view.pose(show.state.t)
-    if ended:
-        show.change(replace(show.state, revealed=True))
+
+
+def under_the_hand(show: Presenter) -> None:
+    """A knob has been moved: the part of the run in which the error lives plays, until a round after the last move.
+
+    Not before the prediction, and not where the person has stopped the run at a moment.
+    """
+    state = show.state
+    if state.predicted is None or state.stopped or not show.estimates:
+        return
+    if state.loop is not None:
+        show.state = replace(state, loop=replace(state.loop, rounds=HAND_ROUNDS, rest=state.loop.part.end))
+        return
+    _go_round(show, HAND_ROUNDS)
+
+
+def _part(show: Presenter) -> Part:
+    """Where the error lives in the run that is shown, after the last kick."""
+    stage = show.picture.outcome.stage
+    assert stage is not None
+    kicked = dict(show.picture.design.values).get("kick", 0.0) if show.lesson.kick else 0.0
+    return living(stage, kicked)
+
+
+def _go_round(show: Presenter, rounds: int) -> None:
+    part = _part(show)
+    t = show.state.t if show.state.playing and part.begin <= show.state.t < part.end else part.begin
+    rest = part.end if show.state.predicted is not None else part.peak
+    show.change(replace(show.state, playing=False, stopped=False, t=t, loop=Loop(part, rounds, rest)))
+    show.last_tick = show.clock()
+    show.view.pose(t)
+
+
+def _watched(show: Presenter, seen: bool) -> None:
+    """The page is seen: a run that has not been touched is shown in motion, a few rounds long. It is hidden: that ends."""
+    if not seen and show.state.loop is not None:
+        show.change(replace(show.state, loop=None))
+    elif seen and not show.state.moving and not show.state.stopped and show.state.t == 0.0 and show.estimates:
+        _go_round(show, OPENING_ROUNDS)
 
 
 def _ended(show: Presenter) -> bool:
@@ -67,8 +120,9 @@ def _ended(show: Presenter) -> bool:
 def _play(show: Presenter) -> None:
     if locked(show) or show.picture.horizon <= 0:
         return
-    playing = not show.state.playing
-    show.change(replace(show.state, playing=playing, t=0.0 if playing and _ended(show) else show.state.t))
+    playing = not show.state.moving
+    t = 0.0 if playing and _ended(show) else show.state.t
+    show.change(replace(show.state, playing=playing, loop=None, stopped=not playing, t=t))
     show.view.pose(show.state.t)
 
 
@@ -76,7 +130,8 @@ def _seek(show: Presenter, t: object) -> None:
     if locked(show):
         show.redraw()
         return
-    show.change(replace(show.state, t=min(max(number(t), 0.0), show.picture.horizon)))
+    t = min(max(number(t), 0.0), show.picture.horizon)
+    show.change(replace(show.state, t=t, loop=None, stopped=t > 0.0 and not show.state.playing))
     show.view.pose(show.state.t)
 
 
@@ -92,4 +147,4 @@ def _kick(show: Presenter) -> None:
         show.state = replace(show.state, t=0.0)
     show.last_tick = show.clock()
     show.adopt(show.lesson.apply(show.design, {"kick": show.state.t}))
-    show.change(replace(show.state, playing=True))
+    show.change(replace(show.state, playing=True, loop=None, stopped=False))

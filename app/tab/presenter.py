@@ -66,6 +66,12 @@ class Presenter:
         """What belongs to the present lesson."""
         return self.desks.of(self.lesson.id, lambda: self._first().start())
 
+    @property
+    def estimates(self) -> bool:
+        """Whether the run that is shown has a ghost beside its plant."""
+        stage = self.picture.outcome.stage
+        return stage is not None and stage.xhat is not None
+
     # --- lessons ---------------------------------------------------------------------------------------------------
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
@@ -193,11 +199,11 @@ class Presenter:
     def change(self, state: State) -> None:
         """Show another state of the tab. A run that begins or jumps goes on from now, not from its last pose."""
         before, self.state = self.state, state
-        if state.playing and (not before.playing or state.t != before.t):
+        if state.moving and (not before.moving or state.t != before.t):
             self.last_tick = self.clock()
         self.desk.keep(state)
         self.redraw()
-        if state != replace(before, playing=state.playing, t=state.t):
+        if state != replace(before, playing=state.playing, loop=state.loop, stopped=state.stopped, t=state.t):
             self.remember()
 
     def redraw(self) -> None:

@@ -17,7 +17,7 @@ from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
 from . import designing, paging, playing, studying
-from .commands import Answer, Command, Designing, Edit, Paging, Playing, Recalled, Studying
+from .commands import Answer, Command, Designing, Edit, Paging, Playing, Recalled, Studying, Watched
 from .mailbox import Mailbox, grouped
 from .picture import Picture, State, View
 from .presenter import Presenter
@@ -77,10 +77,11 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            self._show.touched |= not isinstance(edits, (Recalled, Answer))
+            self._show.touched |= not isinstance(edits, (Recalled, Answer, Watched))
             try:
                 if isinstance(edits, list):
                     self._show.set_knobs(edits)
+                    playing.under_the_hand(self._show)
                 else:
                     self._obey(edits)
             except (KnobError, EngineError) as problem:
@@ -127,7 +128,7 @@ class Session:
         self.step(self._wait())
 
     def _stop_playing(self) -> None:
-        self._show.state = replace(self._show.state, playing=False)
+        self._show.state = replace(self._show.state, playing=False, loop=None)
 
     def _wait(self) -> float | None:
         """Seconds until something is due without an edit, None if nothing is."""

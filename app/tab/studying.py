@@ -62,7 +62,8 @@ def _predict(show: Presenter, choice: int) -> None:
     if not -1 <= choice < len(options):
         raise KnobError(text("There are {count} predictions.", count=len(options)))
     runs = show.picture.horizon > 0
-    show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, playing=runs, t=0.0))
+    show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, playing=runs, loop=None,
+                        stopped=False, t=0.0))
 
 
 # --- tasks ---------------------------------------------------------------------------------------------------------

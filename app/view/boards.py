@@ -99,6 +99,8 @@ class BoardView:
         self._letter_axes()
         scene.add_label(f"{root}/title", b.title(language), position=(0.0, -0.06, HEIGHT / 2 + 0.33),
                         anchor="bottom-center", font_screen_scale=1.25 * self._size)
+        self._asks = scene.add_label(f"{root}/asks", phrases.VEILED_BOARD(language), position=(0.0, -0.06, 0.0),
+                                     anchor="center-center", font_screen_scale=1.1 * self._size, visible=False)
 
     def _letter_axes(self) -> None:
         scene, root, b = self._scene, self._root, self._board
@@ -112,9 +114,9 @@ class BoardView:
                 scene.add_label(f"{root}/im{im:g}", f"{im:g}j".replace("-", "−"), position=(x + 0.04, y, z),
                                 anchor="center-left", font_screen_scale=0.8 * self._size, depth_test=True)
 
-    def show(self, board: Board, held: bool) -> None:
-        """Move the poles to where the design has them; while they are held, no hand can take hold of one."""
-        before, self._board, self._held = self._shown, board, held or board.knob is None
+    def show(self, board: Board, veiled: bool) -> None:
+        """Move the poles to where the design has them; while they are veiled, none is seen and no hand can take hold of one."""
+        before, self._board, self._held = self._shown, board, veiled or board.knob is None
         self._grips.show([] if self._held else [self.local(pole) for pole in board.poles])
         if board.zeros != self._zeros:
             self._make_rings(board)
@@ -124,16 +126,16 @@ class BoardView:
             self._signature = signature
             before = None
         self._shown = board.poles
-        if before == board.poles:
-            return  # nothing moved: no message, and no frame of the scene
+        if before != board.poles:  # else nothing moved: no message, and no frame of the scene
+            self._move(board)
+        self._cover(veiled)
+
+    def _move(self, board: Board) -> None:
         marks = [(at[0], at[2]) for at in map(self.local, (*board.poles, *board.zeros, *board.fixed))]
         taken = list(self._bolted)
         for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
             handle.position = self.local(pole, 0.03)
-            named = pole.imag >= 0
-            if label.visible != named:
-                label.visible = named
-            if not named:
+            if pole.imag < 0:
                 continue
             text = pole_name(pole, board)
             if label.text != text:
@@ -142,6 +144,17 @@ class BoardView:
             at = free_place(x, z, self._half(text), taken, marks)
             taken.append(at)
             label.position = (at.x, y, at.z)
+
+    def _cover(self, veiled: bool) -> None:
+        """Show what stands on the glass, or only a word that it is still to be predicted."""
+        for handle in (*self._poles, *self._stems, *self._rings):
+            if handle.visible == veiled:
+                handle.visible = not veiled
+        for label, pole in zip(self._labels, self._board.poles, strict=True):
+            if label.visible != (pole.imag >= 0 and not veiled):
+                label.visible = not label.visible
+        if self._asks.visible != veiled:
+            self._asks.visible = veiled
 
     def _half(self, text: str) -> float:
         """Half the width of a label on the board."""

@@ -36,6 +36,12 @@ def radius(camera: viser.CameraHandle, place: Sequence[float] | np.ndarray) -> f
     return min(max(size, SMALLEST), LARGEST) if math.isfinite(size) else 2 * SMALLEST
 
 
+def linear(colour: tuple[int, int, int]) -> tuple[int, int, int]:
+    """A colour for instances of a mesh, whose bytes viser takes for light and not, as everywhere else, for sRGB."""
+    red, green, blue = (round(255 * (c / 3294.6 if c <= 10 else ((c / 255 + 0.055) / 1.055) ** 2.4)) for c in colour)
+    return red, green, blue
+
+
 class Grips:
     """The discs of one board in one node: one more thing to draw, however many poles there are."""
 
@@ -69,7 +75,7 @@ class Grips:
         upright = np.tile(np.array([1.0, 0.0, 0.0, 0.0], dtype=np.float32), (len(at), 1))
         self._node = self._client.scene.add_batched_meshes_simple(
             self._name, *disc(), upright, at, batched_scales=self._scales(), opacity=FAINT, lod="off",
-            batched_colors=self._colour, cast_shadow=False, receive_shadow=False)
+            batched_colors=linear(self._colour), cast_shadow=False, receive_shadow=False)
         self._node.on_drag("left")(self._moved)
 
     def _scales(self) -> np.ndarray:

@@ -211,6 +211,11 @@ def pulse_once(client: viser.ClientHandle, ending: str, faint: float, full: floa
     _run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)
 
 
+def ask_whether_seen(client: viser.ClientHandle, widget: Any) -> None:
+    """Let the page say to a widget whether somebody sees it and lets things move: 1 now or once it is shown, 0 when hidden."""
+    _run(client, "watched", widget=id_of(widget))
+
+
 def folders_by_key(client: viser.ClientHandle) -> None:
     """Let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone."""
     _run(client, "folders")

@@ -11,7 +11,7 @@ import viser
 
 from ..lesson.figures import MapFigure, tabs
 from ..lesson.lesson import Board
-from ..tab.commands import Command, Edit, PickPoint, SetKnobs
+from ..tab.commands import Command, Edit, PickPoint, SetKnobs, Watched
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
 from ..text import Text
@@ -92,6 +92,7 @@ class Screen:
                 self._stage.follow_window()
                 self._fit_grips()
                 self._looked = True
+            self._watch()
             title = picture.lesson.words[language].title
             quirks.name_page(self._client, f"{title} · {quirks.NAME}", language)
         self._picture = None
@@ -114,7 +115,7 @@ class Screen:
             if anew:
                 self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, aspect_of(self._client.camera)))
             for board in picture.outcome.boards:
-                self._board(board, picture).show(board, held=picture.state.predicted is None)
+                self._board(board, picture).show(board, veiled=picture.state.predicted is None)
             self._landscape(picture)
             self._show_map(picture)
             self._stage.pose(picture.state.t)
@@ -216,6 +217,15 @@ class Screen:
                     if figure.tab == tab:
                         self._charts[figure.id] = Chart(self._client.gui, figure, language, picture.state.lecture,
                                                                       picture.horizon)
+
+    def _watch(self) -> None:
+        """Ask the page whether anybody sees it; then a run that has not begun is shown in motion."""
+        seen = self._client.gui.add_number("", 0.0, visible=False)
+
+        @seen.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            self._post(Watched(event.target.value))
+        quirks.ask_whether_seen(self._client, seen)
 
     def _commands(self, language: str) -> None:
         for shortcut in SHORTCUTS:

@@ -55,7 +55,7 @@ class Transport:
         return html.escape(stage.body.caption(self._lang)) if stage is not None else ""
 
     def _options(self, picture: Picture) -> tuple[str, ...]:
-        words: list[Any] = [phrases.PAUSE if picture.state.playing else phrases.PLAY]
+        words: list[Any] = [phrases.PAUSE if picture.state.moving else phrases.PLAY]
         if picture.lesson.kick:
             words.append(phrases.KICK)
         words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW,
@@ -81,7 +81,7 @@ class Transport:
         if longest != self._horizon:
             self._horizon = self._time.max = longest
             self._time.step = step_of(longest)
-        if picture.resting and not picture.state.playing:
+        if picture.resting and not picture.state.moving:
             self._write(picture.state.t)
 
     def pose(self, t: float, horizon: float) -> None:

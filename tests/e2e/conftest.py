@@ -91,8 +91,10 @@ def new_tab(browser: Browser, server: str) -> Iterator[Callable[..., Tab]]:
     """Opens tabs that share nothing, each with a window of its own size; closes them and checks that none complained."""
     tabs: list[Tab] = []
 
-    def opened(width: int = 900, height: int = 560) -> Tab:
-        context = browser.new_context(viewport={"width": width, "height": height})
+    def opened(width: int = 900, height: int = 560, motion: bool = False) -> Tab:
+        """Without `motion` the browser asks pages for calm, and a lesson that opens stands still."""
+        context = browser.new_context(viewport={"width": width, "height": height},
+                                      reduced_motion="no-preference" if motion else "reduce")
         tabs.append(Tab(context.new_page(), server))
         return tabs[-1]
     yield opened

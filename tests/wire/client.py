@@ -191,6 +191,8 @@ class WireTab:
             if thing is not None:
                 for name, value in message["updates"].items():
                     (thing if name == "value" else thing["props"])[name] = value
+        elif kind == "SetSceneNodeVisibilityMessage" and message["name"] in self.nodes:
+            self.nodes[message["name"]]["visible"] = message["visible"]
         elif kind == "GuiRemoveMessage":
             self.widgets.pop(message["uuid"], None)
         elif kind.startswith("Gui") and "props" in message:

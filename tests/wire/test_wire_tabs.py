@@ -299,3 +299,17 @@ def test_a_browser_that_answers_late_or_never_is_not_written_to(enter: Enter, ne
     assert newest().picture.design["delay"] == 6.0  # type: ignore[union-attr]
     tab.command("Undo")
     tab.until(lambda: tab.value(STIFFNESS) == 12.0, "what was kept, one step of undo away")
+
+
+def test_boards_are_veiled_until_a_prediction(enter: Enter) -> None:
+    """No cross, no name and no bolt is seen on a board before; a word that says why stands there instead."""
+    tab = enter()
+    tab.settle()
+
+    def seen() -> set[str]:
+        return {name for name, node in tab.nodes.items() if name.startswith("/board/observer/") and node.get("visible", True)}
+    signs = {f"/board/observer/{kind}{i}" for kind in ("pole", "name") for i in range(6)}
+    assert not signs & seen() and "/board/observer/asks" in seen()
+    tab.press("skip")
+    tab.settle()
+    assert {"/board/observer/pole0", "/board/observer/pole5"} <= seen() and "/board/observer/asks" not in seen()

@@ -1,0 +1,67 @@
+"""The part of a run in which the error lives: what is worth seeing again and again while a hand changes the design."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from .lesson import Stage
+
+DEAD = 0.05  # of its peak: below this the error lives no more
+MOMENTS = 80  # at which the stage is looked at
+QUIET = 0.1  # of the run: an error that was dead for longer lives anew
+LEAST = 0.1  # of the run: no part is shorter
+AFTER = 0.3  # of the part: how long one sees that the error is gone
+ROUND = 2.0  # s that a round of a part takes at least, and less than 2.5 times as long
+
+
+@dataclass(frozen=True)
+class Part:
+    """From `begin` to `end` of a run, in its seconds; at `peak` the error is largest."""
+
+    begin: float
+    end: float
+    peak: float
+
+    @property
+    def rate(self) -> float:
+        """Seconds of the run in a second of playing: 1, 2 or 5 times a power of ten, so that a round takes 2 to 5 s."""
+        asked = (self.end - self.begin) / ROUND
+        decade = 10.0 ** math.floor(math.log10(asked))
+        return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= asked * (1 + 1e-9))
+
+
+def apart(stage: Stage) -> tuple[np.ndarray, np.ndarray]:
+    """Moments of the run, and how far plant and ghost stand apart then: the sum over the body's anchors, in stage units."""
+    index = np.unique(np.linspace(0, len(stage.t) - 1, MOMENTS).round().astype(int))
+    if stage.xhat is None:
+        return stage.t[index], np.zeros(len(index))
+    body = stage.body
+    gaps = [sum(map(math.dist, body.anchors(stage.x[i].tolist(), body.gain), body.anchors(stage.xhat[i].tolist(), body.gain)))
+            for i in index]
+    return stage.t[index], np.nan_to_num(np.array(gaps, dtype=float), nan=0.0, posinf=0.0)
+
+
+def living(stage: Stage, since: float = 0.0) -> Part:
+    """Where the error lives, from `since` on (a kick): about its peak, from when it rises above 5 % of that until it falls below.
+
+    Moments of silence shorter than a tenth of the run belong to it. Where nothing is estimated, or the ghost never leaves
+    the plant, or its error never dies, that is the rest of the run.
+    """
+    t, gap = apart(stage)
+    first, last = float(t[0]), float(t[-1])
+    since = since if first <= since < last else first
+    gap = np.where(t >= since - 1e-12, gap, 0.0)
+    top = int(np.argmax(gap))
+    if not gap[top] > 0:
+        return Part(since, last, since)
+    alive = np.flatnonzero(gap > DEAD * gap[top])
+    breaks = np.flatnonzero(np.diff(t[alive]) > QUIET * (last - first))
+    groups = np.split(alive, breaks + 1)
+    own = next(group for group in groups if top in group)
+    begin = max(since, float(t[max(own[0] - 1, 0)]))
+    end = float(t[min(own[-1] + 1, len(t) - 1)])
+    end = min(last, max(end + AFTER * (end - begin), begin + LEAST * (last - first)))
+    return Part(begin, end, min(max(float(t[top]), begin), end))

@@ -1,0 +1,11 @@
+// Says to a widget whether somebody sees the page and lets things move: 1 once it stands before the eyes, 0 when it is hidden.
+({widget}) => {
+  const calm = matchMedia('(prefers-reduced-motion: reduce)');
+  const tell = () => {
+    const seen = document.visibilityState === 'visible' && !calm.matches;
+    window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: window.observerLabWatched, updates: {value: Number(seen)}});
+  };
+  if (!window.observerLabWatched) document.addEventListener('visibilitychange', tell);
+  window.observerLabWatched = widget;
+  requestAnimationFrame(() => requestAnimationFrame(tell));
+}

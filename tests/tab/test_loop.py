@@ -1,0 +1,184 @@
+"""The part of the run in which the error lives: shown when a lesson opens, looped under a hand, silent when it has settled."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fakes import MODEL, Tab, toy, toy_compute
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.lesson.lesson import Design, Outcome, Stage
+from app.lesson.living import AFTER, DEAD, LEAST, MOMENTS, apart, living
+from app.tab.commands import Kick, OpenLesson, Play, Predict, Rewind, Seek, SetLanguage, Watched
+from app.tab.playing import FRAME, HAND_ROUNDS, OPENING_ROUNDS
+
+
+def with_ghost(design: Design) -> Outcome:
+    """The toy's run with an estimate that starts at zero and catches up at the rate 10."""
+    outcome = toy_compute(design)
+    assert outcome.stage is not None
+    t, x = outcome.stage.t, outcome.stage.x
+    return replace(outcome, stage=replace(outcome.stage, xhat=x * (1 - np.exp(-10.0 * t))[:, None]))
+
+
+def opened(predicted: bool = True) -> Tab:
+    tab = Tab({"toy": toy(compute=with_ghost), "other": toy("other", compute=with_ghost)})
+    if predicted:
+        tab.do(Predict(1))
+        tab.run_for(2.2)
+    tab.view.clear()
+    return tab
+
+
+def rounds(tab: Tab, patience: float = 60.0) -> int:
+    """How often the loop begins anew before it falls silent."""
+    for _ in range(round(patience / FRAME)):
+        tab.clock.advance(FRAME)
+        tab.session.step(0.0)
+        if not tab.picture.state.moving:
+            return int(np.count_nonzero(np.diff(tab.view.of("pose")) < -1e-6))
+    raise AssertionError("the loop does not end")
+
+
+# --- the law -------------------------------------------------------------------------------------------------------
+@given(st.floats(0.3, 50.0), st.floats(0.0, 0.7), st.floats(1.0, 100.0), st.floats(1e-3, 1.0))
+def test_the_part_holds_the_peak_of_the_error_and_ends_after_its_death(rate: float, share: float, horizon: float, size: float) -> None:
+    """An error that a kick wakes at `since` and that dies like e^{−rate t}."""
+    t = np.linspace(0.0, horizon, 400)
+    since = share * horizon
+    e = np.where(t >= since, size * np.exp(-rate * 10 / horizon * (t - since)), 0.0)
+    stage = Stage(MODEL.body, t, np.column_stack([e, 0 * t]), np.zeros((400, 2)))
+    part = living(stage, since)
+    assert since <= part.begin <= part.peak <= part.end <= horizon
+    assert part.end - part.begin >= min(LEAST * horizon, horizon - since) * (1 - 1e-9)
+    assert part.begin - since <= 2 * horizon / (MOMENTS - 1)
+    moments, gap = apart(stage)
+    late = moments > part.end + 1e-9
+    assert np.all(gap[late] <= DEAD * gap.max())
+    dead = since + np.log(1 / DEAD) * horizon / (10 * rate)
+    assert part.end <= max(dead + 4 * horizon / (MOMENTS - 1), since + LEAST * horizon) + AFTER * (part.end - part.begin) + 1e-9
+    assert 2.0 * (1 - 1e-9) <= (part.end - part.begin) / part.rate < 5.0 * (1 + 1e-9)
+
+
+@pytest.mark.parametrize("gap", [0.0, 1.0], ids=["never apart", "never together"])
+def test_where_the_error_is_never_born_or_never_dies_the_part_is_the_run(gap: float) -> None:
+    t = np.linspace(0.0, 3.0, 50)
+    part = living(Stage(MODEL.body, t, np.full((50, 2), gap), np.zeros((50, 2))))
+    assert (part.begin, part.end) == (0.0, 3.0)
+
+
+# --- the opening ---------------------------------------------------------------------------------------------------
+def test_a_lesson_that_is_seen_shows_its_run_a_few_rounds_long_before_any_prediction() -> None:
+    tab = opened(predicted=False)
+    tab.do(Watched(1))
+    assert tab.picture.state.moving and rounds(tab) == OPENING_ROUNDS
+    state, part = tab.picture.state, living(with_ghost(tab.picture.design).stage)  # type: ignore[arg-type]
+    assert state.t == part.peak and not state.revealed and state.predicted is None
+    tab.view.clear()
+    tab.run_for(5.0)
+    assert not tab.view.calls, "silent when it rests"
+
+
+def test_a_page_that_is_hidden_stands_still() -> None:
+    tab = opened(predicted=False)
+    tab.do(Watched(1))
+    tab.run_for(0.5)
+    tab.do(Watched(0))
+    tab.view.clear()
+    tab.run_for(5.0)
+    assert not tab.view.calls
+
+
+@pytest.mark.parametrize("seen", [float("nan"), "yes", None])
+def test_nonsense_about_being_seen_costs_one_sentence(seen: object) -> None:
+    tab = opened(predicted=False)
+    tab.do(Watched(seen))
+    assert not tab.picture.state.moving and len(tab.view.scolded()) == 1
+
+
+def test_another_lesson_or_language_stops_the_opening() -> None:
+    tab = opened(predicted=False)
+    tab.do(Watched(1))
+    tab.do(OpenLesson("other"))
+    assert not tab.picture.state.moving and tab.picture.state.t == 0.0
+    tab.do(Watched(1))
+    tab.do(SetLanguage("zh"))
+    assert tab.picture.state.moving, "a language is no other run"
+
+
+# --- the hand ------------------------------------------------------------------------------------------------------
+def test_a_knob_plays_the_living_part_and_settles_after_the_last_move() -> None:
+    tab = opened()
+    tab.set(gain=2.0)
+    state = tab.picture.state
+    assert state.loop is not None and state.t == state.loop.part.begin
+    tab.view.clear()
+    for gain in np.linspace(2.0, 4.0, 40):
+        tab.set(gain=float(gain))
+        tab.run_for(0.1)
+    assert tab.picture.state.moving, "as long as the hand moves"
+    assert max(tab.view.of("pose")) <= state.loop.part.end + 1e-9
+    tab.set(gain=3.0)
+    tab.view.clear()
+    assert rounds(tab) == HAND_ROUNDS - 1
+    assert tab.picture.state.t == pytest.approx(state.loop.part.end, abs=0.1)
+    tab.rest()
+    tab.view.clear()
+    tab.run_for(5.0)
+    assert not tab.view.calls
+
+
+def test_nothing_loops_before_the_prediction() -> None:
+    tab = opened(predicted=False)
+    tab.set(gain=2.0)
+    assert not tab.picture.state.moving
+
+
+def test_a_run_without_a_ghost_stays_where_it_is() -> None:
+    tab = Tab()
+    tab.do(Predict(1))
+    tab.run_for(2.2)
+    tab.set(gain=2.0)
+    assert not tab.picture.state.moving and tab.picture.state.t == 2.0
+
+
+@pytest.mark.parametrize("stop", [[Seek(0.3)], [Play(), Play()]], ids=["sought", "paused"])
+def test_a_moment_that_the_person_chose_stays_under_the_hand(stop: list) -> None:
+    tab = opened()
+    for command in stop:
+        tab.do(command)
+        tab.run_for(0.3)
+    t = tab.picture.state.t
+    tab.set(gain=2.0)
+    tab.run_for(1.0)
+    assert tab.picture.state.t == t and not tab.picture.state.moving
+
+
+def test_a_hand_in_the_evidence_takes_its_run_over_and_the_answer_follows() -> None:
+    tab = Tab({"toy": toy(compute=with_ghost)})
+    tab.do(Predict(1))
+    tab.run_for(0.1)
+    tab.set(gain=2.0)
+    state = tab.picture.state
+    assert state.loop is not None and not state.playing and state.t == pytest.approx(0.1)
+    rounds(tab)
+    assert tab.picture.state.revealed
+
+
+@pytest.mark.parametrize("command, moving", [(Play(), False), (Rewind(), False), (Seek(1.0), False), (Kick(), True)], ids=repr)
+def test_the_transports_commands_end_the_loop(command: object, moving: bool) -> None:
+    tab = opened()
+    tab.set(gain=2.0)
+    tab.do(command)  # type: ignore[arg-type]
+    assert tab.picture.state.loop is None and tab.picture.state.moving is moving
+
+
+def test_after_a_kick_the_part_is_the_kicks() -> None:
+    t = np.linspace(0.0, 10.0, 400)
+    e = np.exp(-3 * t) + np.where(t >= 5.0, 0.5 * np.exp(-3 * (t - 5.0)), 0.0)
+    stage = Stage(MODEL.body, t, np.column_stack([e, 0 * t]), np.zeros((400, 2)))
+    assert living(stage).begin == 0.0 and living(stage).end < 5.0
+    assert living(stage, 5.0).begin == pytest.approx(5.0) and living(stage, 5.0).end > 6.0
