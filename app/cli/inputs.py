@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -12,7 +13,8 @@ from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson, Outcome
 from ..plants.examples import EXAMPLES, example
 from ..plants.own import canonical
-from ..tab.state import read_design
+from ..tab.state import TOO_LARGE, Saved, read_state
+from ..tab.token import is_token, read_token
 from .options import CommandError, cause
 
 LARGEST = 10_000_000  # bytes of a file that is read at all
@@ -53,7 +55,7 @@ def design_of(lesson: Lesson, plant: str | None, state: str | None, changes: Seq
     try:
         if plant is not None:
             lesson = fitted(lesson, plant_in(plant))
-        design = lesson.start() if state is None else _state(state, lesson)
+        design = lesson.start() if state is None else _design_in(state, lesson)
         lesson = fitted(find_lesson(lesson.id), design.plant)
         for change in changes:
             name, equals, words = change.partition("=")
@@ -64,7 +66,7 @@ def design_of(lesson: Lesson, plant: str | None, state: str | None, changes: Seq
     except KnobError as problem:
         raise CommandError(str(problem)) from problem
     except (OverflowError, RecursionError) as problem:
-        raise CommandError("The design holds a number or a nesting too large for a computer; simplify it.") from problem
+        raise CommandError(str(TOO_LARGE)) from problem
 
 
 def outcome_of(lesson: Lesson, design: Design, final: bool) -> Outcome:
@@ -76,19 +78,39 @@ def outcome_of(lesson: Lesson, design: Design, final: bool) -> Outcome:
     return outcome
 
 
-def _state(name: str, lesson: Lesson) -> Design:
-    """The design in a state file, which must belong to the lesson."""
+def saved_of(state: str) -> Saved:
+    """The state of a token, of a link that ends in one, or in a file that holds either or was saved. Raises CommandError.
+
+    What could not be taken over is said on stderr.
+    """
+    words = state if is_token(state) else _words_in(state)
+    try:
+        saved = read_token(words, LESSONS) if is_token(words) else read_state(words, LESSONS)
+    except KnobError as problem:
+        raise CommandError(str(problem)) from problem
+    for note in saved.notes:
+        print(f"observer-lab: {note}", file=sys.stderr)
+    return saved
+
+
+def _design_in(state: str, lesson: Lesson) -> Design:
+    """The design of a state, which must belong to the lesson."""
+    design = saved_of(state).design
+    if design.lesson != lesson.id:
+        raise CommandError(f"The state {state[:80]} belongs to lesson {design.lesson}, not {lesson.id}.")
+    return design
+
+
+def _words_in(name: str) -> str:
+    """What a state file holds."""
     try:
         _plain_file(name)
-        text = Path(name).read_text(encoding="utf-8")
+        return Path(name).read_text(encoding="utf-8")
     except UnicodeDecodeError as problem:
         raise CommandError(f"The state file {name[:80]} is not text; give one that the app saved.") from problem
     except (OSError, ValueError) as problem:
-        raise CommandError(f"The state file {name[:80]} cannot be read ({cause(problem)}).") from problem
-    design = read_design(text, LESSONS)
-    if design.lesson != lesson.id:
-        raise CommandError(f"The state file {name[:80]} belongs to lesson {design.lesson}, not {lesson.id}.")
-    return design
+        raise CommandError(f"The state file {name[:80]} cannot be read ({cause(problem)}); give a token, a link or a file "
+                           "that the app saved.") from problem
 
 
 def _plain_file(name: str) -> None:

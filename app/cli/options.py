@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import NoReturn
 
 PLANT_HELP = "your own plant (.json or .mat), or the name of an example"
+STATE_HELP = "begin with the state of a link, of its token, or of a file that the app saved"
 
 
 class CommandError(Exception):

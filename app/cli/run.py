@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from .options import PLANT_HELP, CommandError, add_json
+from .options import PLANT_HELP, STATE_HELP, CommandError, add_json
 
 HELP = "compute a lesson without a browser"
 
@@ -14,7 +14,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("lesson", metavar="LESSON")
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                         help="set a knob; may be repeated, and comes after --state")
-    parser.add_argument("--state", metavar="FILE", help="start from a design that the app saved")
+    parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
     parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
     parser.add_argument("--figure", metavar="FILE", help="draw all figures on one page: .png, .svg or .pdf")

@@ -18,7 +18,7 @@ from ..text import languages, text
 from .desk import Desk
 from .history import History
 from .picture import State, TaskState
-from .state import from_plain, plain
+from .state import judged, plain
 
 VERSION = 2
 MOST = 300_000  # bytes that a tab keeps; what was worked on longest ago is left out
@@ -78,7 +78,7 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> Memory | 
 def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk | None:
     """The desk that `write_desk` wrote for a lesson, None if it is not one."""
     try:
-        design = from_plain(data, lessons)
+        design = judged(data, lessons).design
     except (KnobError, EngineError, RecursionError, OverflowError):
         return None
     if not isinstance(data, dict) or design.lesson != lesson:

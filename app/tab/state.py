@@ -1,68 +1,183 @@
-"""How a design is written down, so that it can travel: to a file, through a reload, and back."""
+"""How a state is written down, so that it can travel: to a link, to a file, through a reload, and back.
+
+One record for all of them, plain data that JSON can hold; `token` packs it for a link. It has been out of our hands when
+it comes back, so all of it is judged anew.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import math
+import zlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
+from ..plants.examples import EXAMPLES, example
 from ..plants.own import canonical, plant_of
-from ..text import listed, same, text, told
+from ..text import Text, languages, listed, same, text, told
 
 VERSION = 1
-LONGEST = 200_000  # characters of a written design that are read at all
+LONGEST = 200_000  # characters of a written state that are read at all
+FAR = 100.0  # stage units: no camera stands farther off
+LONGEST_NAME = 60  # characters of a figure tab's name
+FIELDS = frozenset({"version", "lesson", "knobs", "plant", "defaults", "language", "print", "tab", "step", "camera"})
+DESK = frozenset({"predicted", "revealed", "tasks", "exam"})  # what a tab keeps beside a design, read by `memory`
+NO_STATE = text("This is not a design of Observer Lab; save one with the app and give that.")
+TOO_LARGE = text("The design holds a number or a nesting too large for a computer; simplify it.")
+OTHER_DEFAULTS = text("The lesson's defaults have changed since this was saved; what it does not name stands as it is today.")
 
 
-def write_design(lesson: Lesson, design: Design) -> str:
-    """The design as JSON: {"version", "lesson", "knobs": {name: text}}; the texts are what `--set` takes.
+@dataclass(frozen=True)
+class Saved:
+    """What a link restores: the design, and how the page showed it.
 
-    A design with the user's own plant has that as "plant" too, in the form of a plant file.
+    `tab` is the English name of the figures' tab, `step` the index of the opened step of thought, `camera` position and
+    target in stage units; None where the page stood as it opens. `notes` say what could not be taken over.
     """
-    return json.dumps(plain(lesson, design), ensure_ascii=False)
+
+    design: Design
+    language: str = "en"
+    lecture: bool = False
+    tab: str | None = None
+    step: int | None = None
+    camera: tuple[float, ...] | None = None
+    notes: tuple[Text, ...] = ()
 
 
-def read_design(written: str, lessons: Mapping[str, Lesson]) -> Design:
-    """The design that `write_design` wrote; knobs it does not name stay at their defaults. Raises KnobError."""
+def write_state(lesson: Lesson, saved: Saved) -> str:
+    """A state as JSON: {"version", "lesson", "knobs": {name: text}, …}; the texts are what `--set` takes.
+
+    Only knobs that differ from their defaults are named. An example plant is named too, the user's own is written out in
+    the form of a plant file.
+    """
+    return json.dumps({"version": VERSION, **short(lesson, saved)}, ensure_ascii=False)
+
+
+def read_state(written: str, lessons: Mapping[str, Lesson]) -> Saved:
+    """The state that `write_state` wrote; knobs it does not name stay at their defaults. Raises KnobError."""
     try:
         data = json.loads(written) if len(written) <= LONGEST else None
     except (ValueError, RecursionError):
         data = None
-    return from_plain(data, lessons)
+    return judged(data, lessons)
 
 
-def from_plain(data: object, lessons: Mapping[str, Lesson]) -> Design:
-    """The design that `plain` gave; it has been out of our hands, and is judged anew. Raises KnobError."""
+def judged(data: object, lessons: Mapping[str, Lesson]) -> Saved:
+    """The state in plain data from a stranger. Raises KnobError, in one sentence."""
     if not isinstance(data, dict) or not isinstance(data.get("knobs"), dict):
-        raise KnobError(text("This is not a design of Observer Lab; save one with the app and give that."))
+        raise KnobError(NO_STATE)
     if data.get("version") != VERSION:
         raise KnobError(text("This design has version {found}; this Observer Lab reads version {version}.",
-                             found=data.get("version"), version=VERSION))
+                             found=str(data.get("version"))[:40], version=VERSION))
     lesson = lessons.get(str(data.get("lesson")))
     if lesson is None:
         name = str(data.get("lesson"))[:40]
         raise KnobError(text("There is no lesson {name}; there are {names}.", name=name,
                              names=listed(map(same, lessons))))
-    fitted = _with_plant(lesson, data.get("plant"))
-    return fitted.apply(fitted.start(), {name: fitted.knob(name).parse(str(value)) for name, value in
-                                         data["knobs"].items()})
+    try:
+        fitted = _with_plant(lesson, data.get("plant"))
+        design, notes = _designed(fitted, data["knobs"])
+    except EngineError as problem:
+        raise KnobError(told(problem)) from problem
+    except (OverflowError, RecursionError) as problem:
+        raise KnobError(TOO_LARGE) from problem
+    strange = [str(key)[:40] for key in data if key not in FIELDS | DESK]
+    notes += [text("Left out, because this Observer Lab does not know it: {names}.", names=listed(map(same, strange[:5])))
+              ] if strange else []
+    notes += [OTHER_DEFAULTS] if data.get("defaults", defaults_of(lesson)) != defaults_of(lesson) else []
+    language, tab, step = data.get("language"), data.get("tab"), data.get("step")
+    return Saved(design, language if isinstance(language, str) and language in languages() else "en", data.get("print") is True,
+                 tab if isinstance(tab, str) and len(tab) <= LONGEST_NAME else None,
+                 step if _index(step, len(lesson.words["en"].steps)) else None, _camera(data.get("camera")), tuple(notes))
+
+
+def _designed(lesson: Lesson, knobs: Mapping[str, object]) -> tuple[Design, list[Text]]:
+    """The lesson's design with these knobs, and a note on those that the lesson does not have (any more)."""
+    known = {knob.name: knob for knob in lesson.knobs}
+    strange = [name[:40] for name in knobs if name not in known]
+    notes = [text("Left out, because lesson {id} has no such knob: {names}.", id=lesson.id,
+                  names=listed(map(same, strange[:5])))] if strange else []
+    changes = {name: known[name].parse(str(value)) for name, value in knobs.items() if name in known}
+    return lesson.apply(lesson.start(), changes), notes
 
 
 def _with_plant(lesson: Lesson, plant: object) -> Lesson:
-    """The lesson for the plant that a design brings. What a file says of a plant passes the same gate as an upload."""
+    """The lesson for the plant that a state brings. What a file says of a plant passes the same gate as an upload."""
     if plant is None:
         return lesson
-    try:
-        return lesson.fit(canonical(plant_of(json.dumps(plant))))
-    except EngineError as problem:
-        raise KnobError(told(problem)) from problem
+    return lesson.fit(example(plant) if isinstance(plant, str) else canonical(plant_of(json.dumps(plant))))
 
 
-def plain(lesson: Lesson, design: Design) -> dict[str, object]:
-    """What `write_design` writes, before it is text."""
-    knobs = lesson.fit(design.plant).knobs if design.plant != lesson.plant else lesson.knobs
-    show = {knob.name: knob.show for knob in knobs}
-    return {"version": VERSION, "lesson": lesson.id,
-            "knobs": {name: show[name](value) for name, value in design.values},
+def _index(value: object, count: int) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < count
+
+
+def _camera(value: object) -> tuple[float, ...] | None:
+    """Position and target, None where they are no six numbers within reach or too near each other to look."""
+    if not isinstance(value, list) or len(value) != 6 or not all(type(v) in (int, float) for v in value):
+        return None
+    if not all(math.isfinite(v) and abs(v) <= FAR for v in value) or math.dist(value[:3], value[3:]) < 0.01:
+        return None
+    return tuple(map(float, value))
+
+
+# --- writing -----------------------------------------------------------------------------------------------------------
+def plain(lesson: Lesson, design: Design) -> dict[str, Any]:
+    """A whole design as plain data: every knob, and the user's own plant written out."""
+    return {"version": VERSION, "lesson": lesson.id, "knobs": dict(_shown(_own(lesson, design), design)),
             **({"plant": json.loads(design.plant)} if design.plant else {})}
+
+
+def short(lesson: Lesson, saved: Saved) -> dict[str, Any]:
+    """A state as plain data, without what is as it is anyway."""
+    design = saved.design
+    own = _own(lesson, design)
+    start, named = dict(_shown(own, own.start())), _example_of(design.plant)
+    record = {"lesson": lesson.id, "knobs": {name: words for name, words in _shown(own, design) if words != start[name]},
+              "plant": None if not design.plant else named or json.loads(design.plant), "defaults": defaults_of(lesson),
+              "language": saved.language, "print": saved.lecture or None, "tab": saved.tab, "step": saved.step,
+              "camera": None if saved.camera is None else [_rounded(v) for v in saved.camera]}
+    return {key: value for key, value in record.items() if value is not None}
+
+
+def defaults_of(lesson: Lesson) -> str:
+    """Four letters that change when a default of the lesson's own plant does, or a knob comes or goes."""
+    return _letters(lesson.origin or lesson)
+
+
+@lru_cache(maxsize=64)
+def _letters(lesson: Lesson) -> str:
+    words = "".join(f"{name}={_coarse(value)};" for name, value in lesson.start().values)
+    return f"{zlib.crc32(words.encode()) & 0xFFFF:04x}"
+
+
+def _coarse(value: object) -> str:
+    """A value to six digits: what the last bits of another machine's numerics move is no other default."""
+    if isinstance(value, tuple):
+        return ",".join(map(_coarse, value))
+    return f"{value:.6g}" if isinstance(value, (float, complex)) else str(value)
+
+
+@lru_cache(maxsize=64)
+def _example_of(plant: str) -> str | None:
+    """The name of the example that a plant is, None where it is none."""
+    return next((key for key in EXAMPLES if plant == example(key)), None)
+
+
+def _own(lesson: Lesson, design: Design) -> Lesson:
+    return lesson.fit(design.plant) if design.plant != lesson.plant else lesson
+
+
+def _shown(lesson: Lesson, design: Design) -> Iterator[tuple[str, str]]:
+    show = {knob.name: knob.show for knob in lesson.knobs}
+    yield from ((name, show[name](value)) for name, value in design.values)
+
+
+def _rounded(value: float) -> float | int:
+    short = round(value, 2)
+    return int(short) if short == int(short) else short

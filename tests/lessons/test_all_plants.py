@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from app.lesson.lesson import Lesson, Stage
 from app.plants import spring_damper
 from app.plants.examples import DATA, EXAMPLES, example
 from app.plants.own import canonical, own_model, plant_of
-from app.tab.state import read_design, write_design
+from app.tab.state import Saved, read_state, write_state
 from app.view.prose import mathml
 from lessons import LESSONS
 
@@ -240,18 +241,19 @@ def test_a_lesson_about_its_own_plant_refuses_others_in_both_languages(lesson: L
 
 # --- files and the command line ----------------------------------------------------------------------------------------
 def test_a_design_with_a_plant_travels_as_a_state_file() -> None:
-    own = LESSONS["separation"].fit(example("motor"))
+    motor = plant_of(example("motor"))
+    own = LESSONS["separation"].fit(canonical(replace(motor, name="My motor")))
     design = own.apply(own.start(), {"mismatch": 7.0})
-    text = write_design(LESSONS["separation"], design)
-    assert json.loads(text)["plant"]["name"] == "Motor with a flexible shaft"
-    assert read_design(text, LESSONS) == design == read_design(write_design(own, design), LESSONS)
+    text = write_state(LESSONS["separation"], Saved(design))
+    assert json.loads(text)["plant"]["name"] == "My motor"
+    assert read_state(text, LESSONS).design == design == read_state(write_state(own, Saved(design)), LESSONS).design
 
 
 @pytest.mark.parametrize("plant", [3, [], {}, {"A": [[1]]}, {"A": [[float("nan")]], "B": [[1]], "C": [[1]]}, "x" * 1000])
 def test_a_state_file_with_a_torn_plant_is_refused(plant: object) -> None:
-    data = json.loads(write_design(LESSONS["separation"], LESSONS["separation"].start())) | {"plant": plant}
+    data = json.loads(write_state(LESSONS["separation"], Saved(LESSONS["separation"].start()))) | {"plant": plant}
     with pytest.raises(KnobError) as problem:
-        read_design(json.dumps(data), LESSONS)
+        read_state(json.dumps(data), LESSONS)
     assert "\n" not in str(problem.value)
 
 
@@ -266,7 +268,8 @@ def test_run_takes_a_plant_from_json_from_mat_and_by_name(capsys, tmp_path: Path
     assert found[0] == found[1] == found[2]
     assert found[0]["plant"]["A"] == plant.A.tolist() and np.shape(found[0]["gains"]["L"]) == (4, 1)
     state = tmp_path / "state.json"
-    state.write_text(write_design(LESSONS["error-dynamics"], LESSONS["error-dynamics"].fit(example("motor")).start()), encoding="utf-8")
+    start = LESSONS["error-dynamics"].fit(example("motor")).start()
+    state.write_text(write_state(LESSONS["error-dynamics"], Saved(start)), encoding="utf-8")
     assert main(["run", "error-dynamics", "--json", "--state", str(state), "--set", "amplitude=0"]) in (0, 1)
     assert json.loads(capsys.readouterr().out) == found[0]
 
