@@ -12,7 +12,6 @@ import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
@@ -127,13 +126,13 @@ def _camera(value: object) -> tuple[float, ...] | None:
 
 
 # --- writing -----------------------------------------------------------------------------------------------------------
-def plain(lesson: Lesson, design: Design) -> dict[str, Any]:
+def plain(lesson: Lesson, design: Design) -> dict[str, object]:
     """A whole design as plain data: every knob, and the user's own plant written out."""
     return {"version": VERSION, "lesson": lesson.id, "knobs": dict(_shown(_own(lesson, design), design)),
             **({"plant": json.loads(design.plant)} if design.plant else {})}
 
 
-def short(lesson: Lesson, saved: Saved) -> dict[str, Any]:
+def short(lesson: Lesson, saved: Saved) -> dict[str, object]:
     """A state as plain data, without what is as it is anyway."""
     design = saved.design
     own = _own(lesson, design)
