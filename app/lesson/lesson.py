@@ -192,7 +192,8 @@ class Lesson(Generic[S]):
 
     `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
     on the lesson's map into changed knob values. `adapt(lesson, model)` makes the lesson for a person's own plant;
-    `origin` is the lesson that it was made from. `answer` is the index of the right prediction.
+    `origin` is the lesson that it was made from. `answer` is the index of the right prediction. `aside` names the knobs
+    that are turned rarely: the page keeps them behind "more".
     """
 
     id: str
@@ -206,6 +207,7 @@ class Lesson(Generic[S]):
     source: str
     words: Mapping[str, Any]  # language → Prose
     kick: bool = True
+    aside: tuple[str, ...] = ()
     job: Job[S, Any] | None = None
     pick: Callable[[Outcome[S], float, float], Mapping[str, Any]] | None = None
     adapt: Callable[[Lesson, Model], Lesson] | None = None

@@ -7,17 +7,13 @@ from typing import Any
 
 import viser
 
-from ..lesson.knobs import Knob, Poles
 from ..tab.commands import (
     AnswerExam,
     CheckTask,
-    DrawByHand,
     Edit,
     OpenLesson,
     Predict,
     Reveal,
-    RunJob,
-    SetKnobs,
     SetLanguage,
     ShowHint,
     ShowSolution,
@@ -26,7 +22,7 @@ from ..tab.commands import (
 from ..tab.picture import Picture, TaskState
 from ..text import Text, joined, languages, name_of
 from . import phrases, quirks
-from .knobs import Widget, make_widget
+from .knobrows import KnobRows
 from .plants import PlantRow
 from .prose import mathml, render, with_minus
 from .readback import ReadBack
@@ -43,21 +39,19 @@ class Panel:
         self._lang = picture.state.language
         self._lesson = picture.lesson
         self._words = picture.lesson.words[self._lang]
-        self._widgets: dict[str, tuple[Knob, Widget]] = {}
-        self._folders: dict[str, viser.GuiFolderHandle] = {}
         self._formulas: dict[str, viser.GuiHtmlHandle] = {}
-        self._groups: dict[str, viser.GuiHtmlHandle] = {}
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
-        self._bar: Any = None
-        self._job: viser.GuiButtonHandle | None = None
         self._plants: PlantRow | None = None
         self._head(picture)
+        self._predict()
+        self._part("knobs")
+        self._rows = KnobRows(gui, picture, post)
         if self._lesson.adapt is not None:
             self._plants = PlantRow(gui, picture, post)
-        self._predict()
-        self._knobs()
+        self._part("why")
         self._numbers(picture)
         self._explain()
+        self._part("tasks")
         self._make_tasks(picture)
         self._make_exam(picture)
 
@@ -71,13 +65,25 @@ class Panel:
                                         initial_value=titles[self._lesson.id])
         self._tongue = gui.add_button_group("", (*tongues, phrases.LECTURE(lang)))
         gui.add_html(f'<div class="ol-question">{self._words.question}</div>')
-        gui.add_markdown(render(self._words.introduction))
+        self._introduce(picture.state.lecture)
         self._catalogue = ReadBack(self._choice, lambda title: self._post(OpenLesson(keys.get(title, ""))))
 
         @self._tongue.on_click
         async def _(event: viser.GuiEvent) -> None:
             word = event.target.value
             self._post(SetLanguage(tongues[word]) if word in tongues else ToggleLecture())
+
+    def _introduce(self, lecture: bool) -> None:
+        """What the question is about; folded in a hall, where somebody tells it."""
+        if not lecture:
+            self._gui.add_markdown(render(self._words.introduction))
+            return
+        with self._gui.add_folder(phrases.SETTING(self._lang), expand_by_default=False):
+            self._gui.add_markdown(render(self._words.introduction))
+
+    def _part(self, name: str) -> None:
+        """Where a part of the column begins, for the style sheet."""
+        self._gui.add_html(f'<i class="ol-part-{name}" hidden></i>')
 
     def _predict(self) -> None:
         gui, lang = self._gui, self._lang
@@ -97,40 +103,6 @@ class Panel:
         @self._unveil.on_click
         async def _(_: viser.GuiEvent) -> None:
             self._post(Reveal())
-
-    def _knobs(self) -> None:
-        gui, lang = self._gui, self._lang
-        with gui.add_folder(phrases.KNOBS(lang)):
-            heading: Text | None = None
-            for knob in self._lesson.knobs:
-                if not knob.hidden and not isinstance(knob, Poles):
-                    if knob.group is not None and knob.group != heading:
-                        self._groups[knob.group("en")] = gui.add_html(f'<div class="ol-group">{knob.group(lang)}</div>')
-                    heading = knob.group
-                    self._add_knob(knob)
-            self._make_job()
-        for knob in self._lesson.knobs:
-            if isinstance(knob, Poles) and not knob.hidden:
-                self._folders[knob.name] = gui.add_folder(knob.label(lang), expand_by_default=False)
-                with self._folders[knob.name]:
-                    gui.add_html(f'<p class="ol-note">{phrases.ON_STAGE(lang)}</p>')
-                    self._add_knob(knob)
-
-    def _add_knob(self, knob: Knob) -> None:
-        widget = make_widget(self._gui, knob, self._lang,
-                             lambda name, value: self._post(SetKnobs({name: value})),
-                             lambda name, value: self._post(DrawByHand(name, value)))
-        self._widgets[knob.name] = (knob, widget)
-
-    def _make_job(self) -> None:
-        if self._lesson.job is None:
-            return
-        self._job = self._gui.add_button(f"{self._lesson.job.label(self._lang)}")
-        self._bar = self._gui.add_progress_bar(0.0, visible=False)
-
-        @self._job.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            self._post(RunJob())
 
     def _numbers(self, picture: Picture) -> None:
         if not picture.outcome.formulas and not picture.outcome.live(self._lang):
@@ -187,12 +159,7 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Everything in the column that may have changed."""
         self._catalogue.show(self._words.title, picture)
-        for name, (knob, widget) in self._widgets.items():
-            seen = self._lesson.shown(knob, picture.design)
-            widget.show(picture.design[name], seen, picture)
-            if name in self._folders and self._folders[name].visible != seen:
-                self._folders[name].visible = seen
-        self._show_groups(picture)
+        self._rows.show(picture)
         if self._plants is not None:
             self._plants.show(picture)
         if picture.resting:
@@ -202,14 +169,6 @@ class Panel:
             self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))
         verdict = picture.state.exam
         _write(self._exam, "" if verdict is None else _judged(verdict.solved, verdict.text(self._lang)))
-
-    def _show_groups(self, picture: Picture) -> None:
-        """A heading stands while one of the knobs below it does."""
-        standing = {knob.group("en") for knob, _ in self._widgets.values()
-                    if knob.group is not None and self._lesson.shown(knob, picture.design)}
-        for name, heading in self._groups.items():
-            if heading.visible != (name in standing):
-                heading.visible = name in standing
 
     def _show_numbers(self, picture: Picture) -> None:
         if self._formulas or hasattr(self, "_live"):
@@ -264,15 +223,8 @@ class Panel:
             self._tasks[task_id][0].content = text
 
     def progress(self, fraction: float | None) -> None:
-        """The bar of the long job, and what its button does now."""
-        if self._bar is None or self._job is None or self._lesson.job is None:
-            return
-        running = fraction is not None
-        if self._bar.visible != running:
-            self._bar.visible = running
-            self._job.label = phrases.CANCEL_JOB(self._lang) if running else self._lesson.job.label(self._lang)
-        if fraction is not None:
-            self._bar.value = 100.0 * min(max(fraction, 0.0), 1.0)
+        """How far the long job is."""
+        self._rows.progress(fraction)
 
 
 def _write(handle: Any, content: str) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..text import same, text
+from ..text import same, text, text_in
 
 LESSON = text("lesson")
 PREDICTION = text("Predict")
@@ -16,6 +16,8 @@ WATCH_FIRST = text("Watch the run to its end, or reveal now.")
 VEILED = text("Predict first: until you choose, plots and boards are veiled.")
 VEILED_BOARD = text("predict first")
 KNOBS = text("Knobs")
+MORE = text_in("knobs", "more")
+SETTING = text("The setting")
 DECADES = text("{name} = {value} (box: log₁₀)")
 STEPS = text("Think")
 NUMBERS = text("Numbers now")

@@ -17,4 +17,4 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "error-dynamics", 2, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=1, tasks=TASKS, exam=exam,
     source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
-    words=read_prose(Path(__file__).parent), adapt=adapted)
+    words=read_prose(Path(__file__).parent), aside=("amplitude", "frequency", "seed", "line"), adapt=adapted)

@@ -22,7 +22,7 @@ def build(cases: tuple[Case, ...]) -> Lesson:
     return Lesson(
         "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, tasks=TASKS, exam=exam,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
-        words=read_prose(Path(__file__).parent),
+        words=read_prose(Path(__file__).parent), aside=("cut", "filter", "rule"),
         job=JOB)
 
 

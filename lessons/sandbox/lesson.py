@@ -30,7 +30,7 @@ def build(model: Model) -> Lesson:
     return Lesson(
         "sandbox", 19, knobs(model), partial(compute, model), partial(figures, model), answer=1,
         tasks=TASKS, exam=exam, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
-        words=read_prose(Path(__file__).parent), job=job_on(model),
+        words=read_prose(Path(__file__).parent), aside=("sensor", "belief", "tolerance"), job=job_on(model),
         adapt=adapted, universal=True)
 
 

@@ -16,4 +16,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "showdown", 13, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
-    words=read_prose(Path(__file__).parent), job=JOB)
+    words=read_prose(Path(__file__).parent), aside=(
+        "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB)

@@ -16,4 +16,4 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "virtual-sensor", 1, KNOBS, compute, figures, answer=1, tasks=TASKS, exam=exam,
     source="Tutorial (000), sections on the virtual sensor and on the error's own life",
-    words=read_prose(Path(__file__).parent), adapt=adapted)
+    words=read_prose(Path(__file__).parent), aside=("power",), adapt=adapted)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -52,6 +53,7 @@ DRAWN = """() => new Promise(done => {
   };
   page.requestRender();
 })"""
+MORE = re.compile("^(more|更多)$")
 HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
 
@@ -179,8 +181,12 @@ class Tab:
         eventually(lambda: self.page.locator(".ol-option:enabled").count(), lambda n: n == 0, "the prediction is taken")
 
     def row(self, label: str) -> Locator:
-        """The row of a widget by its label, the smallest element that holds label and widget."""
-        return self.page.locator(".mantine-Flex-root", has=self.page.get_by_text(label, exact=True)).last
+        """The row of a widget by its label, the smallest element that holds label and widget; one that is aside is opened."""
+        found = self.page.locator(".mantine-Flex-root", has=self.page.get_by_text(label, exact=True)).last
+        more = self.page.locator('[role=button][aria-expanded=false]', has_text=MORE)
+        if found.count() and not found.is_visible() and more.count():
+            more.first.click()
+        return found
 
     def thumb(self, label: str) -> Locator:
         """The handle of a slider by the slider's label."""

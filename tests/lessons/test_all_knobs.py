@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from laws import holds_for_all
+from laws import each, holds_for_all
 from lesson_checks import boards_of, check_figures, contents, every_lesson, others, satisfied, shown
 from strategies import designs
 
@@ -16,6 +16,7 @@ from app.engine import EngineError
 from app.lesson.figures import COLOURS
 from app.lesson.knobs import Knob, KnobError, Poles
 from app.lesson.lesson import Lesson
+from lessons import LESSONS
 
 EXAMPLES = 25  # random designs of each lesson
 
@@ -97,3 +98,11 @@ def test_a_change_of_one_knob_from_the_start_is_never_worse_than_a_sentence(less
                 assert str(problem).strip()
                 continue
             check_figures(figures)
+
+
+@each("lesson", LESSONS.values())
+def test_what_is_aside_is_a_knob_with_a_widget_and_something_is_left_in_sight(lesson: Lesson) -> None:
+    named, start = {knob.name: knob for knob in lesson.knobs}, lesson.start()
+    for name in lesson.aside:
+        assert not named[name].hidden and not isinstance(named[name], Poles), name
+    assert any(lesson.shown(knob, start) and name not in lesson.aside for name, knob in named.items()), "no knob in sight"
