@@ -35,7 +35,7 @@ def on_board(tab: Tab, board: str, pole: int) -> tuple[float, float]:
 
 
 def drag(tab: Tab, start: tuple[float, float], by: tuple[float, float], steps: int = 6) -> None:
-    """Press at a pixel, move by pixels, release, as a hand would."""
+    """Press at a pixel, move by pixels, release, as a hand would; what it came to is then shown."""
     mouse = tab.page.mouse
     mouse.move(*start)
     tab.answered()
@@ -45,4 +45,4 @@ def drag(tab: Tab, start: tuple[float, float], by: tuple[float, float], steps: i
         mouse.move(start[0] + by[0] * i / steps, start[1] + by[1] * i / steps)
         tab.answered()
     mouse.up()
-    tab.answered()
+    tab.answered(rests=True)

@@ -144,21 +144,21 @@ class Tab:
         words = self.page.locator(".ol-note").filter(has_text="t = ").last.inner_text()
         return float(words.split("t = ")[1].split()[0])
 
-    # --- acting ----------------------------------------------------------------------------------------------------
+    # --- acting: each ends when what it came to is shown, so that nothing of it can arrive later ------------------------
     def button(self, words: str) -> Locator:
         """A button by its words."""
         return self.page.get_by_role("button", name=words, exact=True)
 
-    def press(self, words: str) -> None:
-        """Click a button."""
+    def press(self, words: str, rests: bool = True) -> None:
+        """Click a button; `rests=False` where it starts a long job that is to be seen at work."""
         self.button(words).first.click()
-        self.answered()
+        self.answered(rests)
 
-    def key(self, key: str, times: int = 1) -> None:
-        """Type a key, and again once it is answered."""
-        for _ in range(times):
+    def key(self, key: str, times: int = 1, rests: bool = True) -> None:
+        """Type a key, and again once it is answered; `rests` as with `press`."""
+        for i in range(times):
             self.page.keyboard.press(key)
-            self.answered()
+            self.answered(rests and i == times - 1)
 
     def quick_keys(self, key: str, times: int) -> None:
         """Type a key as quickly as the page sends what it does, whatever the server is about."""
@@ -177,7 +177,7 @@ class Tab:
     def predict(self, letter: str = "A") -> None:
         """Choose a prediction by pressing its sentence."""
         self.page.locator(f'.ol-option[data-value="{letter}"]').click()
-        self.answered()
+        self.answered(rests=True)
         eventually(lambda: self.page.locator(".ol-option:enabled").count(), lambda n: n == 0, "the prediction is taken")
 
     def row(self, label: str) -> Locator:
@@ -204,7 +204,7 @@ class Tab:
     def type_number(self, label: str, words: str) -> None:
         """Type into a slider's number field, without leaving it."""
         self.row(label).locator("input").last.fill(words)
-        self.answered()
+        self.answered(rests=True)
 
     def picture(self, path: Any) -> None:
         """Keep a screenshot of all that was done, the scene drawn sharp."""

@@ -19,11 +19,11 @@ def test_the_map_is_cancelled_then_computed_then_clicked(new_tab: Callable[..., 
     tab = new_tab(1280, 760)
     tab.choose_lesson(LESSON.words["en"].title, LESSON.words["en"].question)
     tab.page.locator("button", has_text="Map").last.scroll_into_view_if_needed()
-    tab.key("j")  # by keys, for the map is done before a slow screen shows that it has begun
-    tab.key("j")
+    tab.key("j", rests=False)  # by keys, for the map is done before a slow screen shows that it has begun
+    tab.key("j", rests=False)
     eventually(tab.notices, lambda words: "cancelled" in words, "the cancellation is confirmed")
     tab.page.locator(BAR).first.wait_for(state="detached")
-    tab.press(start)
+    tab.press(start, rests=False)
     tab.page.locator(BAR).first.wait_for()
     tab.page.locator(BAR).first.wait_for(state="detached")
     assert tab.button(start).count() == 1
