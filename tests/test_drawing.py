@@ -11,7 +11,6 @@ from app.lesson.figures import Curve, LineFigure, MapFigure, MatrixFigure, Plane
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
 from app.text import same, squared, symbol, text
-from app.view.boards import NAME_HEIGHT, Place, free_place
 from app.view.charts import even
 from app.view.knobs import ends, in_tens, slider_label
 from app.view.lettering import Box, beside, width
@@ -117,25 +116,6 @@ def test_every_drawing_of_a_lesson_can_be_drawn(lesson: Lesson, language: str) -
     for figure in lesson.figures(lesson.compute(lesson.start())):
         if not isinstance(figure, LineFigure):
             assert figure.title(language)[:4] in draw(figure, language)
-
-
-# --- labels on the boards --------------------------------------------------------------------------------------------
-def test_labels_of_poles_that_crowd_near_zero_do_not_lie_on_each_other() -> None:
-    taken: list[Place] = []
-    for k, half in enumerate((0.35, 0.3, 0.3, 0.4)):
-        at = free_place(0.9 + 0.002 * k, 0.0, half, taken, [(0.9, 0.0)])
-        assert not any(abs(at.x - p.x) < half + p.half and abs(at.z - p.z) < NAME_HEIGHT for p in taken)
-        taken.append(at)
-
-
-def test_a_lone_label_stands_to_the_right_and_a_long_one_clear_of_its_own_cross() -> None:
-    assert free_place(0.0, 0.0, 0.3, [], [(0.0, 0.0)]) == Place(0.44, 0.0, 0.3)
-    assert free_place(0.0, 0.0, 0.6, [], [(0.0, 0.0)]).x > 0.7
-
-
-def test_the_label_of_a_pole_at_the_edge_stays_on_the_board() -> None:
-    at = free_place(1.6, 0.0, 0.35, [], [(1.6, 0.0)])
-    assert at.x + at.half <= 1.9
 
 
 # --- sliders that move in decades ------------------------------------------------------------------------------------

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from itertools import pairwise
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import viser
@@ -16,18 +16,20 @@ from ..engine.systems import move_pole
 from ..lesson.figures import COLOURS
 from ..lesson.lesson import Board
 from . import phrases
-from .grips import Grips
-from .lettering import width
+from .grips import Grips, Vector
 from .meshes import bolt, cross, landscape
+from .naming import Frame, Place, free_place, leader, pole_name
 from .pane import GLASS, INK, pane
 from .stage import rgb
 from .ticks import ticks
 
 WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
 PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
-LETTER, NAME_HEIGHT = 0.095, 0.16  # size and height of a label on the board, in stage units
 SNAP = 0.02  # of the window's height: nearer to the real axis than this is on it
 MARGIN = 0.15  # glass around the s-plane
+FRAME = Frame(-WIDTH / 2 - MARGIN, WIDTH / 2, -HEIGHT / 2, HEIGHT / 2 + MARGIN)  # what names may fill, clear of those of the axes
+NOWHERE = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen: viser keeps a node that has at least one
+LEADER_INK = (90, 97, 108)
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
 RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
 
@@ -35,10 +37,10 @@ RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
 class BoardView:
     """One board: drawn once, then only its poles move."""
 
-    def __init__(self, client: viser.ClientHandle, board: Board, language: str, size: float,
+    def __init__(self, client: viser.ClientHandle, board: Board, language: str, em: float,
                  drag: Callable[[dict[str, Any], int], object]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
-        self._board, self._size, self._language = board, size, language
+        self._board, self._em, self._language = board, em, language
         self._root = f"/board/{board.id}"
         (x, y), turn = PLACES[board.side]
         self._origin = np.array([x, y, FOOT + HEIGHT / 2])
@@ -47,8 +49,9 @@ class BoardView:
                                             wxyz=(math.cos(turn / 2), 0.0, 0.0, math.sin(turn / 2)))
         self._poles: list[viser.MeshHandle] = []
         self._labels: list[viser.LabelHandle] = []
-        self._stems: list[Any] = []
-        self._bolted: list[Place] = []  # the labels of bolts, which stay
+        self._bolts: list[viser.MeshHandle] = []
+        self._bolted: list[viser.LabelHandle] = []
+        self._nameless: set[str] = set()  # labels that are not shown: of the lower pole of a pair, or where there is no room
         self._rings: list[Any] = []
         self._zeros: tuple[complex, ...] = ()
         self._signature: tuple[Any, ...] = ()
@@ -56,7 +59,7 @@ class BoardView:
         self._held = True
         self._grip = time.monotonic_ns()  # told apart from the grips of every other board
         self._grabbed: tuple[int, tuple[complex, ...], complex] | None = None  # which pole, all poles, from hand to pole
-        self._grips = Grips(client, self._root, rgb(COLOURS[board.role]), self._origin, self._pulled)
+        self._grips = Grips(client, self._root, COLOURS[board.role], self._origin, self._pulled)
         self._surface: viser.MeshHandle | None = None
         self._draw(language)
 
@@ -97,22 +100,19 @@ class BoardView:
             scene.add_box(f"{root}/leg{side}", (150, 156, 166), (0.06, 0.06, FOOT), cast_shadow=False,
                           position=(side * WIDTH * 0.42, 0.02, -HEIGHT / 2 - FOOT / 2))
         self._letter_axes()
-        scene.add_label(f"{root}/title", b.title(language), position=(0.0, -0.06, HEIGHT / 2 + 0.33),
-                        anchor="bottom-center", font_screen_scale=1.25 * self._size)
-        self._asks = scene.add_label(f"{root}/asks", phrases.VEILED_BOARD(language), position=(0.0, -0.06, 0.0),
-                                     anchor="center-center", font_screen_scale=1.1 * self._size, visible=False)
+        self._label("title", b.title(language), (0.0, -0.06, HEIGHT / 2 + MARGIN + 0.06), "bottom-center", 1.2)
+        self._asks = self._label("asks", phrases.VEILED_BOARD(language), (0.0, -0.06, 0.0), "center-center", 1.2)
+        self._leaders = scene.add_line_segments(f"{root}/leaders", np.array([NOWHERE], dtype=np.float32), LEADER_INK, thickness=0.012)
 
     def _letter_axes(self) -> None:
-        scene, root, b = self._scene, self._root, self._board
+        b = self._board
         for re in ticks(b.re_low, b.re_high):
             x, y, _ = self.local(complex(re, 0))
-            scene.add_label(f"{root}/re{re:g}", f"{re:g}".replace("-", "−"), position=(x, y, -HEIGHT / 2 - 0.02),
-                            anchor="top-center", font_screen_scale=0.8 * self._size, depth_test=True)
+            self._label(f"re{re:g}", f"{re:g}".replace("-", "−"), (x, y, -HEIGHT / 2 - 0.02), "top-center", depth_test=True)
         for im in ticks(-b.im_high, b.im_high, 4):
             if im != 0:
                 x, y, z = self.local(complex(b.re_high, im))
-                scene.add_label(f"{root}/im{im:g}", f"{im:g}j".replace("-", "−"), position=(x + 0.04, y, z),
-                                anchor="center-left", font_screen_scale=0.8 * self._size, depth_test=True)
+                self._label(f"im{im:g}", f"{im:g}j".replace("-", "−"), (x + 0.04, y, z), "center-left", depth_test=True)
 
     def show(self, board: Board, veiled: bool) -> None:
         """Move the poles to where the design has them; while they are veiled, none is seen and no hand can take hold of one."""
@@ -130,59 +130,62 @@ class BoardView:
             self._move(board)
         self._cover(veiled)
 
-    def _move(self, board: Board) -> None:
-        marks = [(at[0], at[2]) for at in map(self.local, (*board.poles, *board.zeros, *board.fixed))]
-        taken = list(self._bolted)
-        for handle, label, pole in zip(self._poles, self._labels, board.poles, strict=True):
-            handle.position = self.local(pole, 0.03)
-            if pole.imag < 0:
-                continue
-            text = pole_name(pole, board)
-            if label.text != text:
-                label.text = text
-            x, y, z = self.local(pole, 0.1)
-            at = free_place(x, z, self._half(text), taken, marks)
-            taken.append(at)
-            label.position = (at.x, y, at.z)
-
     def _cover(self, veiled: bool) -> None:
         """Show what stands on the glass, or only a word that it is still to be predicted."""
-        for handle in (*self._poles, *self._stems, *self._rings):
-            if handle.visible == veiled:
-                handle.visible = not veiled
-        for label, pole in zip(self._labels, self._board.poles, strict=True):
-            if label.visible != (pole.imag >= 0 and not veiled):
-                label.visible = not label.visible
+        for handle in (*self._poles, *self._bolts, *self._rings, self._leaders, *self._labels, *self._bolted):
+            seen = not veiled and handle.name not in self._nameless
+            if handle.visible != seen:
+                handle.visible = seen
         if self._asks.visible != veiled:
             self._asks.visible = veiled
 
-    def _half(self, text: str) -> float:
-        """Half the width of a label on the board."""
-        return self._size * (width(text, LETTER) + LETTER) / 2
+    def _move(self, board: Board) -> None:
+        """Crosses to where the poles are, and their names to where they cover nothing; a pair has one name."""
+        spots = [(at[0], at[2]) for at in map(self.local, (*board.poles, *board.zeros, *board.fixed))]
+        taken: list[Place] = []
+        leaders: list[tuple[Vector, Vector]] = []
+        named = [(pole, pole_name(pole, board), label) for pole, label in zip(board.poles, self._labels, strict=True) if pole.imag >= 0]
+        named += [(pole, f"{phrases.FIXED(self._language)} {pole_name(pole, board)}", label)
+                  for pole, label in zip(board.fixed, self._bolted, strict=True)]
+        for handle, pole in zip(self._poles, board.poles, strict=True):
+            handle.position = self.local(pole, 0.03)
+        self._nameless = {label.name for label in self._labels} - {label.name for _, _, label in named}
+        for pole, text, label in named:
+            x, y, z = self.local(pole, 0.1)
+            at = free_place(x, z, text, self._em, FRAME, taken, spots)
+            if at is None:
+                self._nameless.add(label.name)
+                continue
+            taken.append(at)
+            if label.text != text:
+                label.text = text
+            label.position = (at.x, y, at.z)
+            if (line := leader(at, x, z)) is not None:
+                leaders.append(((line[0][0], y, line[0][1]), (line[1][0], y, line[1][1])))
+        points = np.array(leaders or [NOWHERE], dtype=np.float32)
+        if not np.array_equal(points, self._leaders.points):
+            self._leaders.points = points
 
     def _make_poles(self, board: Board) -> None:
-        for old in (*self._poles, *self._labels, *self._stems):
+        for old in (*self._poles, *self._labels, *self._bolts, *self._bolted):
             old.remove()
-        self._poles, self._labels, self._stems, self._bolted = [], [], [], []
+        self._poles, self._labels, self._bolts, self._bolted = [], [], [], []
         vertices, faces = cross()
         for i, pole in enumerate(board.poles):
-            handle = self._scene.add_mesh_simple(f"{self._root}/pole{i}", vertices, faces,
-                                                 color=rgb(COLOURS[board.role]), cast_shadow=False,
-                                                 receive_shadow=False, position=self.local(pole, 0.03))
-            self._poles.append(handle)
-            self._labels.append(self._scene.add_label(f"{self._root}/name{i}", "", anchor="center-center",
-                                                      font_screen_scale=0.85 * self._size))
+            self._poles.append(self._scene.add_mesh_simple(
+                f"{self._root}/pole{i}", vertices, faces, color=rgb(COLOURS[board.role]), cast_shadow=False, receive_shadow=False,
+                position=self.local(pole, 0.03)))
+            self._labels.append(self._label(f"name{i}", "", (0.0, 0.0, 0.0), "center-center"))
         head, head_faces = bolt()
         for i, pole in enumerate(board.fixed):
-            self._stems.append(self._scene.add_mesh_simple(
+            self._bolts.append(self._scene.add_mesh_simple(
                 f"{self._root}/bolt{i}", head, head_faces, color=INK, flat_shading=True, cast_shadow=False,
                 position=self.local(pole, 0.0)))
-            x, y, z = self.local(pole, 0.06)
-            text = f"{phrases.FIXED(self._language)} {pole_name(pole, board)}"
-            at = free_place(x, z - 0.02, self._half(text), self._bolted, [], below=True)
-            self._bolted.append(at)
-            self._stems.append(self._scene.add_label(f"{self._root}/bolted{i}", text, position=(at.x, y, at.z),
-                                                     anchor="center-center", font_screen_scale=0.8 * self._size))
+            self._bolted.append(self._label(f"bolted{i}", "", (0.0, 0.0, 0.0), "center-center"))
+
+    def _label(self, name: str, words: str, at: Vector, anchor: Any, size: float = 1.0, depth_test: bool = False) -> viser.LabelHandle:
+        return self._scene.add_label(f"{self._root}/{name}", words, position=at, anchor=anchor, font_size_mode="scene",
+                                     font_scene_height=size * self._em, depth_test=depth_test)
 
     def _make_rings(self, board: Board) -> None:
         """Zeros as rings on the glass, those inside the window."""
@@ -241,42 +244,6 @@ class BoardView:
             self._surface.vertices = vertices
 
 
-class Place(NamedTuple):
-    """The middle of a label on a board and half its width, in stage units."""
-
-    x: float
-    z: float
-    half: float
-
-
-def free_place(x: float, z: float, half: float, taken: Sequence[Place], marks: Sequence[tuple[float, float]],
-               below: bool = False) -> Place:
-    """Where the label of a mark at (x, z) fits: right of it, else left, above or below, clear of other labels and marks.
-
-    Where many marks crowd together it steps farther up or down, so that no label lies on another. `below` looks
-    under the mark only.
-    """
-    near = [] if below else [(x + 0.14 + half, z), (x - 0.14 - half, z), (x, z + 0.2)]
-    steps = [0.2 + 0.18 * k for k in range(5)]
-    far = [] if below else [(x + side * (0.14 + half), z + up * step) for step in steps for up in (1, -1) for side in (1, -1)]
-    places = [Place(px, pz, half) for px, pz in (*near, *((x, z - step) for step in steps), *far)]
-
-    def clash(at: Place) -> float:
-        others = sum(abs(at.x - p.x) < half + p.half and abs(at.z - p.z) < NAME_HEIGHT for p in taken)
-        crosses = sum(abs(at.x - a) < half + 0.1 and abs(at.z - b) < 0.14 for a, b in marks)
-        outside = abs(at.x) + half > WIDTH / 2 + 0.3 or abs(at.z) > HEIGHT / 2 + MARGIN
-        return 4 * others + crosses + 6 * outside + 0.5 * math.hypot(max(abs(at.x - x) - half, 0.0), at.z - z)
-    return min(places, key=clash)
-
-
 def holds(board: Board, s: complex) -> bool:
     """Whether s lies in the part of the plane that the board shows."""
     return board.re_low <= s.real <= board.re_high and abs(s.imag) <= board.im_high
-
-
-def pole_name(pole: complex, board: Board) -> str:
-    """−4 ± 5j, or −2; with an arrow towards where it really lies if that is beyond the board's edge."""
-    real = f"{pole.real:.3g}".replace("-", "−")
-    name = real if pole.imag == 0 else f"{real} ± {abs(pole.imag):.3g}j"
-    left, right, above = pole.real < board.re_low, pole.real > board.re_high, abs(pole.imag) > board.im_high
-    return f"← {name}" if left else f"{name} →" if right else f"{name} ↑" if above else name

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import viser
 
+from . import quirks
 from .meshes import disc
 from .stage import PHONE, aspect_of
 
-POINTER, FINGER = 22.0 / 768, 44.0 / 844  # radius of a disc in heights of the window: 22 px on a laptop, 44 on a phone
+POINTER, FINGER = 22.0 / 768, 26.0 / 844  # radius of a disc in heights of the window: 22 px on a laptop, 52 px across on a phone
 SMALLEST, LARGEST = 0.12, 0.9  # stage units
 SAME = 0.06  # a radius that differs by less is not sent
 FAINT = 0.16  # how much of the colour a disc has
@@ -36,16 +37,10 @@ def radius(camera: viser.CameraHandle, place: Sequence[float] | np.ndarray) -> f
     return min(max(size, SMALLEST), LARGEST) if math.isfinite(size) else 2 * SMALLEST
 
 
-def linear(colour: tuple[int, int, int]) -> tuple[int, int, int]:
-    """A colour for instances of a mesh, whose bytes viser takes for light and not, as everywhere else, for sRGB."""
-    red, green, blue = (round(255 * (c / 3294.6 if c <= 10 else ((c / 255 + 0.055) / 1.055) ** 2.4)) for c in colour)
-    return red, green, blue
-
-
 class Grips:
     """The discs of one board in one node: one more thing to draw, however many poles there are."""
 
-    def __init__(self, client: viser.ClientHandle, root: str, colour: tuple[int, int, int], middle: np.ndarray,
+    def __init__(self, client: viser.ClientHandle, root: str, colour: str, middle: np.ndarray,
                  moved: Callable[[viser.SceneNodeDragEvent], Any]) -> None:
         self._client, self._name, self._colour, self._middle, self._moved = client, root + GRIPS, colour, middle, moved
         self._node: viser.BatchedMeshHandle | None = None
@@ -75,7 +70,8 @@ class Grips:
         upright = np.tile(np.array([1.0, 0.0, 0.0, 0.0], dtype=np.float32), (len(at), 1))
         self._node = self._client.scene.add_batched_meshes_simple(
             self._name, *disc(), upright, at, batched_scales=self._scales(), opacity=FAINT, lod="off",
-            batched_colors=linear(self._colour), cast_shadow=False, receive_shadow=False)
+            cast_shadow=False, receive_shadow=False)
+        quirks.flat_colour(self._client, self._name, self._colour)
         self._node.on_drag("left")(self._moved)
 
     def _scales(self) -> np.ndarray:

@@ -15,14 +15,15 @@ from .stage import rgb
 from .ticks import ticks
 
 WIDTH, DEPTH, TILT = 3.2, 1.7, 0.42  # stage units, radians
+NEARER = 0.75  # of the way from the eye to the boards: letters of this size look as large as theirs
 CENTRE = np.array([0.0, -2.75, 0.36])
 
 
 class MapBoard:
     """The map as a picture in the scene; a click gives the point of the map under it."""
 
-    def __init__(self, client: viser.ClientHandle, language: str, pick: Callable[[float, float], object]) -> None:
-        self._scene, self._language, self._pick = client.scene, language, pick
+    def __init__(self, client: viser.ClientHandle, language: str, em: float, pick: Callable[[float, float], object]) -> None:
+        self._scene, self._language, self._em, self._pick = client.scene, language, em * NEARER, pick
         self._figure: MapFigure | None = None
         self._image: viser.ImageHandle | None = None
         self._mark: viser.IcosphereHandle | None = None
@@ -74,12 +75,12 @@ class MapBoard:
     def _letter(self, figure: MapFigure) -> None:
         for x in ticks(float(figure.x[0]), float(figure.x[-1]), 5):
             self._scene.add_label(f"/map/x{x:g}", f"{x:g}".replace("-", "−"), anchor="top-center",
-                                  position=self._at(x, float(figure.y[0]), down=0.06), font_screen_scale=0.75)
+                                  position=self._at(x, float(figure.y[0]), down=0.06), font_size_mode="scene", font_scene_height=self._em)
         for y in ticks(float(figure.y[0]), float(figure.y[-1]), 4):
             self._scene.add_label(f"/map/y{y:g}", f"{y:g}".replace("-", "−"), anchor="center-right",
-                                  position=self._at(float(figure.x[0]), y, left=0.06), font_screen_scale=0.75)
+                                  position=self._at(float(figure.x[0]), y, left=0.06), font_size_mode="scene", font_scene_height=self._em)
         self._title = self._scene.add_label("/map/title", "",
-                              anchor="bottom-center", font_screen_scale=0.85,
+                              anchor="bottom-center", font_size_mode="scene", font_scene_height=self._em,
                               position=tuple(CENTRE + self._up * (DEPTH / 2 - 0.2)))
 
     def _at(self, x: float, y: float, left: float = 0.0, down: float = 0.0) -> tuple[float, float, float]:

@@ -206,6 +206,11 @@ def stay_above_the_floor(client: viser.ClientHandle) -> None:
     _run(client, "floor")
 
 
+def flat_colour(client: viser.ClientHandle, name: str, colour: str) -> None:
+    """Show a node in its colour as it is (#RRGGBB), neither lit nor toned down: viser has no such material."""
+    _run(client, "flat", node=name, colour=colour)
+
+
 def pulse_once(client: viser.ClientHandle, ending: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
     """Let the nodes whose name ends so swell in colour when a pointer first comes over the stage: they can be dragged."""
     _run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)

@@ -22,7 +22,7 @@ from .grips import FAINT, GRIPS
 from .mapboard import MapBoard
 from .mark import Mark
 from .panel import Panel
-from .stage import PHONE, StageView, aspect_of
+from .stage import StageView, letters
 from .style import sheet
 from .transport import Transport
 from .version import version
@@ -31,11 +31,6 @@ Post = Callable[[Edit], int]
 LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
 LECTURE = 1.28  # how much wider the panels are in lecture mode
-
-
-def print_size(picture: Picture, aspect: float) -> float:
-    """How large the letters in the scene are: larger in a hall, smaller on a phone."""
-    return (1.45 if picture.state.lecture else 1.0) * (0.7 if aspect < PHONE else 1.0)
 
 
 class Screen:
@@ -80,7 +75,7 @@ class Screen:
             gui.main_panel.set_width(LEFT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
             self._commands(language)
             self._stage.furnish()
-            self._stage.build(picture.outcome.stage, language, print_size(picture, aspect_of(self._client.camera)))
+            self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             if not self._looked:
                 quirks.frugal_frames(self._client)
                 quirks.folders_by_key(self._client)
@@ -113,7 +108,7 @@ class Screen:
         time.sleep(APART)
         with self._client.atomic():
             if anew:
-                self._stage.show(picture.outcome.stage, picture.state.language, print_size(picture, aspect_of(self._client.camera)))
+                self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
             for board in picture.outcome.boards:
                 self._board(board, picture).show(board, veiled=picture.state.predicted is None)
             self._landscape(picture)
@@ -246,7 +241,7 @@ class Screen:
     def _board(self, board: Board, picture: Picture) -> BoardView:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
-                self._client, board, picture.state.language, print_size(picture, aspect_of(self._client.camera)),
+                self._client, board, picture.state.language, letters(self._client.camera, picture.state.lecture),
                 lambda values, grip: self._post(SetKnobs(values, grip)))
         return self._boards[board.id]
 
@@ -263,7 +258,7 @@ class Screen:
         for figure in picture.figures:
             if isinstance(figure, MapFigure):
                 if self._map is None:
-                    self._map = MapBoard(self._client, picture.state.language,
+                    self._map = MapBoard(self._client, picture.state.language, letters(self._client.camera, picture.state.lecture),
                                          lambda x, y: self._post(PickPoint(x, y)))
                 self._map.show(figure)
 

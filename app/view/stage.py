@@ -18,6 +18,8 @@ from .meshes import helix
 
 PHONE = 0.62  # width over height below which the panels lie over the lower half
 NARROW = 0.90  # width over height of a canvas that just shows both boards
+SIGHT = 0.62  # radians of the field of view: the boards stay readable
+BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD = 0.9  # stage units
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
@@ -40,6 +42,22 @@ def aspect_of(camera: viser.CameraHandle) -> float:
     if camera.image_height > 0 and camera.image_width > 0:
         return camera.image_width / camera.image_height
     return 1.0
+
+
+def letters(camera: viser.CameraHandle, lecture: bool) -> float:
+    """The size of letters (stage units) at the boards that is a certain share of the window's height in the composed view.
+
+    1/48 in lecture mode, whatever the window: legible from the last row; else about ten pixels of a laptop or a phone.
+    """
+    (_, away, _), (_, near, _) = CAMERAS["all"]
+    aspect = aspect_of(camera)
+    depth = (near - away) * retreat(aspect) + BOARDS_BEHIND
+    return (1 / 48 if lecture else 1 / 84 if aspect < PHONE else 1 / 72) * 2 * math.tan(SIGHT / 2) * depth
+
+
+def retreat(aspect: float) -> float:
+    """How many times farther away a narrow window looks from."""
+    return max(1.0, NARROW / max(aspect, 0.2))
 
 
 class StageView:
@@ -88,16 +106,16 @@ class StageView:
         self._preset = preset if preset in CAMERAS else "all"
         position, target = CAMERAS[self._preset]
         self._aspect = aspect_of(self._client.camera)
-        back = max(1.0, NARROW / max(self._aspect, 0.2))  # a narrow window looks from farther away
+        back = retreat(self._aspect)
         drop = 0.14 * back * abs(position[1] - target[1]) if self._aspect < PHONE else 0.0  # above a phone's sheet
         aim = np.array(target) - (0.0, 0.0, drop)
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)
             self._client.camera.position = aim + back * (np.array(position) - np.array(target))
             self._client.camera.look_at = aim
-            self._client.camera.fov = 0.62
+            self._client.camera.fov = SIGHT
 
-    def build(self, stage: Stage | None, language: str, size: float = 1.0) -> None:
+    def build(self, stage: Stage | None, language: str, em: float) -> None:
         """Put a plant on the stage, instead of the last one."""
         self._last, self._solid, self._ghost, self._posed = {}, {}, {}, None
         self._forces = self._errors = None
@@ -118,16 +136,16 @@ class StageView:
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.16, cast_shadow=False,
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
-        self._factor(body, language, size)
+        self._factor(body, language, em)
         self._names = [self._scene.add_label(f"/name/{i}", wording(words, language), position=place, anchor="top-center",
-                                             font_screen_scale=0.75 * size) for i, (words, place) in enumerate(body.labels)]
+                                             font_size_mode="scene", font_scene_height=em) for i, (words, place) in enumerate(body.labels)]
 
-    def _factor(self, body: Body, language: str, size: float) -> None:
+    def _factor(self, body: Body, language: str, em: float) -> None:
         """How many times motion and arrows are exaggerated, beside the plant."""
         factors = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
         words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
         self._scene.add_label("/factor", words, position=(2.35, -0.6, 0.12), anchor="center-left",
-                              font_screen_scale=0.9 * size, visible=bool(words))
+                              font_size_mode="scene", font_scene_height=em, visible=bool(words))
 
     def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
         scene, shape = self._scene, part.shape
@@ -141,12 +159,12 @@ class StageView:
         vertices, faces = helix(shape.radius, shape.turns, shape.wire) if isinstance(shape, Spring) else _rod(shape.radius)
         return scene.add_mesh_simple(name, vertices, faces, **look)
 
-    def show(self, stage: Stage | None, language: str, size: float) -> None:
+    def show(self, stage: Stage | None, language: str, em: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
             for handle in (*self._solid.values(), *self._ghost.values(), *self._clouds, *self._names):
                 handle.remove()
-            self.build(stage, language, size)
+            self.build(stage, language, em)
         self._stage = stage
 
     def pose(self, t: float) -> None:

@@ -1,0 +1,92 @@
+"""Names on a pole board cover neither a mark nor another name, in whatever size they are written."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from laws import holds_for_all
+
+from app.lesson.lesson import Board, Lesson
+from app.view.boards import FRAME, HEIGHT, WIDTH
+from app.view.naming import NEAR, REACH, Place, free_place, leader, pole_name
+from lessons import LESSONS
+
+SIZES = (0.15, 0.2, 0.25)  # of the letters in stage units: a laptop's, a hall's, a phone's
+inside = st.tuples(st.floats(-WIDTH / 2, WIDTH / 2), st.floats(0.0, HEIGHT / 2))
+
+
+def lay_out(names: list[tuple[float, float, str]], marks: list[tuple[float, float]], em: float) -> list[Place | None]:
+    """Every name in order, as a board writes them."""
+    out: list[Place | None] = []
+    for x, z, words in names:
+        out.append(free_place(x, z, words, em, FRAME, [p for p in out if p is not None], marks))
+    return out
+
+
+def covers_nothing(places: list[Place | None], marks: list[tuple[float, float]]) -> None:
+    seen = [p for p in places if p is not None]
+    for i, at in enumerate(seen):
+        assert not any(at.meets(other) for other in seen[:i]), "two names share some area"
+        assert not any(at.covers(*mark) for mark in marks), "a name lies on a mark"
+        assert FRAME.left <= at.x - at.half + 1e-9 and at.x + at.half <= FRAME.right + 1e-9
+        assert FRAME.bottom <= at.z - at.tall + 1e-9 and at.z + at.tall <= FRAME.top + 1e-9
+
+
+def crosses(board: Board) -> tuple[list[tuple[float, float, str]], list[tuple[float, float]]]:
+    """What has a name on a board, and all that stands there."""
+    def at(s: complex) -> tuple[float, float]:
+        s = board.hold(s)
+        return ((s.real - board.re_low) / (board.re_high - board.re_low) - 0.5) * WIDTH, s.imag / board.im_high * HEIGHT / 2
+    names = [(*at(pole), pole_name(pole, board)) for pole in board.poles if pole.imag >= 0]
+    names += [(*at(pole), f"bolted {pole_name(pole, board)}") for pole in board.fixed]
+    return names, [at(s) for s in (*board.poles, *board.zeros, *board.fixed)]
+
+
+@given(st.lists(inside, min_size=1, max_size=8), st.sampled_from(SIZES))
+def test_names_of_any_poles_cover_nothing(poles: list[tuple[float, float]], em: float) -> None:
+    marks = [(x, sign * z) for x, z in poles for sign in (1, -1)]
+    covers_nothing(lay_out([(x, z, "−12.3 ± 4.56j") for x, z in poles], marks, em), marks)
+
+
+@given(st.lists(inside, min_size=1, max_size=4))
+def test_up_to_four_pairs_are_all_named_on_a_laptop(poles: list[tuple[float, float]]) -> None:
+    marks = [(x, sign * z) for x, z in poles for sign in (1, -1)]
+    assert None not in lay_out([(x, z, "−12.3 ± 4.56j") for x, z in poles], marks, SIZES[0])
+
+
+def test_every_lesson_opens_with_all_its_poles_named_and_nothing_covered() -> None:
+    def law(lesson: Lesson) -> None:
+        for board in lesson.compute(lesson.start()).boards:
+            names, marks = crosses(board)
+            for em in SIZES:
+                places = lay_out(names, marks, em)
+                covers_nothing(places, marks)
+                assert em > SIZES[0] or None not in places, f"a pole of {board.id} has no name"
+    holds_for_all(LESSONS.values(), law, lambda lesson: lesson.id)
+
+
+def test_a_lone_name_stands_to_the_right_and_one_at_the_edge_on_the_other_side() -> None:
+    lone = free_place(0.0, 0.0, "−5", 0.15, FRAME, [], [(0.0, 0.0)])
+    assert lone is not None and lone.z == 0.0 and lone.x - lone.half == pytest.approx(REACH + NEAR) and leader(lone, 0.0, 0.0) is None
+    edge = free_place(WIDTH / 2, 0.0, "−5 ± 3j", 0.15, FRAME, [], [(WIDTH / 2, 0.0)])
+    assert edge is not None and edge.x < WIDTH / 2
+
+
+@given(inside, inside)
+def test_a_line_leads_from_a_far_name_to_its_mark(mark: tuple[float, float], to: tuple[float, float]) -> None:
+    at = Place(*to, 0.4, 0.1)
+    line = leader(at, *mark)
+    gap = math.dist(at.nearest(*mark), mark)
+    if line is None:
+        assert gap < 0.25
+    else:
+        start, end = line
+        assert math.dist(start, mark) == pytest.approx(REACH) and end == at.nearest(*mark)
+
+
+def test_where_there_is_no_room_there_is_no_name() -> None:
+    marks = [(x / 8, z / 8) for x in range(-14, 15) for z in range(-12, 13)]
+    assert free_place(0.0, 0.0, "−5 ± 3j", 0.15, FRAME, [], marks) is None
