@@ -190,6 +190,20 @@ class ToggleLecture:
 
 
 @dataclass(frozen=True)
+class ToggleTheme:
+    """Dark, or light again."""
+
+
+@dataclass(frozen=True)
+class SeeWindow:
+    """What a browser says of its window: px across and up, and whether its owner likes the dark."""
+
+    across: object
+    up: object
+    night: object
+
+
+@dataclass(frozen=True)
 class ToggleLandscape:
     """The surface over the s-plane on or off."""
 
@@ -223,7 +237,7 @@ class Recalled:
 Playing = Play | Rewind | Seek | ChangeSpeed | Kick | Watched
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
 Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
-Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleLandscape | LookFrom | ToggleHelp | Answer
+Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp | Answer
           | Recalled)
 Command = Playing | Designing | Studying | Paging
 Edit = SetKnobs | Command

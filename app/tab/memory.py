@@ -32,6 +32,7 @@ class Memory:
     lesson: str
     language: str = "en"
     lecture: bool = False
+    dark: bool | None = None
     plant: str = ""
     desks: Mapping[str, object] = field(default_factory=dict)
 
@@ -46,7 +47,8 @@ def write_desk(lesson: Lesson, design: Design, state: State) -> str:
 
 def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) -> str:
     """The tab as JSON: the lesson that is open and, latest first, as many written desks as there is room for."""
-    head = {"version": VERSION, "lesson": lesson, "language": state.language, "lecture": state.lecture}
+    head = {"version": VERSION, "lesson": lesson, "language": state.language, "lecture": state.lecture,
+            "dark": state.dark}
     if state.plant:
         head["yours"] = json.loads(state.plant)
     start = json.dumps(head, ensure_ascii=False)[:-1] + ', "desks": {'
@@ -72,6 +74,7 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> Memory | 
     if not isinstance(lesson, str) or lesson not in lessons or not isinstance(desks, dict):
         return None
     return Memory(lesson, language if language in languages() else "en", data.get("lecture") is True,
+                  dark if isinstance(dark := data.get("dark"), bool) else None,
                   _plant(data.get("yours")), {name: desk for name, desk in desks.items() if name in lessons})
 
 

@@ -13,15 +13,20 @@ from .commands import (
     OpenLesson,
     Paging,
     Recalled,
+    SeeWindow,
     SetLanguage,
     ToggleHelp,
     ToggleLandscape,
     ToggleLecture,
+    ToggleTheme,
     TurnPage,
 )
 from .gate import number
 from .presenter import Presenter
 from .reload import recalled
+
+SAME_WINDOW = 0.01  # share of its size by which a window may differ without being another
+LEAST_PIXELS, MOST_PIXELS = 200.0, 20_000.0  # of a window's side
 
 
 def obey(show: Presenter, command: Paging) -> None:
@@ -38,6 +43,10 @@ def obey(show: Presenter, command: Paging) -> None:
             show.rebuild(replace(show.state, language=_language(code, show.state.language)))
         case ToggleLecture():
             show.rebuild(replace(show.state, lecture=not show.state.lecture))
+        case ToggleTheme():
+            show.rebuild(replace(show.state, dark=not show.state.darkness))
+        case SeeWindow(across, up, night):
+            _see(show, (_pixels(across), _pixels(up)), bool(number(night)))
         case ToggleLandscape():
             show.change(replace(show.state, landscape=not show.state.landscape))
         case LookFrom(place):
@@ -50,6 +59,20 @@ def obey(show: Presenter, command: Paging) -> None:
             recalled(show, kept)
         case _:
             assert_never(command)
+
+
+def _see(show: Presenter, window: tuple[float, float], night: bool) -> None:
+    """Lay the screen out anew where the window's size, in large print, or the theme asks for it."""
+    before, state = show.state, replace(show.state, window=window, night=night)
+    grown = max(abs(a - b) / b for a, b in zip(window, before.window, strict=True)) > SAME_WINDOW
+    if state.darkness != before.darkness or (state.lecture and grown):
+        show.rebuild(state)
+    else:
+        show.state = replace(state, window=window if grown else before.window)
+
+
+def _pixels(sent: object) -> float:
+    return min(max(number(sent), LEAST_PIXELS), MOST_PIXELS)
 
 
 def _language(asked: object, present: str) -> str:

@@ -23,6 +23,9 @@ class TaskState:
     typed: str = ""  # what was typed when it was last checked
 
 
+USUAL = (1366.0, 768.0)  # px of a window that has not told its size
+
+
 @dataclass(frozen=True)
 class Loop:
     """A part of the run that is played `rounds` times more; then it comes to rest at `rest`."""
@@ -42,6 +45,9 @@ class State:
 
     language: str = "en"
     lecture: bool = False
+    dark: bool | None = None  # the theme; None follows the browser
+    night: bool = False  # whether the browser likes the dark
+    window: tuple[float, float] = USUAL  # px across and up
     playing: bool = False
     loop: Loop | None = None
     stopped: bool = False
@@ -56,6 +62,11 @@ class State:
     plant: str = ""  # the plant that the person brought last, shown now or not
     can_undo: bool = False
     can_redo: bool = False
+
+    @property
+    def darkness(self) -> bool:
+        """Whether the page is dark now."""
+        return self.night if self.dark is None else self.dark
 
     @property
     def moving(self) -> bool:

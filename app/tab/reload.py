@@ -53,7 +53,7 @@ def recalled(show: Presenter, kept: str | None) -> None:
         show.desks.forget()
         show.desks.take_back(memory.desks)
         show.lesson = show.lessons[memory.lesson]
-        show.state = replace(show.state, language=memory.language, lecture=memory.lecture,
+        show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
                              plant=memory.plant or show.state.plant)
         if show.shown is not None:
             show.open()

@@ -17,7 +17,7 @@ from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
 from . import designing, paging, playing, studying
-from .commands import Answer, Command, Designing, Edit, Paging, Playing, Recalled, Studying, Watched
+from .commands import Answer, Command, Designing, Edit, Paging, Playing, Recalled, SeeWindow, Studying, Watched
 from .mailbox import Mailbox, grouped
 from .picture import Picture, State, View
 from .presenter import Presenter
@@ -77,7 +77,7 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            self._show.touched |= not isinstance(edits, (Recalled, Answer, Watched))
+            self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched))
             try:
                 if isinstance(edits, list):
                     self._show.set_knobs(edits)

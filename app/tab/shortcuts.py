@@ -20,6 +20,7 @@ from .commands import (
     ToggleHelp,
     ToggleLandscape,
     ToggleLecture,
+    ToggleTheme,
     TurnPage,
     Undo,
 )
@@ -48,6 +49,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(text("Previous lesson"), TurnPage(-1), "P"),
     Shortcut(text("Chinese / English"), SetLanguage(), "L"),
     Shortcut(text("Lecture mode: large print"), ToggleLecture(), "M"),
+    Shortcut(text("Dark or light"), ToggleTheme(), "D"),
     Shortcut(text("Landscape of |det(sI − A + LC)|⁻¹"), ToggleLandscape(), "G"),
     Shortcut(text("View everything"), LookFrom("all"), "1"),
     Shortcut(text("View the plant"), LookFrom("plant"), "2"),

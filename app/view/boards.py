@@ -19,7 +19,7 @@ from . import phrases
 from .grips import Grips, Vector
 from .meshes import bolt, cross, landscape
 from .naming import Frame, Place, free_place, leader, pole_name
-from .pane import GLASS, INK, pane
+from .pane import DARK, LIGHT, pane
 from .stage import rgb
 from .ticks import ticks
 
@@ -29,7 +29,6 @@ SNAP = 0.02  # of the window's height: nearer to the real axis than this is on i
 MARGIN = 0.15  # glass around the s-plane
 FRAME = Frame(-WIDTH / 2 - MARGIN, WIDTH / 2, -HEIGHT / 2, HEIGHT / 2 + MARGIN)  # what names may fill, clear of those of the axes
 NOWHERE = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen: viser keeps a node that has at least one
-LEADER_INK = (90, 97, 108)
 UPRIGHT = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)  # pictures lie flat until they are turned
 RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
 
@@ -37,10 +36,11 @@ RING, RING_SIDES = 0.085, 28  # radius of a zero's mark in stage units
 class BoardView:
     """One board: drawn once, then only its poles move."""
 
-    def __init__(self, client: viser.ClientHandle, board: Board, language: str, em: float,
+    def __init__(self, client: viser.ClientHandle, board: Board, language: str, em: float, dark: bool,
                  drag: Callable[[dict[str, Any], int], object]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
         self._board, self._em, self._language = board, em, language
+        self._ink = DARK if dark else LIGHT
         self._root = f"/board/{board.id}"
         (x, y), turn = PLACES[board.side]
         self._origin = np.array([x, y, FOOT + HEIGHT / 2])
@@ -90,9 +90,9 @@ class BoardView:
     # --- drawing ---------------------------------------------------------------------------------------------------
     def _draw(self, language: str) -> None:
         scene, root, b = self._scene, self._root, self._board
-        scene.add_box(f"{root}/glass", GLASS, (WIDTH + 2 * MARGIN, 0.04, HEIGHT + 2 * MARGIN), cast_shadow=False,
+        scene.add_box(f"{root}/glass", self._ink.glass, (WIDTH + 2 * MARGIN, 0.04, HEIGHT + 2 * MARGIN), cast_shadow=False,
                       receive_shadow=False)
-        scene.add_image(f"{root}/face", pane(b, MARGIN / HEIGHT), WIDTH + 2 * MARGIN, HEIGHT + 2 * MARGIN, format="png",
+        scene.add_image(f"{root}/face", pane(b, MARGIN / HEIGHT, self._ink), WIDTH + 2 * MARGIN, HEIGHT + 2 * MARGIN, format="png",
                         cast_shadow=False, receive_shadow=False, position=(0.0, -0.025, 0.0), wxyz=UPRIGHT)
         for side in (-1, 1):
             scene.add_box(f"{root}/foot{side}", (150, 156, 166), (0.08, 0.5, 0.06), cast_shadow=False,
@@ -102,7 +102,7 @@ class BoardView:
         self._letter_axes()
         self._label("title", b.title(language), (0.0, -0.06, HEIGHT / 2 + MARGIN + 0.06), "bottom-center", 1.2)
         self._asks = self._label("asks", phrases.VEILED_BOARD(language), (0.0, -0.06, 0.0), "center-center", 1.2)
-        self._leaders = scene.add_line_segments(f"{root}/leaders", np.array([NOWHERE], dtype=np.float32), LEADER_INK, thickness=0.012)
+        self._leaders = scene.add_line_segments(f"{root}/leaders", np.array([NOWHERE], dtype=np.float32), self._ink.leader, thickness=0.012)
 
     def _letter_axes(self) -> None:
         b = self._board
@@ -179,7 +179,7 @@ class BoardView:
         head, head_faces = bolt()
         for i, pole in enumerate(board.fixed):
             self._bolts.append(self._scene.add_mesh_simple(
-                f"{self._root}/bolt{i}", head, head_faces, color=INK, flat_shading=True, cast_shadow=False,
+                f"{self._root}/bolt{i}", head, head_faces, color=self._ink.axis, flat_shading=True, cast_shadow=False,
                 position=self.local(pole, 0.0)))
             self._bolted.append(self._label(f"bolted{i}", "", (0.0, 0.0, 0.0), "center-center"))
 
@@ -197,7 +197,7 @@ class BoardView:
             x, y, z = self.local(zero, 0.02)
             points = [(x + RING * math.cos(a), y, z + RING * math.sin(a)) for a in angle]
             self._rings.append(self._scene.add_line_segments(
-                f"{self._root}/zero{i}", np.array(list(pairwise(points)), dtype=np.float32), INK, thickness=0.025))
+                f"{self._root}/zero{i}", np.array(list(pairwise(points)), dtype=np.float32), self._ink.axis, thickness=0.025))
 
     def fit(self) -> bool:
         """Make what the hand takes hold of as large as the camera asks for; whether that changed anything."""

@@ -13,11 +13,11 @@ import viser
 from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, finite, thin
 from ..text import raised, wording
 from .prose import with_minus
+from .sizes import Sizes
 from .svg import draw
 from .ticks import ticks
 
 DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({"solid": None, "dash": (9, 5), "dot": (2, 4)})
-HEIGHT = 180
 
 
 def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, Any]:
@@ -81,10 +81,11 @@ def even(low: float, high: float, most: int) -> tuple[tuple[float, ...], tuple[s
 class Chart:
     """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change."""
 
-    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, lecture: bool, horizon: float) -> None:
+    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, sizes: Sizes, horizon: float) -> None:
         self._language, self._figure = language, figure
         self._cursor = on_the_clock(figure, horizon)
-        self._bold = 1.5 if lecture else 1.0
+        self._bold = 1.5 if sizes.state.lecture else 1.0
+        self._letter, self._height = sizes.chart_letter, sizes.chart
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
@@ -114,7 +115,7 @@ class Chart:
         xs: dict[str, Any] = {"time": False, "range": ends}
         if figure.log_x:
             xs["distr"] = 3
-        size = 18 if self._bold > 1 else 12
+        size = self._letter
         font = f"{size}px sans-serif"
         look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
                 "ticks": {"stroke": "#c9ced6", "width": 1}}
@@ -127,7 +128,7 @@ class Chart:
                                       "size": size + 16}
         horizontal["splits"], horizontal["values"] = decades(*ends) if figure.log_x else even(*ends, 6)
         return {
-            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": round(HEIGHT * (1.25 if self._bold > 1 else 1.0)),
+            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": self._height,
             "axes": (horizontal, vertical),
             "legend": {"show": True, "live": False}, "cursor": {"drag": {"x": False, "y": False}},
             "padding": (10, 14, 0, 0),

@@ -18,6 +18,7 @@ from ..tab.commands import (
     ShowHint,
     ShowSolution,
     ToggleLecture,
+    ToggleTheme,
 )
 from ..tab.picture import Picture, TaskState
 from ..text import Text, joined, languages, name_of
@@ -60,10 +61,12 @@ class Panel:
         gui, lang = self._gui, self._lang
         tongues = {name_of(code): code for code in languages()}
         titles = {lesson.id: lesson.words[lang].title for lesson in picture.catalogue}
+        theme = phrases.LIGHT if picture.state.darkness else phrases.DARK
+        pages: dict[str, Edit] = {phrases.LECTURE(lang): ToggleLecture(), theme(lang): ToggleTheme()}
         keys = {title: lesson_id for lesson_id, title in titles.items()}
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
-        self._tongue = gui.add_button_group("", (*tongues, phrases.LECTURE(lang)))
+        self._tongue = gui.add_button_group("", (*tongues, *pages))
         gui.add_html(f'<div class="ol-question">{self._words.question}</div>')
         self._introduce(picture.state.lecture)
         self._catalogue = ReadBack(self._choice, lambda title: self._post(OpenLesson(keys.get(title, ""))))
@@ -71,7 +74,10 @@ class Panel:
         @self._tongue.on_click
         async def _(event: viser.GuiEvent) -> None:
             word = event.target.value
-            self._post(SetLanguage(tongues[word]) if word in tongues else ToggleLecture())
+            if word in tongues:
+                self._post(SetLanguage(tongues[word]))
+            elif word in pages:
+                self._post(pages[word])
 
     def _introduce(self, lecture: bool) -> None:
         """What the question is about; folded in a hall, where somebody tells it."""

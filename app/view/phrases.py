@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..text import same, text, text_in
+from ..text import text, text_in
 
 LESSON = text("lesson")
 PREDICTION = text("Predict")
@@ -30,8 +30,8 @@ HINT = text("hint")
 SOLUTION = text("solution")
 TRANSPORT = text("Run")
 TIME = text("time t [s]")
-SLOWER = same("−")
-FASTER = same("+")
+SLOWER = text("slower")
+FASTER = text("faster")
 PLAY = text("▶ play")
 PAUSE = text("‖ pause")
 KICK = text("kick")
@@ -42,6 +42,8 @@ RESET = text("reset")
 VIEW = text("whole view")
 HELP = text("keys")
 LECTURE = text("large print")
+DARK = text("dark")
+LIGHT = text("light")
 SOURCE = text("Source")
 CANCEL_JOB = text("cancel")
 KEYS_TITLE = text("Keyboard commands")

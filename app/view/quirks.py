@@ -221,6 +221,11 @@ def ask_whether_seen(client: viser.ClientHandle, widget: Any) -> None:
     _run(client, "watched", widget=id_of(widget))
 
 
+def tell_the_window(client: viser.ClientHandle, widget: viser.GuiVector3Handle) -> None:
+    """Have a widget told how large the window is and whether its owner likes the dark, now and at every change."""
+    _run(client, "window", widget=id_of(widget))
+
+
 def folders_by_key(client: viser.ClientHandle) -> None:
     """Let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone."""
     _run(client, "folders")

@@ -11,7 +11,7 @@ import viser
 
 from ..lesson.figures import MapFigure, tabs
 from ..lesson.lesson import Board
-from ..tab.commands import Command, Edit, PickPoint, SetKnobs, Watched
+from ..tab.commands import Command, Edit, PickPoint, SeeWindow, SetKnobs, Watched
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
 from ..text import Text
@@ -22,15 +22,14 @@ from .grips import FAINT, GRIPS
 from .mapboard import MapBoard
 from .mark import Mark
 from .panel import Panel
+from .sizes import Sizes
 from .stage import StageView, letters
 from .style import sheet
 from .transport import Transport
 from .version import version
 
 Post = Callable[[Edit], int]
-LEFT_WIDTH, RIGHT_WIDTH = 345.0, 395.0
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
-LECTURE = 1.28  # how much wider the panels are in lecture mode
 
 
 class Screen:
@@ -59,22 +58,23 @@ class Screen:
     # --- View ------------------------------------------------------------------------------------------------------
     def build(self, picture: Picture) -> None:
         """Lay everything out anew for a lesson or a language."""
-        gui, language = self._client.gui, picture.state.language
+        gui, language, sizes = self._client.gui, picture.state.language, Sizes(picture.state)
         with self._client.atomic():
             gui.reset()
             self._client.scene.reset()
             self._boards, self._charts, self._map, self._help = {}, {}, None, None
-            gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178))
+            gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178),
+                                dark_mode=picture.state.darkness)
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet(picture.state.lecture, picture.state.predicted is None), order=-1e9)
             self._panel = Panel(gui, picture, self._post)
             self._right_panel(picture)
-            self._transport = Transport(gui, picture, self._post)
+            self._transport = Transport(gui, picture, self._post, sizes.run)
             self._mark = Mark(gui, self._post)
             gui.main_panel.dock_left()
-            gui.main_panel.set_width(LEFT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
+            gui.main_panel.set_width(sizes.left)
             self._commands(language)
-            self._stage.furnish()
+            self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             if not self._looked:
                 quirks.frugal_frames(self._client)
@@ -88,6 +88,7 @@ class Screen:
                 self._fit_grips()
                 self._looked = True
             self._watch()
+            self._listen_to_the_window()
             title = picture.lesson.words[language].title
             quirks.name_page(self._client, f"{title} · {quirks.NAME}", language)
         self._picture = None
@@ -205,12 +206,12 @@ class Screen:
         language = picture.state.language
         panel = self._client.gui.add_panel()
         panel.dock_right()
-        panel.set_width(RIGHT_WIDTH * (LECTURE if picture.state.lecture else 1.0))
+        panel.set_width(Sizes(picture.state).right)
         for tab in tabs(picture.figures):
             with panel.add_tab(tab(language)):
                 for figure in picture.figures:
                     if figure.tab == tab:
-                        self._charts[figure.id] = Chart(self._client.gui, figure, language, picture.state.lecture,
+                        self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state),
                                                                       picture.horizon)
 
     def _watch(self) -> None:
@@ -221,6 +222,15 @@ class Screen:
         async def _(event: viser.GuiEvent) -> None:
             self._post(Watched(event.target.value))
         quirks.ask_whether_seen(self._client, seen)
+
+    def _listen_to_the_window(self) -> None:
+        """Hear how large the window is, and whether it is to be dark."""
+        told = self._client.gui.add_vector3("", (0.0, 0.0, 0.0), visible=False)
+
+        @told.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            self._post(SeeWindow(*event.target.value))
+        quirks.tell_the_window(self._client, told)
 
     def _commands(self, language: str) -> None:
         for shortcut in SHORTCUTS:
@@ -242,6 +252,7 @@ class Screen:
         if board.id not in self._boards:
             self._boards[board.id] = BoardView(
                 self._client, board, picture.state.language, letters(self._client.camera, picture.state.lecture),
+                picture.state.darkness,
                 lambda values, grip: self._post(SetKnobs(values, grip)))
         return self._boards[board.id]
 

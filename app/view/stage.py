@@ -20,6 +20,7 @@ PHONE = 0.62  # width over height below which the panels lie over the lower half
 NARROW = 0.90  # width over height of a canvas that just shows both boards
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
+FLOOR, DARK_FLOOR = (214, 220, 229), (58, 66, 78)
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD = 0.9  # stage units
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
@@ -78,7 +79,7 @@ class StageView:
         self._posed: tuple[Stage, int] | None = None
         self._preset, self._aspect = "all", 1.0
 
-    def furnish(self) -> None:
+    def furnish(self, dark: bool) -> None:
         """Floor, light, background and the default camera of an empty stage."""
         scene = self._scene
         scene.set_up_direction("+z")
@@ -89,7 +90,7 @@ class StageView:
                                     cast_shadow=False)
         scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.5, position=(6.0, -5.0, 4.0),
                                     cast_shadow=False)
-        scene.add_line_segments("/floor", _floor(), (214, 220, 229), thickness=0.012)
+        scene.add_line_segments("/floor", _floor(), DARK_FLOOR if dark else FLOOR, thickness=0.012)
         scene.add_image("/shadow", _shade(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
                         position=(0.0, 0.1, 0.002))
 

@@ -19,4 +19,4 @@ def clock(t: float, horizon: float, speed: float, caption: str) -> str:
     digits = 2 if horizon >= 2 or horizon <= 0 else 2 - math.floor(math.log10(horizon))
     return (f"<style>:root{{--ol-t:{share:.4f}}}</style>"
             f'<div class="ol-note">t = {t:.{digits}f} s '
-            f'<span style="color:#5a616c">/ {horizon:g} s · {speed:g}× &emsp;{caption}</span></div>')
+            f'<span class="ol-dim">/ {horizon:g} s · {speed:g}× &emsp;{caption}</span></div>')

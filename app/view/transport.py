@@ -13,6 +13,7 @@ from ..tab.commands import ChangeSpeed, Command, Edit, Kick, LookFrom, Play, Red
 from ..tab.picture import Picture
 from . import phrases
 from .readback import ReadBack
+from .sizes import BAR
 from .style import clock
 
 WRITE_EVERY = 3  # poses between two updates of the time slider
@@ -28,7 +29,7 @@ def step_of(horizon: float) -> float:
 class Transport:
     """Play, kick, start, undo, redo, reset; the time slider and the speed."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], int]) -> None:
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], int], width: float) -> None:
         lang = picture.state.language
         self._lang = lang
         self._count, self._rate, self._picture = 0, picture.rate, picture
@@ -46,7 +47,7 @@ class Transport:
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
             self._back = ReadBack(self._time, lambda t: post(Seek(t)))
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
-        panel.float(x=12, y=-12, width=600)
+        panel.float(x=BAR, y=-BAR, width=width)
         self._listen(commands, post)
 
     def _words(self, picture: Picture) -> str:
@@ -58,8 +59,9 @@ class Transport:
         words: list[Any] = [phrases.PAUSE if picture.state.moving else phrases.PLAY]
         if picture.lesson.kick:
             words.append(phrases.KICK)
-        words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW,
-                  phrases.HELP]
+        words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
+        if not picture.state.lecture:  # a key opens the list of keys, and a hall's row is full
+            words.append(phrases.HELP)
         return tuple(w(self._lang) for w in words)
 
     def _listen(self, commands: dict[str, Command], post: Callable[[Edit], int]) -> None:

@@ -13,8 +13,9 @@ from lessons import LESSONS
 LEAST = 4.5  # WCAG 2.2, 1.4.3
 PALE = """least => {
   const pen = new OffscreenCanvas(1, 1).getContext('2d', {willReadFrequently: true});
-  const rgba = colour => {
+  const rgba = (colour, turned = 'none') => {
     pen.clearRect(0, 0, 1, 1);
+    pen.filter = turned;  // colours of a drawing that is turned over for the dark
     pen.fillStyle = colour;
     pen.fillRect(0, 0, 1, 1);
     const [r, g, b, a] = pen.getImageData(0, 0, 1, 1).data;
@@ -36,14 +37,15 @@ PALE = """least => {
     if (!words || ['STYLE', 'SCRIPT', 'TITLE'].includes(element.tagName)) continue;
     if (!element.checkVisibility({opacityProperty: true, visibilityProperty: true})) continue;
     const style = getComputedStyle(element), svg = element instanceof SVGElement;
-    let alpha = 1, blurred = false;
+    let alpha = 1, blurred = false, turned = 'none';
     for (let e = element; e; e = e.parentElement) {
       const its = getComputedStyle(e);
       alpha *= Number(its.opacity);
-      blurred ||= its.filter !== 'none';
+      blurred ||= its.filter.includes('blur');
+      if (its.filter !== 'none') turned = its.filter;
     }
     if (blurred) continue;  // veiled: not to be read
-    const below = ground(svg ? element.closest('svg').parentElement : element), colour = rgba(svg ? style.fill : style.color);
+    const below = ground(svg ? element.closest('svg').parentElement : element), colour = rgba(svg ? style.fill : style.color, turned);
     const [a, b] = [light(over(colour, below, colour[3] * alpha)), light(below)];
     const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
     if (ratio < least) seen[`${words.slice(0, 30)} | ${svg ? style.fill : style.color} on ${below.map(Math.round)}`] = ratio.toFixed(2);
@@ -52,15 +54,18 @@ PALE = """least => {
 }"""
 
 
-@pytest.mark.parametrize("name, size, large", [
-    ("separation", (1366, 768), False), ("saturation", (1366, 768), False), ("network", (1920, 1080), True),
-    ("sandbox", (390, 844), False)], ids=str)
-def test_words_stand_out_from_their_ground(new_tab: Callable[..., Tab], name: str, size: tuple[int, int], large: bool) -> None:
+@pytest.mark.parametrize("name, size, large, dark", [
+    ("separation", (1366, 768), False, False), ("saturation", (1366, 768), False, True), ("network", (1920, 1080), True, True),
+    ("sandbox", (390, 844), False, False)], ids=str)
+def test_words_stand_out_from_their_ground(new_tab: Callable[..., Tab], name: str, size: tuple[int, int], large: bool,
+                                           dark: bool) -> None:
     tab, words = new_tab(*size), LESSONS[name].words["en"]
     tab.choose_lesson(words.title, words.question)
     tab.predict("skip")
     if large:
         tab.press("large print")
+    if dark:
+        tab.press("dark")
     tab.answered(rests=True)
     assert tab.page.evaluate(PALE, LEAST) == {}
 

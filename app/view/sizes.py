@@ -1,0 +1,50 @@
+"""How large things are on the page: in large print every word takes a fiftieth of the window's height, whatever its pixels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..tab.picture import State
+
+LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of the run
+LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
+LARGE = 0.021  # of the window's height: a letter's size in large print; `lecture.css` says the same
+BAR = 12.0  # px between the panel of the run and the columns
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """The sizes for one state of a tab; the letters of the stage are `stage.letters`."""
+
+    state: State
+
+    @property
+    def letter(self) -> float:
+        """px of a letter in large print."""
+        return LARGE * self.state.window[1]
+
+    @property
+    def left(self) -> float:
+        """px of the column with the question and the knobs."""
+        return min(LARGE_LEFT * self.letter, 0.28 * self.state.window[0]) if self.state.lecture else LEFT
+
+    @property
+    def right(self) -> float:
+        """px of the column with the figures."""
+        return min(LARGE_RIGHT * self.letter, 0.3 * self.state.window[0]) if self.state.lecture else RIGHT
+
+    @property
+    def run(self) -> float:
+        """px of the panel of the run: all the stage has in large print, so that its buttons stand in one row."""
+        stage = self.state.window[0] - self.left - self.right - 2 * BAR
+        return max(stage, 300.0) if self.state.lecture else min(RUN, max(stage, 300.0))
+
+    @property
+    def chart_letter(self) -> int:
+        """px of the words in a chart."""
+        return round(self.letter) if self.state.lecture else 12
+
+    @property
+    def chart(self) -> int:
+        """px of a chart's height: one figure is what a hall looks at."""
+        return round(0.42 * self.state.window[1]) if self.state.lecture else 180

@@ -1,0 +1,49 @@
+"""The window of a browser: its size counts in large print alone, the dark follows its owner until a button is pressed."""
+
+from __future__ import annotations
+
+import math
+
+from fakes import Tab, toy
+from test_reload import Again
+
+from app.tab.commands import SeeWindow, ToggleLecture, ToggleTheme
+
+
+def test_the_page_follows_the_browser_into_the_dark_until_a_button_is_pressed() -> None:
+    tab = Tab()
+    tab.do(SeeWindow(1366.0, 768.0, 1.0))
+    assert tab.picture.state.darkness and len(tab.view.of("build")) == 1
+    tab.do(ToggleTheme())
+    assert not tab.picture.state.darkness
+    tab.do(SeeWindow(1366.0, 768.0, 1.0))
+    assert not tab.picture.state.darkness and len(tab.view.of("build")) == 2
+
+
+def test_a_window_that_changes_is_laid_out_anew_in_large_print_alone() -> None:
+    tab = Tab()
+    tab.do(SeeWindow(1920.0, 1080.0, 0.0))
+    assert not tab.view.of("build")
+    tab.do(ToggleLecture())
+    assert tab.picture.state.window == (1920.0, 1080.0)
+    tab.do(SeeWindow(1920.0, 1079.0, 0.0))
+    assert len(tab.view.of("build")) == 1
+    tab.do(SeeWindow(3840.0, 2160.0, 0.0))
+    assert len(tab.view.of("build")) == 2 and tab.picture.state.window == (3840.0, 2160.0)
+
+
+def test_nonsense_about_a_window_changes_nothing() -> None:
+    tab = Tab()
+    before = tab.session.picture
+    for across, up in ((math.nan, 768.0), ("wide", 768.0), (None, None)):
+        tab.do(SeeWindow(across, up, 0.0))
+    assert tab.picture.state.window == before.state.window and len(tab.view.scolded()) == 3  # type: ignore[union-attr]
+    tab.do(SeeWindow(-5.0, 1e12, 0.0))
+    tab.do(ToggleLecture())
+    assert all(100.0 < side < 1e5 for side in tab.picture.state.window)
+
+
+def test_a_window_that_tells_its_size_is_no_work_that_a_reload_could_lose() -> None:
+    tab = Again({"first": toy("first")}, None)
+    tab.do(SeeWindow(1920.0, 1080.0, 0.0))
+    assert not tab.session._show.touched

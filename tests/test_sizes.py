@@ -1,0 +1,17 @@
+"""Sizes on the page."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.tab.picture import State
+from app.view import page
+from app.view.sizes import LARGE, Sizes
+
+
+@pytest.mark.parametrize("window", [(1024.0, 768.0), (1280.0, 720.0), (1920.0, 1080.0), (3840.0, 2160.0)], ids=str)
+def test_in_large_print_every_word_takes_a_fiftieth_of_the_height_and_the_stage_has_its_room(window: tuple[float, float]) -> None:
+    sizes = Sizes(State(lecture=True, window=window))
+    assert sizes.chart_letter >= window[1] / 50
+    assert sizes.left + sizes.right + sizes.run < window[0] and sizes.run >= 0.25 * window[0]
+    assert f"{100 * LARGE:g}vh" in page.source("lecture.css")
