@@ -10,11 +10,15 @@ import pytest
 HERE = Path(__file__).parent
 SLOW = frozenset({"e2e", "wire"})  # folders in which a server or a browser is started; elsewhere a test says so itself
 
+LONGEST = 200  # letters of a test's name
+
 pytest.register_assert_rewrite("lesson_checks", "pole_requests", "laws")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
+        if len(item.name) > LONGEST or " at 0x" in item.name:
+            raise pytest.UsageError(f"a test's name must be short and the same in every worker: {item.nodeid[:120]} … wants ids=")
         if item.path.relative_to(HERE).parts[0] in SLOW:
             item.add_marker(pytest.mark.slow)
 

@@ -48,7 +48,7 @@ def saves(lesson: Lesson) -> st.SearchStrategy[Saved]:
                      st.none() | steps, st.none() | cameras)
 
 
-@pytest.mark.parametrize("lesson", LESSONS.values(), ids=str)
+@pytest.mark.parametrize("lesson", LESSONS.values(), ids=list(LESSONS))
 @settings(max_examples=8)
 @given(data=st.data())
 def test_every_state_survives_its_token(lesson: Lesson, data: st.DataObject) -> None:

@@ -13,7 +13,7 @@ NONSENSE = [None, "text", b"text", [[1, 2], [3]], [[1, 1j]], np.array([[1j, 0], 
             [[np.inf, 0], [0, 1]], np.zeros((2, 2, 2)), {}, object(), np.array(["a"]), np.array(["2020-01-01"], dtype="M8[D]"), 10**400]
 
 
-@pytest.mark.parametrize("value", NONSENSE, ids=lambda v: repr(v)[:20])
+@pytest.mark.parametrize("value", NONSENSE, ids=lambda v: type(v).__name__)
 @pytest.mark.parametrize("use", [
     lambda v: as_matrix(v, "M"), lambda v: as_covariance(v, "M", 2), lambda v: Plant(v, np.eye(2), np.eye(2)),
     lambda v: place(np.eye(2), v, [-1, -2]), lambda v: lqr(np.eye(2), np.eye(2), v, np.eye(2)),
