@@ -170,13 +170,15 @@ class Job(Generic[S, R]):
     """A longer computation that a person starts, and on what its result depends.
 
     `run(outcome)` yields (fraction, result so far), None while there is none. `key(design)` is what of a design the result rests on:
-    the frame keeps results by key and shows one in every design of that key by `shown(outcome, result)`.
+    the frame keeps results by key and shows one in every design of that key by `shown(outcome, result)`. `figure` is the id
+    of the figure that shows what was found.
     """
 
     label: Text
     run: Callable[[Outcome[S]], Iterator[tuple[float, R | None]]]
     key: Callable[[Design], Hashable]
     shown: Callable[[Outcome[S], R], Outcome[S]]
+    figure: str = ""
 
     def outcomes(self, outcome: Outcome[S]) -> Iterator[tuple[float, Outcome[S]]]:
         """Run it from an outcome to its end: (fraction, the outcome that shows what is found so far)."""
@@ -192,8 +194,8 @@ class Lesson(Generic[S]):
 
     `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
     on the lesson's map into changed knob values. `adapt(lesson, model)` makes the lesson for a person's own plant;
-    `origin` is the lesson that it was made from. `answer` is the index of the right prediction. `aside` names the knobs
-    that are turned rarely: the page keeps them behind "more".
+    `origin` is the lesson that it was made from. `answer` is the index of the right prediction, `answering` the id of
+    the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more".
     """
 
     id: str
@@ -206,6 +208,7 @@ class Lesson(Generic[S]):
     exam: Callable[[int], ExamItem]
     source: str
     words: Mapping[str, Any]  # language → Prose
+    answering: str = ""
     kick: bool = True
     aside: tuple[str, ...] = ()
     job: Job[S, Any] | None = None

@@ -129,6 +129,9 @@ class View(Protocol):
     def camera(self, preset: str) -> None:
         """Look from a named place."""
 
+    def open_figure(self, figure: str) -> None:
+        """Bring the figure of that id to the front, if the lesson has it."""
+
     def open_help(self) -> None:
         """Show or close the list of keyboard commands."""
 

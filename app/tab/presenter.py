@@ -203,6 +203,8 @@ class Presenter:
             self.last_tick = self.clock()
         self.desk.keep(state)
         self.redraw()
+        if state.revealed and not before.revealed:
+            self.view.open_figure(self.lesson.answering)
         if state != replace(before, playing=state.playing, loop=state.loop, stopped=state.stopped, t=state.t):
             self.remember()
 

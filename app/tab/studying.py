@@ -140,3 +140,5 @@ def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
         show.refuse(problem)
         return
     show.view.progress(fraction if show.job.running else None, show.lesson.job.label)
+    if not show.job.running:
+        show.view.open_figure(show.lesson.job.figure)

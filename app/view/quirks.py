@@ -211,6 +211,11 @@ def flat_colour(client: viser.ClientHandle, name: str, colour: str) -> None:
     _run(client, "flat", node=name, colour=colour)
 
 
+def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
+    """Bring a panel's tab to the front, as its Enter key does, and in it a figure into view; viser has no call for it."""
+    _run(client, "tab", title=title, figure=figure)
+
+
 def pulse_once(client: viser.ClientHandle, ending: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
     """Let the nodes whose name ends so swell in colour when a pointer first comes over the stage: they can be dragged."""
     _run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)

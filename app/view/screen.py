@@ -166,6 +166,14 @@ class Screen:
         self._stage.camera(preset)
         self._client.flush()
 
+    def open_figure(self, figure: str) -> None:
+        """Bring the tab of a figure to the front."""
+        picture = self._picture
+        found = next((f for f in picture.figures if f.id == figure), None) if picture is not None else None
+        if found is not None and picture is not None:
+            quirks.open_tab(self._client, found.tab(picture.state.language), figure)
+            self._client.flush()
+
     def open_help(self) -> None:
         """The list of keys, made from the table that binds them; the same key closes it."""
         if self._help is not None:

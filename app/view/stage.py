@@ -145,7 +145,7 @@ class StageView:
         """How many times motion and arrows are exaggerated, beside the plant."""
         factors = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
         words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
-        self._scene.add_label("/factor", words, position=(2.35, -0.6, 0.12), anchor="center-left",
+        self._scene.add_label("/factor", words, position=(2.9, -0.6, 0.12), anchor="center-right",
                               font_size_mode="scene", font_scene_height=em, visible=bool(words))
 
     def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:

@@ -12,7 +12,7 @@ from .knobs import KNOBS
 from .study import compute
 from .tasks import TASKS, exam
 
-LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, tasks=TASKS, exam=exam,
+LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answering="error", tasks=TASKS, exam=exam,
                 source="Synthesis of functional observers for bilinear plants (004), Avtometriya 53 (2017) no. 4, "
                        "equations (1)–(24) and the worked example",
                 words=read_prose(Path(__file__).parent), aside=("amplitude", "omega", "seed", "tau", "chi0", "line"))

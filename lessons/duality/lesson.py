@@ -15,6 +15,6 @@ from .study import BLOCK, compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "duality", 5, KNOBS, partial(compute, BLOCK), partial(all_figures, BLOCK), answer=2, tasks=TASKS, exam=exam,
+    "duality", 5, KNOBS, partial(compute, BLOCK), partial(all_figures, BLOCK), answer=2, answering="gains", tasks=TASKS, exam=exam,
     source="Tutorial (000), duality section: L = K_dᵀ; observer notes (001), spring-damper example",
     words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted)

@@ -15,6 +15,6 @@ from .study import BLOCK, compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "error-dynamics", 2, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=1, tasks=TASKS, exam=exam,
+    "error-dynamics", 2, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=1, answering="error", tasks=TASKS, exam=exam,
     source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
     words=read_prose(Path(__file__).parent), aside=("amplitude", "frequency", "seed", "line"), adapt=adapted)

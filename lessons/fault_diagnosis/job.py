@@ -56,4 +56,4 @@ def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=study, metrics=metrics_of(study))
 
 
-JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, depends, shown)
+JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, depends, shown, figure="rates")

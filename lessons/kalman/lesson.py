@@ -15,6 +15,6 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "kalman", 9, KNOBS, compute, all_figures, answer=2, tasks=TASKS, exam=exam,
+    "kalman", 9, KNOBS, compute, all_figures, answer=2, answering="nees", tasks=TASKS, exam=exam,
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
     words=read_prose(Path(__file__).parent), aside=("force", "arithmetic", "line"), job=JOB, adapt=adapted)

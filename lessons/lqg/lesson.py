@@ -20,7 +20,8 @@ from .tasks import TASKS, exam
 def build(cases: tuple[Case, ...]) -> Lesson:
     """The lesson on these cases."""
     return Lesson(
-        "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, tasks=TASKS, exam=exam,
+        "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, answering="margins",
+        tasks=TASKS, exam=exam,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
         words=read_prose(Path(__file__).parent), aside=("cut", "filter", "rule"),
         job=JOB)

@@ -68,4 +68,4 @@ def shown(outcome: Outcome[Story], result: Search) -> Outcome[Story]:
                    metrics={**outcome.metrics, **more, "search_done": result.done})
 
 
-JOB = Job(text("Run algorithm RLO"), search, key, shown)
+JOB = Job(text("Run algorithm RLO"), search, key, shown, figure="found")

@@ -67,4 +67,4 @@ def shown(outcome: Outcome[Study], found: Recovery) -> Outcome[Study]:
 
 def job_on(model: Model) -> Job[Study, Recovery]:
     """The job for a plant."""
-    return Job(text("Recover the margins"), partial(try_recovery, model), key, shown)
+    return Job(text("Recover the margins"), partial(try_recovery, model), key, shown, figure="recovery")

@@ -28,7 +28,7 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
 def build(model: Model) -> Lesson:
     """The sandbox for a plant."""
     return Lesson(
-        "sandbox", 19, knobs(model), partial(compute, model), partial(figures, model), answer=1,
+        "sandbox", 19, knobs(model), partial(compute, model), partial(figures, model), answer=1, answering="lights",
         tasks=TASKS, exam=exam, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
         words=read_prose(Path(__file__).parent), aside=("sensor", "belief", "tolerance"), job=job_on(model),
         adapt=adapted, universal=True)

@@ -93,4 +93,4 @@ def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:
     return {"angle0": float(GRID[nearest(x)]), "error0": float(GRID[nearest(y)]), "kick": -1.0}
 
 
-JOB = Job(text("Map the starts that come home"), find_starts, key=depends, shown=with_starts)
+JOB = Job(text("Map the starts that come home"), find_starts, key=depends, shown=with_starts, figure="starts")

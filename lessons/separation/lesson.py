@@ -15,6 +15,6 @@ from .study import DECK, compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1, tasks=TASKS, exam=exam,
+    "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1, answering="spectrum", tasks=TASKS, exam=exam,
     source="Tutorial (000), separation section, equations of the augmented loop",
     words=read_prose(Path(__file__).parent), adapt=adapted)

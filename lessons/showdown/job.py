@@ -154,4 +154,4 @@ def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=replace(outcome.study, trials=found))
 
 
-JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown)
+JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown, figure="trials")

@@ -29,6 +29,8 @@ def test_a_job_rises_to_its_end_and_leaves_its_start_alone(lesson: Lesson) -> No
     assert last.design == outcome.design
     check_figures(tuple(lesson.figures(last)))
     assert contents(tuple(lesson.figures(last))) != before, "a job that shows nothing new"
+    found = [tuple(f for f in some if f.id == lesson.job.figure) for some in (figures, tuple(lesson.figures(last)))]
+    assert found[1] and contents(found[1]) != contents(found[0]), "the figure that opens shows what was found"
     assert contents(tuple(lesson.figures(outcome))) == before
 
 

@@ -47,6 +47,11 @@ def test_conditions_of_knobs_name_knobs_and_values_that_exist(lesson: Lesson) ->
 
 @pytest.mark.slow
 @every_lesson
+def test_the_figure_that_answers_the_prediction_is_one_of_the_lessons(lesson: Lesson) -> None:
+    assert lesson.answering in [figure.id for figure in lesson.figures(lesson.compute(lesson.start()))]
+
+
+@every_lesson
 def test_compute_is_pure(lesson: Lesson) -> None:
     design, written = lesson.start(), repr(lesson.start())
     first = lesson.compute(design)

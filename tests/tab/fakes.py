@@ -96,6 +96,9 @@ class FakeView:
     def camera(self, preset: str) -> None:
         self.calls.append(("camera", preset))
 
+    def open_figure(self, figure: str) -> None:
+        self.calls.append(("figure", figure))
+
     def open_help(self) -> None:
         self.calls.append(("help", None))
 

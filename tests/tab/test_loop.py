@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from app.lesson.lesson import Design, Outcome, Stage
 from app.lesson.living import AFTER, DEAD, LEAST, MOMENTS, apart, living
-from app.tab.commands import Kick, OpenLesson, Play, Predict, Rewind, Seek, SetLanguage, Watched
+from app.tab.commands import Kick, OpenLesson, Play, Predict, Reveal, Rewind, Seek, SetLanguage, Watched
 from app.tab.playing import FRAME, HAND_ROUNDS, OPENING_ROUNDS
 
 
@@ -182,3 +182,16 @@ def test_after_a_kick_the_part_is_the_kicks() -> None:
     stage = Stage(MODEL.body, t, np.column_stack([e, 0 * t]), np.zeros((400, 2)))
     assert living(stage).begin == 0.0 and living(stage).end < 5.0
     assert living(stage, 5.0).begin == pytest.approx(5.0) and living(stage, 5.0).end > 6.0
+
+
+# --- the figure that answers -----------------------------------------------------------------------------------------
+def test_the_figure_that_answers_opens_once_when_the_answer_comes() -> None:
+    tab = Tab({"toy": toy(compute=with_ghost, answering="x")})
+    tab.do(Predict(1))
+    assert not tab.view.of("figure")
+    tab.run_for(2.2)
+    assert tab.view.of("figure") == ["x"]
+    tab.do(Play())
+    tab.run_for(2.2)
+    tab.do(Reveal())
+    assert tab.view.of("figure") == ["x"], "who has gone on to another figure is not called back"

@@ -1,0 +1,11 @@
+// Opens the tab of that title, as Enter on it would, and shows the caption's figure in it.
+({title, figure}) => {
+  const tabs = Array.from(document.querySelectorAll('[data-dock-tab]'));
+  const tab = tabs.find(each => each.checkVisibility() && each.textContent.trim() === title);
+  if (!tab) return;
+  if (tab.getAttribute('aria-selected') !== 'true') tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+  requestAnimationFrame(() => requestAnimationFrame(() => {
+    const said = document.querySelector(`.ol-caption[data-figure="${CSS.escape(figure)}"]`);
+    (said?.parentElement?.previousElementSibling ?? said)?.scrollIntoView({block: 'nearest'});
+  }));
+}
