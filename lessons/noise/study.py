@@ -194,11 +194,13 @@ def growing(plant: Plant, L: np.ndarray, parts: ErrorParts, V: float, dt: float,
     F = plant.A - L @ plant.C
     wide = np.zeros((4, 4))
     wide[:2, :2], wide[:2, 2:] = F, np.eye(2)
-    both = expm(wide * dt)
-    Phi, push = both[:2, :2], both[:2, 2:] @ L
+    both: np.ndarray = expm(wide * dt)
+    Phi: np.ndarray = both[:2, :2]
+    push: np.ndarray = both[:2, 2:] @ L
     limit = parts.process + solve_discrete_lyapunov(Phi, V / dt * push @ push.T)
     powers = np.empty((steps, 2, 2))
-    powers[0], done, jump = np.eye(2), 1, Phi
+    powers[0], done = np.eye(2), 1
+    jump: np.ndarray = Phi
     while done < steps:
         more = min(done, steps - done)
         powers[done:done + more] = powers[:more] @ jump

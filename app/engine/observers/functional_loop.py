@@ -138,10 +138,10 @@ def peak_gain(A: np.ndarray, B: np.ndarray, C: np.ndarray, D: np.ndarray) -> tup
         g = (1 + 1e-10) * level
         if g == 0:
             break
-        R = g * g * np.eye(D.shape[1]) - D.T @ D
-        X = A + B @ np.linalg.solve(R, D.T @ C)
-        H = np.block([[X, g * B @ np.linalg.solve(R, B.T)],
-                      [-g * C.T @ np.linalg.solve(g * g * np.eye(len(D)) - D @ D.T, C), -X.T]])
+        R: np.ndarray = g * g * np.eye(D.shape[1]) - D.T @ D
+        X: np.ndarray = A + B @ np.linalg.solve(R, D.T @ C)
+        H: np.ndarray = np.block([[X, g * B @ np.linalg.solve(R, B.T)],
+                                  [-g * C.T @ np.linalg.solve(g * g * np.eye(len(D)) - D @ D.T, C), -X.T]])
         values = np.linalg.eigvals(H)
         crossings = np.unique(np.abs(values.imag[np.abs(values.real) <= 1e-8 * np.maximum(np.abs(values), 1e-300)]))
         if crossings.size < 1:
@@ -178,12 +178,14 @@ def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], 
                           most_steps=MOST_STEPS)
     start = np.concatenate([_start(x0, "x0", p.n), _start(z0, "z0", o.order)])
     t = np.arange(round(horizon / dt) + 1) * dt
+    Phi: np.ndarray
+    forcing: np.ndarray
     if p.dt:
         Phi, forcing = loop.A, _input(v, t[:-1], p.m) @ loop.B.T
     else:
         Phi, forcing = expm(loop.A * dt), np.zeros((t.size - 1, start.size))
         for node, weight in zip((NODES + 1) / 2, WEIGHTS / 2, strict=True):
-            way = weight * dt * expm(loop.A * (1 - node) * dt) @ loop.B
+            way: np.ndarray = weight * dt * expm(loop.A * (1 - node) * dt) @ loop.B
             forcing += _input(v, t[:-1] + node * dt, p.m) @ way.T
     states = affine_scan(Phi, None if v is None else forcing, start, t.size - 1)
     with np.errstate(invalid="ignore"):

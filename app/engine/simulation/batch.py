@@ -169,7 +169,7 @@ def _first_exits(line: np.ndarray, low: np.ndarray, high: np.ndarray, end: np.nd
 
 
 def _horner(line: np.ndarray, s: np.ndarray) -> np.ndarray:
-    value = np.zeros((*s.shape, line.shape[2]))
+    value: np.ndarray = np.zeros((*s.shape, line.shape[2]))
     for term in range(line.shape[1] - 1, -1, -1):
         value = value * s[..., None] + line[:, term]
     return value
@@ -177,7 +177,9 @@ def _horner(line: np.ndarray, s: np.ndarray) -> np.ndarray:
 
 def _roots(line: np.ndarray, limit: float, side: float, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Newton on side·(polynomial − limit) for all rows, each kept in its bracket (a, b] by bisection."""
-    s = (a + b) / 2
+    s: np.ndarray = (a + b) / 2
+    value: np.ndarray
+    slope: np.ndarray
     for _ in range(NEWTON):
         value, slope = np.zeros_like(s), np.zeros_like(s)
         for term in range(line.shape[1] - 1, -1, -1):

@@ -186,7 +186,8 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
 
 def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:
     """Σ_{k<steps} Eᵏ Q Eᵏᵀ by doubling: log₂(steps) products."""
-    W, power = np.zeros_like(Q), np.eye(E.shape[0])
+    W: np.ndarray = np.zeros_like(Q)
+    power: np.ndarray = np.eye(E.shape[0])
     for bit in bin(steps)[2:]:
         W, power = W + power @ W @ power.T, power @ power
         if bit == "1":
@@ -197,7 +198,7 @@ def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:
 def _one_step(A: np.ndarray, Q: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     """e^{Ah} and ∫₀ʰ e^{As} Q e^{Aᵀs} ds from one exponential of [A Q; 0 −Aᵀ] (Van Loan 1978), for small ‖A‖h."""
     n = A.shape[0]
-    block = expm(h * np.block([[A, Q], [np.zeros_like(A), -A.T]]))
+    block: np.ndarray = expm(h * np.block([[A, Q], [np.zeros_like(A), -A.T]]))
     return block[:n, :n], block[:n, n:] @ block[:n, :n].T
 
 

@@ -50,7 +50,8 @@ class Flow:
         held = u if u.shape[1] == 1 else u[:, :lead]
         if self.slope is None:
             return self(x, u), slopes(self, x[:, :lead], held)[1]
-        h, rhs, slope, Phi = self.step / self.parts, self.rhs, self.slope, None
+        h, rhs, slope = self.step / self.parts, self.rhs, self.slope
+        Phi: np.ndarray | None = None
         for _ in range(self.parts):
             k1 = rhs(x, u)
             second = x + h / 2 * k1

@@ -19,9 +19,9 @@ def step_covariance(A: np.ndarray, intensity: np.ndarray, duration: float) -> np
     n = len(A)
     doublings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(A, 1) * duration, 1e-300)))) + 1)
     h = duration / 2**doublings
-    exponential = expm(np.block([[-A, intensity], [np.zeros((n, n)), A.T]]) * h)
-    Phi = exponential[n:, n:].T
-    Q = Phi @ exponential[:n, n:]
+    exponential: np.ndarray = expm(np.block([[-A, intensity], [np.zeros((n, n)), A.T]]) * h)
+    Phi: np.ndarray = exponential[n:, n:].T
+    Q: np.ndarray = Phi @ exponential[:n, n:]
     for _ in range(doublings):
         Q = Q + Phi @ Q @ Phi.T
         Phi = Phi @ Phi
