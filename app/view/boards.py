@@ -17,6 +17,7 @@ from ..lesson.figures import COLOURS
 from ..lesson.lesson import Board
 from . import phrases
 from .grips import Grips, Vector
+from .lettering import width
 from .meshes import bolt, cross, landscape
 from .naming import Frame, Place, free_place, leader, pole_name
 from .pane import DARK, LIGHT, pane
@@ -100,7 +101,9 @@ class BoardView:
             scene.add_box(f"{root}/leg{side}", (150, 156, 166), (0.06, 0.06, FOOT), cast_shadow=False,
                           position=(side * WIDTH * 0.42, 0.02, -HEIGHT / 2 - FOOT / 2))
         self._letter_axes()
-        self._label("title", b.title(language), (0.0, -0.06, HEIGHT / 2 + MARGIN + 0.06), "bottom-center", 1.2)
+        title = b.title(language)
+        size = min(1.2, (WIDTH + 3 * MARGIN) / max(width(title, self._em), self._em))  # as wide as the glass, not into the next one's
+        self._label("title", title, (0.0, -0.06, HEIGHT / 2 + MARGIN + 0.06), "bottom-center", size)
         self._asks = self._label("asks", phrases.VEILED_BOARD(language), (0.0, -0.06, 0.0), "center-center", 1.2)
         self._leaders = scene.add_line_segments(f"{root}/leaders", np.array([NOWHERE], dtype=np.float32), self._ink.leader, thickness=0.012)
 

@@ -66,3 +66,11 @@ LOADING = text("The lesson is being set up …")
 LOST = text("The server does not answer. This tab keeps your designs and goes on by itself when the server is back.")
 NONSENSE = text("The browser sent a value that this widget cannot take; nothing was changed.")
 TOO_LARGE = text("The file is larger than 1 MB, or is not for this button; a plant with 30 states needs far less.")
+# what viser itself writes on the page: the heads of panels, and what its two buttons at the top open
+OF_VISER = (
+    text("Commands (Ctrl+K)"), text("Commands (Cmd+K)"), text("Search commands..."), text("No matching commands..."),
+    text("Configuration & diagnostics"),
+    text("Return to GUI"), text("Collapse"), text("Collapse panel area"), text("Collapse column"), text("Expand"), text("Expand panel"),
+    text("Minimize"), text("Minimize panel"), text("Expand plot"), text("Server URL"), text("Save Canvas"), text("Reset View"),
+    text("Orbit Origin Tool"), text("Dev Settings"), text("Scene tree"), text("Connecting..."),
+)

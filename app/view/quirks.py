@@ -174,6 +174,11 @@ def name_page(client: viser.ClientHandle, title: str, language: str) -> None:
     _run(client, "name", title=title, language=web_code(language), kept=SPOKEN)
 
 
+def say_in(client: viser.ClientHandle, language: str) -> None:
+    """Let viser's own words, which it knows in English alone, stand in the language on its page."""
+    _run(client, "words", words={words("en"): words(language) for words in phrases.OF_VISER})
+
+
 def _run(client: viser.ClientHandle, name: str, **given: object) -> None:
     """Run a script of ours in one browser: only for the calls below, for which viser has none."""
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=page.call(name, **given)))

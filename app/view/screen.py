@@ -91,6 +91,7 @@ class Screen:
             self._listen_to_the_window()
             title = picture.lesson.words[language].title
             quirks.name_page(self._client, f"{title} · {quirks.NAME}", language)
+            quirks.say_in(self._client, language)
         self._picture = None
 
     def show(self, picture: Picture) -> None:

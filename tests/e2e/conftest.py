@@ -51,11 +51,11 @@ def _free_port() -> int:
 
 
 @contextmanager
-def serving(port: int = 0) -> Iterator[str]:
+def serving(port: int = 0, *options: str, **surroundings: str) -> Iterator[str]:
     """`observer-lab serve` on a port, a free one if it is 0, while the context lasts; its address."""
-    env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1"}
-    process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(port or _free_port())], cwd=ROOT, env=env,
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1", **surroundings}
+    process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(port or _free_port()), *options],
+                               cwd=ROOT, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     try:
         yield _address(process)
         assert process.poll() is None, "the server has died"

@@ -166,10 +166,10 @@ class Tab:
             self.page.keyboard.press(key)
             self.sent()
 
-    def choose_lesson(self, title: str, question: str) -> None:
-        """Open a lesson from the list."""
+    def choose_lesson(self, title: str, question: str, label: str = "lesson") -> None:
+        """Open a lesson from the list under its label."""
         if self.question() != question:
-            self.row("lesson").locator("input").first.click()
+            self.row(label).locator("input").first.click()
             self.page.get_by_role("option", name=title, exact=True).click()
         eventually(self.question, lambda words: words == question, f"the question of {title}")
         self.settle()
