@@ -16,9 +16,10 @@ pytest.register_assert_rewrite("lesson_checks", "pole_requests", "laws")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    strange = sorted({item.nodeid.split("[")[0] for item in items if len(item.name) > LONGEST or " at 0x" in item.name})
+    if strange:
+        raise pytest.UsageError(f"a test's name must be short and the same in every worker; these want ids=: {', '.join(strange)}")
     for item in items:
-        if len(item.name) > LONGEST or " at 0x" in item.name:
-            raise pytest.UsageError(f"a test's name must be short and the same in every worker: {item.nodeid[:120]} … wants ids=")
         if item.path.relative_to(HERE).parts[0] in SLOW:
             item.add_marker(pytest.mark.slow)
 

@@ -23,7 +23,7 @@ def test_what_is_no_matrix_is_refused_in_a_sentence(use: object, value: object) 
         use(value)  # type: ignore[operator]
 
 
-@pytest.mark.parametrize("dt", [None, "a", -1.0, np.nan, np.inf, [1, 2], 10**400])
+@pytest.mark.parametrize("dt", [None, "a", -1.0, np.nan, np.inf, [1, 2], 10**400], ids=lambda v: repr(v)[:20])
 def test_a_period_that_is_none_is_refused(dt: object) -> None:
     with pytest.raises(EngineError, match="dt must be"):
         Plant([[1]], [[1]], [[1]], dt=dt)  # type: ignore[arg-type]
