@@ -228,7 +228,8 @@ def test_the_font_of_last_resort_is_not_taken_for_chinese(monkeypatch) -> None:
     assert found is None or "Last Resort" not in found
 
 
-@pytest.mark.parametrize("text", [CAPTION("en") * 4, CAPTION("zh") * 4, "the error e leaves its law 观测器误差，仍然收敛。" * 3], ids=["en", "zh", "both"])
+@pytest.mark.parametrize("text", [CAPTION("en") * 4, CAPTION("zh") * 4, "the error e leaves its law 观测器误差，仍然收敛。" * 3],
+                         ids=["en", "zh", "both"])
 def test_wrapped_captions_lose_no_letter_and_fit(text: str) -> None:
     lines = wrap(text, 20.0)
     assert "".join(lines).replace(" ", "") == text.replace(" ", "")
