@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine.observers import BilinearObserver
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Dash, Figure, LineFigure, TableFigure
 from app.lesson.lesson import Check, Outcome
 from app.plants.bilinear import POLE
@@ -92,13 +93,11 @@ def _functional(outcome: Outcome[Study], run: Watch) -> LineFigure:
 def _error(outcome: Outcome[Study], run: Watch) -> LineFigure:
     m = outcome.metrics
     pole = words(np.array([m["pole"]]), 2)
-    if m["law_gap"] <= 1e-6:
-        caption = text("|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.",
-                       pole=pole, law_gap=m["law_gap"])
-    else:
-        caption = text("|ε| leaves the line e^({pole}t): in the last tenth of the run it is up to "
-                       "{late_error:.2g}.",
-                       pole=pole, late_error=m["late_error"])
+    follows = text("|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.",
+                   pole=pole, law_gap=m["law_gap"])
+    caption = claim(follows, m["law_gap"], below=1e-6, otherwise=text(
+        "|ε| leaves the line e^({pole}t): in the last tenth of the run it is up to {late_error:.2g}.",
+        pole=pole, late_error=m["late_error"]))
     return LineFigure("error", text("error ε = ĝ − g"), run.t,
                       (Curve(same("|ε|"), np.abs(run.errors[:, form_index(outcome.design)]), "error"),
                        Curve(text("e^({pole}t)", pole=pole), np.abs(run.law), "reference", "dash", 1.6)), "|ε|",

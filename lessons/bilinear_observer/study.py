@@ -9,6 +9,7 @@ import numpy as np
 
 from app.engine import BilinearPlant, simulate_bilinear
 from app.engine.observers import BilinearForm, BilinearObserver, BilinearRun
+from app.lesson.claims import claim
 from app.lesson.lesson import Board, Check, Design, Outcome, Stage
 from app.plants.bilinear import PLANT, PRINTED_FORM, PRINTED_L, X0
 from app.plants.body import Body
@@ -231,7 +232,6 @@ def _live(design: Design, o: BilinearObserver, m: dict[str, float]) -> Text:
                     late=late)
     if m["pole"] >= 0:
         return text("The observer's pole is {pole}: ε grows and reaches {late}.", pole=pole, late=late)
-    if m["law_gap"] <= 1e-6:
-        return text("Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.",
-                    case=o.case, pole=pole)
-    return text("The pole is {pole}, but something still drives ε: it ends at {late}.", pole=pole, late=late)
+    return claim(text("Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.", case=o.case, pole=pole),
+                 m["law_gap"], below=1e-6, otherwise=text(
+                     "The pole is {pole}, but something still drives ε: it ends at {late}.", pole=pole, late=late))

@@ -8,12 +8,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.engine.design import polynomial_roots
+from app.lesson.claims import claim
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.body import with_longer_arrows
 from app.plants.platform_channels import HORIZONTAL
-from app.text import NO_WORDS, Text, joined, text
+from app.text import Text, joined, text
 
 from ..toolkit.latex import number
 from .loops import (
@@ -123,10 +124,10 @@ def _column(p: np.ndarray) -> str:
 def _live(m: Mapping[str, float]) -> Text:
     right, drift = (f"{v:+.3g}".replace("-", "−") for v in (m["rightmost"], m["drift"]))
     if m["rightmost"] >= 0:
-        if m["rightmost_pitch_open"] < 0:
-            return text("Closing pitch has made the loop unstable: rightmost pole {right} rad/s.", right=right)
-        return text("The loop is unstable: rightmost pole {right} rad/s.", right=right)
+        return claim(text("Closing pitch has made the loop unstable: rightmost pole {right} rad/s.", right=right),
+                     m["rightmost_pitch_open"], below=0.0, otherwise=text(
+                         "The loop is unstable: rightmost pole {right} rad/s.", right=right))
     words = [f"{0.0 - round(v):+.0f} dB".replace("-", "−") for v in (m["vertical"], m["horizontal"], m["rotation"])]
-    tail = text("C_v keeps a pole at {drift} rad/s.", drift=drift) if m["drift"] > 0 else NO_WORDS
+    tail = claim(text("C_v keeps a pole at {drift} rad/s.", drift=drift), m["drift"], above=0.0)
     return joined(text("Peaks against no control: vertical {vertical}, horizontal {horizontal}, rotation {rotation}.",
                        vertical=words[0], horizontal=words[1], rotation=words[2]), tail)

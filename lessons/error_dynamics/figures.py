@@ -11,7 +11,7 @@ from app.lesson.figures import Curve, Figure, LineFigure, TableFigure
 from app.lesson.lesson import Outcome
 from app.text import same, text
 
-from ..toolkit.figures import TIME_TAB, state_figures
+from ..toolkit.figures import TIME_TAB, rate_of_error, settled_words, state_figures
 from .notes import notes_figures
 from .study import NOTHING, Setting, Study, left_alone
 
@@ -44,8 +44,7 @@ def _beside(quiet: np.ndarray, count: int) -> np.ndarray:
 
 def _size(outcome: Outcome[Study], run: Run, quiet: Run) -> LineFigure:
     after = outcome.metrics["settled_after"]
-    said = (text("The error stays below 2 % of its peak after {after:.2f} s.", after=after)
-            if after <= run.scenario.horizon else text("The error does not settle within this run."))
+    said = settled_words(after if after <= run.scenario.horizon else None, rate_of_error(run))
     return LineFigure("error", text("size of the error"), run.t, (
         Curve(text("with this input"), np.linalg.norm(run.e, axis=1), "error"),
         Curve(text("without input"), _beside(np.linalg.norm(quiet.e, axis=1), len(run.t)), "reference", "dash", 1.6)),

@@ -10,6 +10,7 @@ import numpy as np
 from app.engine import Plant, Scenario, observer_gain, simulate
 from app.engine.simulation import Run
 from app.engine.systems import sorted_poles
+from app.lesson.claims import claim
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Model
 from app.text import Text, same, text
@@ -148,13 +149,13 @@ def _live(m: dict[str, float]) -> Text:
     if m["state_moved"] <= NOTHING:
         return text("No input acts: plant and error are left to themselves.")
     moved = f"{m['state_moved']:.2g}"
-    if not left_alone(m):
-        return text("The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the "
-                    "error is not left alone.",
-                    moved=moved, error_moved=m["error_moved"])
-    return text("The input moves the state by up to {moved} and the error by {error_moved:.0e}: rounding, nothing "
-                "else.",
-                moved=moved, error_moved=m["error_moved"])
+    driven = text("The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the "
+                  "error is not left alone.",
+                  moved=moved, error_moved=m["error_moved"])
+    alone = text("The input moves the state by up to {moved} and the error by {error_moved:.0e}: rounding, nothing "
+                 "else.",
+                 moved=moved, error_moved=m["error_moved"])
+    return claim(driven, m["error_moved"], above=ROUNDING * max(1.0, m["largest"]), otherwise=alone)
 
 
 def left_alone(m: Mapping[str, float]) -> bool:

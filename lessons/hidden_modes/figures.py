@@ -9,6 +9,7 @@ import numpy as np
 
 from app.engine.simulation import Run
 from app.engine.structure import Mode
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Check, Outcome
 from app.text import NO_WORDS, Text, symbol, text
@@ -37,14 +38,14 @@ def all_figures(outcome: Outcome[Case]) -> tuple[Figure, ...]:
 def _measured(run: Run) -> LineFigure:
     y, late = run.y[:, 0], run.y[-max(len(run.y) // 8, 1):, 0]
     size = float(np.max(np.abs(late)))
-    quiet = size < 0.02 * max(float(np.max(np.abs(y))), 1e-12)
+    share = size / max(float(np.max(np.abs(y))), 1e-12)
     return LineFigure(
         "measured", text("what the sensor says"), run.t,
         (Curve(text("measured y"), y),
          Curve(text("predicted ŷ"), run.yhat[:, 0], "estimate", "dash")), "y [m]", window=(-0.2, 0.2),
         tab=TIME_TAB,
-        caption=text("The trace has gone flat: as far as the sensor can tell, all is at rest.") if quiet else
-        text("In the last eighth of the run the sensor still reads up to {size:.2g} m.", size=size))
+        caption=claim(text("The trace has gone flat: as far as the sensor can tell, all is at rest."), share, below=0.02, otherwise=text(
+            "In the last eighth of the run the sensor still reads up to {size:.2g} m.", size=size)))
 
 
 def _centre(run: Run, case: Case) -> LineFigure:
@@ -113,9 +114,8 @@ def margins_of(case: Case) -> TableFigure:
     hidden = case.unseen or case.unmoved
     words = pole_words(list(hidden))
     weakest = min((m for report in (case.seen, case.reached) for m in report.modes), key=lambda m: m.margin)
-    caption = (text("No mode is hidden: every distance is well above zero.")
-               if not hidden and weakest.margin > CLEAR else
-               text("No mode is hidden, but the nearest is only {distance:.1g} from it.", distance=weakest.distance)
+    near = text("No mode is hidden, but the nearest is only {distance:.1g} from it.", distance=weakest.distance)
+    caption = (claim(text("No mode is hidden: every distance is well above zero."), weakest.margin, above=CLEAR, otherwise=near)
                if not hidden
                else text("Hidden from the sensor: {words}.", words=words) if case.unseen
                else text("Out of reach of the force: {words}.", words=words))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import chi2_band, psd
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
 from app.lesson.lesson import Outcome
 from app.text import Text, same, text, text_in
@@ -225,12 +226,12 @@ def _tests(outcome: Outcome[Study]) -> TableFigure:
 def _verdict(outcome: Outcome[Study], quiet: bool) -> Text:
     """What the tests of one record mean: a right filter is flagged now and then, and a wrong one may pass."""
     d = outcome.design
-    right = expected(d["noise"], d["q"], d["r"]).right
+    away = expected(d["noise"], d["q"], d["r"]).away
     if quiet:
-        return (text("No test flags this filter.") if right else
-                text("No test flags this record, yet over all records this filter is found out."))
-    return (text("Flagged by chance: each test flags a right filter in a few records of a hundred.") if right else
-            text("Over all records, too, this filter is wrong about itself."))
+        return claim(text("No test flags this filter."), away, below=1.0, otherwise=text(
+            "No test flags this record, yet over all records this filter is found out."))
+    return claim(text("Flagged by chance: each test flags a right filter in a few records of a hundred."), away, below=1.0,
+                 otherwise=text("Over all records, too, this filter is wrong about itself."))
 
 
 # --- spectra -----------------------------------------------------------------------------------------------------------

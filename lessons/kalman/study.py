@@ -161,6 +161,13 @@ class Expected:
         """Whether no test finds the filter out over all records, whatever one of them says."""
         return self.nis_holds and self.nees_holds and self.flagged <= SELDOM
 
+    @property
+    def away(self) -> float:
+        """How far the worst of the means lies from where it belongs, in half bands: below 1 the filter is right."""
+        nis, nees = (2 * abs(mean - sum(band) / 2) / (band[1] - band[0])
+                     for mean, band in ((self.nis, self.nis_band), (self.nees, self.nees_band)))
+        return float(np.nextafter(1.0, 0.0)) if self.right and max(nis, nees) == 1 else max(nis, nees, self.flagged / SELDOM)
+
 
 @lru_cache(maxsize=32)
 def expected(noise: str, q: float, r: float) -> Expected:

@@ -7,6 +7,7 @@ from collections import defaultdict
 import numpy as np
 
 from app.engine.feedback import ChannelMargins
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, finite, over_frequency
 from app.lesson.lesson import Outcome
 from app.plants.names import called
@@ -140,11 +141,9 @@ def _cost(outcome: Outcome[Study]) -> TableFigure:
     )
     if not np.isfinite(c.total):
         said = text("An unstable loop costs without bound.")
-    elif c.total <= c.least * (1 + 1e-6):
-        said = text("No other controller is cheaper on average under this noise.")
     else:
-        said = text("{total} times the least: the filter believes in another noise.",
-                    total=words(c.total / c.least))
+        said = claim(text("No other controller is cheaper on average under this noise."), c.total / c.least, below=1 + 1e-6,
+                     otherwise=text("{total} times the least: the filter believes in another noise.", total=words(c.total / c.least)))
     return TableFigure("cost", text("average of xᵀQx + uᵀRu"), (text("part"), same("J")), rows,
                        said, COST_TAB)
 
@@ -235,11 +234,18 @@ def _price(outcome: Outcome[Study]) -> TableFigure:
         (same("J"), words(s.plain_cost.total, 4), words(s.cost.total, 4)),
     )
     said = (text("Recovery is off: move ρ.") if outcome.design["recovery"] == 0 else
-            text("Margins are bought with noise in the input and a higher cost.")
-            if s.plain_cost.total < s.cost.total else
-            text("Here the loop with recovery is not dearer than the plain one."))
+            claim(_bought(s, noise[1] / max(noise[0], 1e-300)), s.cost.total / s.plain_cost.total, above=1.0,
+                  otherwise=text("Here the loop with recovery is not dearer than the plain one.")))
     return TableFigure("price", text("what recovery gives and takes"),
                        (same(""), text("plain LQG"), text("now")), rows, said, RECOVERY_TAB)
+
+
+def _bought(s: Study, noise: float) -> Text:
+    """What the higher cost of recovery has bought: an approach to −1 that is farther, or none."""
+    if s.real.margins.nearest <= s.plain.margins.nearest:
+        return text("Recovery costs more here and brings the loop no farther from −1 at this input.")
+    return claim(text("Margins are bought with noise in the input and a higher cost."), noise, above=1.0,
+                 otherwise=text("Margins are bought with a higher cost."))
 
 
 # --- one run ---------------------------------------------------------------------------------------------------------

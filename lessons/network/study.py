@@ -17,6 +17,7 @@ from app.engine.network import (
     promised_error,
     spectral_radius,
 )
+from app.lesson.claims import claim
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.text import Text, joined, text
 
@@ -239,12 +240,11 @@ def _live(design: Design, m: dict[str, float]) -> Text:
         first = text("{lost} of the measurements are lost; this plant does not run away, so the mean stays "
                      "bounded.",
                      lost=lost)
-    elif design["loss"] < m["critical"]:
-        first = text("{lost} of the measurements are lost, {critical:.1f} % may be: the mean stays bounded.",
-                     lost=lost, critical=100 * m["critical"])
     else:
-        first = text("{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.",
-                     lost=lost, critical=100 * m["critical"])
-    second = (text("Separation meter: 0.") if m["separation_meter"] < HELD else
-              text("Separation meter: {separation_meter:.2g}.", separation_meter=m["separation_meter"]))
+        first = claim(text("{lost} of the measurements are lost, {critical:.1f} % may be: the mean stays bounded.",
+                           lost=lost, critical=100 * m["critical"]), design["loss"], below=m["critical"], otherwise=text(
+            "{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.",
+            lost=lost, critical=100 * m["critical"]))
+    second = claim(text("Separation meter: 0."), m["separation_meter"], below=HELD, otherwise=text(
+        "Separation meter: {separation_meter:.2g}.", separation_meter=m["separation_meter"]))
     return joined(first, second)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine import chi2_band
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.text import Text, same, squared, text
@@ -60,12 +61,10 @@ def _valley_words(outcome: Outcome[Study], i: int) -> Text:
     total = study.ray.process[:, i] + study.ray.sensor[:, i]
     best = float(study.ray.speed[np.argmin(total)])
     share = 100 * m["sensor_share"]
-    if abs(np.log(m["speed"] / best)) < 0.07:
-        advice = text("No other speed is better; only another pattern is.")
-    elif m["speed"] > best:
-        advice = text("Slower would be better.")
-    else:
-        advice = text("Faster would be better.")
+    away = float(np.log(m["speed"] / best))
+    best_speed = claim(text("No other speed is better; only another pattern is."), abs(away), below=0.07)
+    advice = claim(text("Slower would be better."), away, above=0.07,
+                   otherwise=claim(text("Faster would be better."), away, below=-0.07, otherwise=best_speed))
     return text("σ = {now:.3g} {units}, {share:.0f} % of σ² from the sensor; the least is {least:.3g} {units}. "
                 "{advice}",
                 now=now, units=UNITS[i], share=share, least=least, advice=advice)
@@ -97,15 +96,13 @@ def _shares(outcome: Outcome[Study]) -> TableFigure:
         rows.append((text("{name} [{units}]", name=name, units=UNITS[i]), *(f"{np.sqrt(P[i, i]):.3g}" for P in parts), tried))
     gap = float(np.linalg.eigvalsh(study.parts.total - study.kalman.solution)[0])
     worst = float(np.abs(study.kalman.solution).max())
-    good = gap > -1e-9 * worst
     return TableFigure(
         "shares", text("σ of the settled error"),
         (text("error in"), text("force noise"), text("sensor noise"), text(
             "both"),
          text("least"), text("runs")), tuple(rows), tab=SPEED_TAB,
-        caption=text("P − P_min has no negative eigenvalue: no combination of errors is smaller than the Kalman "
-                     "filter's.") if good else
-        text("P − P_min has a negative eigenvalue by rounding."))
+        caption=claim(text("P − P_min has no negative eigenvalue: no combination of errors is smaller than the Kalman "
+                           "filter's."), gap, above=-1e-9 * worst, otherwise=text("P − P_min has a negative eigenvalue by rounding.")))
 
 
 def _measured(outcome: Outcome[Study]) -> LineFigure:

@@ -11,6 +11,7 @@ from app.engine import Plant, Scenario, error_parts, lqe, observer_gain, simulat
 from app.engine.design import Optimal
 from app.engine.filters import ErrorParts
 from app.engine.simulation import Run
+from app.lesson.claims import claim
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.spring_damper import STAGE
@@ -146,13 +147,12 @@ def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:
 def _live(design: Design, m: dict[str, float]) -> Text:
     ratio, share = np.sqrt(m["variance_ratio"]), 100 * m["sensor_share"]
     name = text("velocity") if design["watch"] == VELOCITY else text("position")
-    if ratio < 1.005:
-        return text("The {name} error is as small as any observer can make it: {share:.0f} % of its variance is "
-                    "sensor noise.",
-                    name=name, share=share)
-    return text("The {name} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is "
-                "sensor noise.",
-                name=name, ratio=ratio, share=share)
+    least = text("The {name} error is as small as any observer can make it: {share:.0f} % of its variance is "
+                 "sensor noise.",
+                 name=name, share=share)
+    return claim(least, ratio, below=1.005, otherwise=text(
+        "The {name} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is "
+        "sensor noise.", name=name, ratio=ratio, share=share))
 
 
 def ray_of(plant: Plant, pattern: tuple[complex, ...], speeds: np.ndarray, W: float, V: float) -> Ray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.lesson.claims import claim
 from app.lesson.figures import (
     Curve,
     Figure,
@@ -50,11 +51,10 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
     caption = (text("Plant and model agree: e_u dies out like the observer's poles, whatever v does.") if same_plant else
                text("With the true plant the loop is unstable, and e_u grows with it; on the model it dies out.")
                if outcome.metrics["slowest_loop"] >= 0 else
-               text("With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.",
-                    steady=steady) if late < 1.2 * steady + 1e-9 else
-               text("With the true plant e_u will settle to an amplitude of {steady:.2g}, but at the end of this "
-                    "run the start still shows: up to {late:.2g}.",
-                    steady=steady, late=late))
+               claim(text("With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.", steady=steady),
+                     late, below=1.2 * steady + 1e-9, otherwise=text(
+                         "With the true plant e_u will settle to an amplitude of {steady:.2g}, but at the end of this "
+                         "run the start still shows: up to {late:.2g}.", steady=steady, late=late)))
     return LineFigure("e_u", text("error of the input, û − Kx in the paper's sign"), t,
                       (Curve(text("true plant"), _edge(story.true.e_u[:, 0]), "error"),
                        Curve(text("model"), _edge(story.model.e_u[:, 0]), "reference", "dash", 1.6)),

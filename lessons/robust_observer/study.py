@@ -23,6 +23,7 @@ from app.engine.observers import (
     perturbed_loop,
     vertices,
 )
+from app.lesson.claims import claim
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.body import Body
@@ -280,9 +281,7 @@ def _formulas(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
 def _live(design: Design, metrics: dict[str, float]) -> Text:
     poles = pole_words([complex(p.real, abs(p.imag)) for p in design[CASES[design["example"]].poles]][:2])
     start = text("Observer at {poles}: J = {j:.3g}.", poles=poles, j=metrics["J"])
-    if metrics["slowest_loop"] >= 0:
-        end = text("With the true plant the loop is unstable.")
-    else:
-        end = text("On the true plant û misses the wanted input by up to {late_error:.2g} at the end.",
-                   late_error=metrics["late_error"])
+    end = claim(text("On the true plant û misses the wanted input by up to {late_error:.2g} at the end.",
+                     late_error=metrics["late_error"]), metrics["slowest_loop"], below=0.0,
+                otherwise=text("With the true plant the loop is unstable."))
     return joined(start, end)

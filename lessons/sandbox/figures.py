@@ -50,7 +50,7 @@ def figures(model: Model, outcome: Outcome[Study]) -> tuple[Figure, ...]:
         *time_figures(model, run, limit),
         sizes_plane(study.structure, design["tolerance"]), decomposition_map(study.structure, plant.n),
         hankel_plane(study.structure),
-        spectrum(study.loop, plant.dt), blocks(study.loop, plant),
+        spectrum(study.loop, plant.dt), blocks(study.loop, plant, study.meter),
         certificate_table(study.certificates),
         valley(study.noise, design["belief"]), nis_figure(study.trial, plant.p), gain_figure(study.trial),
         sensitivity_figure(study.margins, study.recovered, frequencies(plant_rate=typical_rate(plant), dt=plant.dt)),

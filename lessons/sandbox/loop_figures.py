@@ -6,6 +6,7 @@ import numpy as np
 
 from app.engine import Plant, chi2_band
 from app.engine.feedback import ClosedLoop
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
 from app.plants.names import called
 from app.text import NO_WORDS, Text, joined, same, text, text_in
@@ -18,6 +19,7 @@ VERDICT_TAB, STRUCTURE_TAB, LOOP_TAB = text("Verdicts"), text("Structure"), text
 NOISE_TAB, ROBUST_TAB = text("Noise"), text("Robustness")
 LOWEST = -17.0  # decades: what is smaller is drawn here
 RIGHT = 0.05  # a filter whose NIS is this near to its due on average is right, whatever one record says
+ALONE = 1e-8  # separation meter below which the error lives by itself
 CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 
 
@@ -61,13 +63,15 @@ def spectrum(loop: ClosedLoop, dt: float) -> PlaneFigure:
             count=len(loop.poles), said=said))
 
 
-def blocks(loop: ClosedLoop, plant: Plant) -> MatrixFigure:
-    """The loop in (x, e)."""
+def blocks(loop: ClosedLoop, plant: Plant, meter: float) -> MatrixFigure:
+    """The loop in (x, e); the run may leave it, where an input is clipped and the observer does not know."""
     n = plant.n
     names = (*(called(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n)))
     return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, names, names, (n,),
-                        tab=LOOP_TAB, caption=text(
-                            "White is zero: the error drives the state, never the other way round."))
+                        tab=LOOP_TAB, caption=claim(
+                            text("White is zero: the error drives the state, never the other way round."), meter, below=ALONE,
+                            otherwise=text("White is zero in this matrix, which knows of no limit; in the run, what the plant was not "
+                                           "given drives the error.")))
 
 
 def certificate_table(rows: tuple[tuple[Text, float], ...] | Refusal) -> TableFigure:

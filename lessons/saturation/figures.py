@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 import numpy as np
 
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, MapFigure
 from app.lesson.lesson import Outcome
 from app.text import NO_WORDS, Text, joined, text
@@ -58,10 +59,10 @@ def _position_words(outcome: Outcome[Study]) -> Text:
 
 def _error_words(outcome: Outcome[Study]) -> Text:
     meter, clipped = outcome.metrics["separation_meter"], outcome.metrics["clipped_for"]
-    if meter < EXACT:
-        return (text("The force is clipped, and the error keeps its promise.") if clipped > 0 else
-                text("Nothing is clipped, so the error keeps its promise."))
-    return text("The error leaves its promise; separation meter {meter}.", meter=amount(meter))
+    kept = (text("The force is clipped, and the error keeps its promise.") if clipped > 0 else
+            text("Nothing is clipped, so the error keeps its promise."))
+    return claim(kept, meter, below=EXACT, otherwise=text("The error leaves its promise; separation meter {meter}.",
+                                                          meter=amount(meter)))
 
 
 def starts_figure(starts: Starts | None, limit: float, angle: float, error: float, kicked: bool) -> MapFigure:

@@ -10,6 +10,7 @@ import numpy as np
 
 from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
 from app.engine.simulation import Run, separation_meter
+from app.lesson.claims import claim
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.text import Text, joined, text
 
@@ -163,9 +164,10 @@ def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -
            text("The pole does not come home.") if stopped is None else
            text("The pole falls: past 45° at {stopped:.2f} s.", stopped=stopped))
     limit = text("The force is clipped for {clipped:.2f} s.", clipped=clipped) if clipped > 0 else text("The force is never clipped.")
-    wall = (text("The error obeys A − LC all the same.") if meter < EXACT and clipped > 0 else
-            text("So the error obeys A − LC, whatever the observer is told.") if meter < EXACT else
-            text("Separation meter {meter}: what the motor did not give drives the error.", meter=amount(meter)))
+    obeys = (text("The error obeys A − LC all the same.") if clipped > 0 else
+             text("So the error obeys A − LC, whatever the observer is told."))
+    wall = claim(obeys, meter, below=EXACT, otherwise=text(
+        "Separation meter {meter}: what the motor did not give drives the error.", meter=amount(meter)))
     return joined(end, limit, wall)
 
 

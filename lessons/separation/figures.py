@@ -6,6 +6,7 @@ import numpy as np
 
 from app.engine import Plant, autonomous_error
 from app.engine.systems import amplitude_response
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, over_frequency
 from app.lesson.lesson import Outcome
 from app.plants.names import called
@@ -55,10 +56,9 @@ def _peak_words(study: Study, truth: Plant, peak: float) -> Text:
         return study.left_out()
     if float(np.max(np.real(truth.poles))) >= 0:
         return text("Without control the plant does not settle, so there is no peak to compare with.")
-    if peak < 0:
-        return text("Steering by the estimate raises the peak by {peak:.1f} dB.", peak=-peak)
-    return text("Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the observer's share.",
-                peak=peak)
+    lower = text("Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the observer's share.",
+                 peak=peak)
+    return claim(lower, peak, above=0.0, otherwise=text("Steering by the estimate raises the peak by {peak:.1f} dB.", peak=-peak))
 
 
 def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
@@ -81,9 +81,9 @@ def _blocks(study: Study, plant: Plant) -> MatrixFigure:
     n = loop.A_xe.shape[0] // 2
     names = [*(called(plant, name) for name in plant.state_names), *(f"e{i + 1}" for i in range(n))]
     corner = float(np.max(np.abs(loop.A_xe[n:, :n])))
-    zero = corner < 1e-9 * float(np.max(np.abs(loop.A_xe)))
-    said = (text("The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.", corner=corner)
-            if not zero else text("The lower left block is zero: the error drives the state, never the other way round.")
-            if study.whole else text("The lower left block of this matrix is zero."))
+    zero = (text("The lower left block is zero: the error drives the state, never the other way round.") if study.whole else
+            text("The lower left block of this matrix is zero."))
+    said = claim(zero, corner / float(np.max(np.abs(loop.A_xe))), below=1e-9, otherwise=text(
+        "The lower left block is no longer zero (largest entry {corner:.2g}): the state drives the error.", corner=corner))
     return MatrixFigure("blocks", text("the loop in (x, e) coordinates"), loop.A_xe, tuple(names), tuple(names), (n,),
                         tab=SPECTRUM_TAB, caption=joined(said, study.left_out()))

@@ -11,6 +11,7 @@ import numpy as np
 from app.engine import Plant, Scenario, closed_loop, simulate
 from app.engine.feedback import ClosedLoop
 from app.engine.simulation import Run, separation_meter
+from app.lesson.claims import claim
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants import Model, platform
 from app.text import NO_WORDS, Text, joined, text
@@ -127,14 +128,12 @@ def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
 
 def _live(study: Study, meter: float) -> Text:
     loop = study.loop
-    union = (study.left_out() if not study.whole else
-             text("The {count} poles of the loop are the union of both boards to about {union_error}.",
-                  count=len(loop.poles), union_error=tiny(loop.union_error))
-             if loop.union_error < 1e-6 else
-             text("The {count} poles of the loop differ from the boards by {union_error:.1f} %.",
-                  count=len(loop.poles), union_error=100 * loop.union_error))
-    wall = (text("Separation meter: 0.") if meter < 1e-8 else
-            text("Separation meter: {meter:.2g}; the error no longer lives by itself.", meter=meter))
-    stable = (NO_WORDS if loop.compensator_stable else
-              text("The compensator by itself is unstable."))
+    one = text("The {count} poles of the loop are the union of both boards to about {union_error}.",
+               count=len(loop.poles), union_error=tiny(loop.union_error))
+    two = text("The {count} poles of the loop differ from the boards by {union_error:.1f} %.",
+               count=len(loop.poles), union_error=100 * loop.union_error)
+    union = study.left_out() if not study.whole else claim(one, loop.union_error, below=1e-6, otherwise=two)
+    wall = claim(text("Separation meter: 0."), meter, below=1e-8, otherwise=text(
+        "Separation meter: {meter:.2g}; the error no longer lives by itself.", meter=meter))
+    stable = claim(text("The compensator by itself is unstable."), float(np.max(loop.compensator_poles.real)), above=0.0)
     return joined(union, wall, stable)

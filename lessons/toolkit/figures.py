@@ -8,6 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from app.engine.simulation import Run
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, LineFigure
 from app.plants.model import Model, Signal
 from app.plants.names import called
@@ -32,7 +33,7 @@ def state_figures(model: Model, run: Run, count: int = 3) -> tuple[LineFigure, .
             f"state{i}", signal.name, run.t,
             (Curve(text("true"), true), Curve(text("estimate"), guess, "estimate", "dash")),
             axis_name(signal), tab=TIME_TAB,
-            caption=_agreement(gap, float(np.max(np.abs(true), initial=0.0)), signal.unit)))
+            caption=_agreement(gap, float(np.max(np.abs(true), initial=0.0)), signal.unit, rate_of_error(run) >= 0)))
     return tuple(figures)
 
 
@@ -43,11 +44,11 @@ def axis_name(signal: Signal) -> str:
     return f"{last} {unit}".strip() if len(last) <= 2 else unit
 
 
-def _agreement(gap: float, size: float, unit: str) -> Text:
-    """How well an estimate agrees with the truth in the last tenth of a run."""
-    if gap <= 1e-3 * size:
-        return text("The estimate has caught up with the truth.")
-    return text("In the last tenth of the run they differ by up to {gap:.2g} {unit}.", gap=gap, unit=unit)
+def _agreement(gap: float, size: float, unit: str, growing: bool) -> Text:
+    """How well an estimate agrees with the truth in the last tenth of a run; an error that does not die out is not caught up."""
+    apart = text("In the last tenth of the run they differ by up to {gap:.2g} {unit}.", gap=gap, unit=unit)
+    met = text("The estimate has caught up with the truth.")
+    return apart if growing and gap > 0 else claim(met, gap / max(size, 1e-300), below=1e-3, otherwise=apart)
 
 
 def error_figure(run: Run, promised: np.ndarray | None = None) -> LineFigure:
@@ -57,11 +58,35 @@ def error_figure(run: Run, promised: np.ndarray | None = None) -> LineFigure:
     if promised is not None:
         curves.append(Curve(text("promised by A − LC"), np.linalg.norm(promised, axis=1), "reference",
                             "dash", 1.6))
-    small = settle_time(run.t, size)
-    caption = (text("The error stays below 2 % of its peak after {small:.2f} s.", small=small)
-               if small is not None else text("The error does not settle within this run."))
+    caption = settled_words(settle_time(run.t, size), rate_of_error(run))
     return LineFigure("error", text("estimation error"), run.t, tuple(curves), "‖x − x̂‖", log_y=True,
                       caption=caption, tab=ERROR_TAB)
+
+
+def rate_of_error(run: Run) -> float:
+    """Below 0 where the error dies out: the rightmost eigenvalue of A − LC of the model, ln |z| where it is sampled.
+
+    An error that the state drives (another model, a delay, an input clipped unknown to the observer) dies out with the state only.
+    """
+    s = run.scenario
+    model = s.plant if s.model is None else s.model
+    poles = np.linalg.eigvals(model.A if s.L is None else model.A - s.L @ model.C)
+    rate = float(np.log(max(np.max(np.abs(poles)), 1e-300)) if model.dt else np.max(np.real(poles)))
+    if model is s.plant and not s.delay and (s.fed == "applied" or not run.saturated):
+        return rate
+    if s.K is None:
+        return np.inf  # whatever pushes the plant pushes the error too
+    size = np.linalg.norm(run.x, axis=1)
+    late = float(size[-max(len(size) // 10, 1):].max())
+    return max(rate, float(np.log(2 * max(late, 1e-300) / max(float(size.max()), 1e-300))))
+
+
+def settled_words(after: float | None, rate: float) -> Text:
+    """When the error is down to 2 % of its peak: for good only where the poles of the observer say so."""
+    if after is None:
+        return text("The error does not settle within this run.")
+    return claim(text("The error stays below 2 % of its peak after {small:.2f} s.", small=after), rate, below=0.0, otherwise=text(
+        "From {small:.2f} s to the end of this run the error is below 2 % of its peak, but nothing keeps it there.", small=after))
 
 
 def input_figure(run: Run, model: Model, limit: float | None = None) -> LineFigure:

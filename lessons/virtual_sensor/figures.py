@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.simulation import Run
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point
 from app.lesson.lesson import Outcome
 from app.text import Text, joined, same, text
@@ -33,8 +34,10 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 
 def _core(outcome: Outcome[Study], run: Run, copy: Run) -> LineFigure:
     m = outcome.metrics
-    known = (text("The observer knows the core within 1 K after {after:.2f} s.", after=m["known_after"])
-             if m["known_after"] <= HORIZON else text("The observer does not know the core within 1 K at the end."))
+    after = text("The observer knows the core within 1 K after {after:.2f} s.", after=m["known_after"])
+    soon = text("The core error is below 1 K from {after:.2f} s to the end of this run, but it grows.", after=m["known_after"])
+    known = (text("The observer does not know the core within 1 K at the end.") if m["known_after"] > HORIZON else
+             claim(after, m["slowest_observer"], below=0.0, otherwise=soon))
     copied = text("In the last tenth of the run the copy is off by up to {off:.2g} K.", off=m["copy_core_error"])
     return LineFigure("core", text("core temperature (nobody can measure it)"), run.t, (
         Curve(TRUE, run.x[:, 0]), Curve(COPY, copy.xhat[:len(run.t), 0], "second", "dot"),

@@ -9,9 +9,10 @@ import numpy as np
 
 from app.engine import Plant, Scenario, observer_gain, simulate
 from app.engine.simulation import Run
+from app.lesson.claims import claim
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import MODELS, chip
-from app.text import NO_WORDS, Text, joined, text
+from app.text import Text, joined, text
 
 from ..toolkit.boards import listed, stage
 from ..toolkit.knobs import kicks
@@ -156,11 +157,11 @@ def _formulas(belief: Plant, L: np.ndarray, trust: float) -> tuple[Formula, ...]
 def _live(m: dict[str, float], run: Run, study: Study, trust: float) -> Text:
     true, guess, other = (float(v) for v in (run.x[-1, 0], run.xhat[-1, 0], study.copy.xhat[len(run.t) - 1, 0]))
     low, high = study.stable
-    doubt = (NO_WORDS if m["slowest_observer"] < 0 else
-             text("The observer's error grows: no θ up to 2 is stable with these poles.")
-             if low >= min(high, MOST_TRUST) or high <= 0 else
-             text("The observer's error grows: L is too small for this chip.") if trust <= low else
-             text("The observer's error grows: L is too large for this chip."))
+    why = (text("The observer's error grows: no θ up to 2 is stable with these poles.")
+           if low >= min(high, MOST_TRUST) or high <= 0 else
+           text("The observer's error grows: L is too small for this chip.") if trust <= low else
+           text("The observer's error grows: L is too large for this chip."))
+    doubt = claim(why, m["slowest_observer"], above=0.0)
     end = text("At the end the core is {true:.1f} K above ambient; the observer says {guess:.1f} K, the copy {other:.1f} K.",
                true=true, guess=guess, other=other)
     return joined(end, doubt)

@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from app.lesson.lesson import Outcome
 from app.text import lowered, same, text, text_in
@@ -210,9 +211,8 @@ def _costs(outcome: Outcome[Study]) -> TableFigure:
             (text("rightmost pole [rad/s]"), cell(c.full.rightmost, 3), cell(c.small.rightmost, 3)))
     said = (NOTHING_CUT if order == STATES else
             text("An unstable loop has no average cost.") if c.extra is None else
-            text("Leaving the states out costs nothing that one could measure.")
-            if c.extra < 1e-7 else
-            text("Leaving states out costs {extra} % more.", extra=show(100 * c.extra, 2)))
+            claim(text("Leaving the states out costs nothing that one could measure."), c.extra, below=1e-7,
+                  otherwise=text("Leaving states out costs {extra} % more.", extra=show(100 * c.extra, 2))))
     return TableFigure("costs", text("two designs on ten states"),
                        (text("design on"), text("10 states"), text("{order} states",
                                                                                                    order=order)),

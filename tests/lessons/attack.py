@@ -81,13 +81,12 @@ def single_moves(lesson: Lesson) -> Iterator[tuple[Move, ...]]:
         yield from (((knob.name, value),) for value in (*stops(knob), *clicks(knob)) if value != start[knob.name])
 
 
-def double_moves(lesson: Lesson) -> Iterator[tuple[Move, ...]]:
+def double_moves(lesson: Lesson) -> list[tuple[Move, ...]]:
     """One click, and one stop or click of another knob."""
     singles = [m[0] for m in single_moves(lesson)]
     clicked = [m for m in singles if clicks(lesson.knob(m[0]))]
-    for k, (first, second) in enumerate(product(clicked, singles)):
-        if first[0] != second[0] and (second not in clicked or clicked.index(second) > k // len(singles)):
-            yield first, second
+    return [(first, second) for k, (first, second) in enumerate(product(clicked, singles))
+            if first[0] != second[0] and (second not in clicked or clicked.index(second) > k // len(singles))]
 
 
 def outcome_of(lesson: Lesson, design: Design) -> Outcome | None:
@@ -106,7 +105,9 @@ def solved(lesson: Lesson, outcome: Outcome) -> list[str]:
 def attack(lesson: Lesson) -> Iterator[str]:
     """One line for every task that falls: its share of random designs, and the moves that solve it."""
     start = lesson.start()
-    for kind, moves in (("one move", single_moves(lesson)), ("two moves", double_moves(lesson))):
+    doubles = double_moves(lesson)
+    np.random.default_rng(0).shuffle(doubles)
+    for kind, moves in (("one move", single_moves(lesson)), ("two moves", doubles[:RANDOM])):
         for move in moves:
             outcome = outcome_of(lesson, lesson.apply(start, dict(move)))
             for task in solved(lesson, outcome) if outcome is not None else ():

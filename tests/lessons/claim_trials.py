@@ -1,0 +1,80 @@
+"""Every shown sentence at the knobs' stops and at random designs, before its witness.
+
+`python tests/lessons/claim_trials.py [LESSON …]` tries 200 random designs of every lesson and prints the claims that lie.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+
+from attack import outcome_of, random_designs, single_moves
+from witnesses import WITNESSES, Shown
+
+from app.lesson.claims import Claim, claims_in
+from app.lesson.lesson import Design, Lesson
+
+RANDOM = 60
+
+
+@dataclass
+class Trial:
+    """What was tried and what lied."""
+
+    designs: int = 0
+    tried: Counter[str] = field(default_factory=Counter)
+    unseen: set[str] = field(default_factory=set)  # claims without a witness
+    lies: dict[str, list[str]] = field(default_factory=dict)
+
+
+def extremes(lesson: Lesson) -> list[Design]:
+    """The start, and every knob at its stops and options by itself."""
+    start = lesson.start()
+    return [start, *(lesson.apply(start, dict(moves)) for moves in single_moves(lesson))]
+
+
+def spoken(lesson: Lesson, design: Design) -> Iterator[tuple[Shown, object]]:
+    """All that the page says of a design, each sentence where it stands."""
+    outcome = outcome_of(lesson, design)
+    if outcome is None:
+        return
+    yield Shown(lesson, outcome, None), outcome.live
+    for note in outcome.formulas:
+        yield Shown(lesson, outcome, None), note.note
+    for figure in lesson.figures(outcome):
+        yield Shown(lesson, outcome, figure), figure.caption
+
+
+def tried(lesson: Lesson, designs: Iterable[Design]) -> Trial:
+    """Put every sentence of these designs before its witness."""
+    found = Trial()
+    for design in designs:
+        found.designs += 1
+        for shown, said in spoken(lesson, design):
+            for words in claims_in(said):
+                witness = WITNESSES.get(words.id)
+                if witness is None:
+                    if isinstance(words, Claim):
+                        found.unseen.add(words.id)
+                    continue
+                found.tried[words.id] += 1
+                try:
+                    witness(shown, words)
+                except AssertionError as lie:
+                    start = lesson.start()
+                    where = {k: v for k, v in design.values if v != start[k]}
+                    found.lies.setdefault(words.id, []).append(f"{str(lie)[:160]}; {str(where)[:400]}")
+    return found
+
+
+if __name__ == "__main__":
+    from lessons import LESSONS
+    for name in sys.argv[1:] or LESSONS:
+        told = tried(LESSONS[name], [*extremes(LESSONS[name]), *random_designs(LESSONS[name], RANDOM, 7)])
+        print(f"{name}: {told.designs} designs, {len(told.tried)} claims tried {told.tried.total()} times, {len(told.lies)} lie")
+        for claim, where in told.lies.items():
+            print(f"   LIE ({len(where)} times) {claim}\n      " + "\n      ".join(where[:3]), flush=True)
+        for claim in sorted(told.unseen):
+            print(f"   without a witness: {claim}")

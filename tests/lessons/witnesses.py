@@ -1,0 +1,377 @@
+"""Who can say whether a shown sentence is true: computations that do not use what the lesson used.
+
+`WITNESSES` has one for each message that is tried; it gets what is shown and the message, and fails with what is the case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from scipy.linalg import expm, solve_continuous_are, solve_continuous_lyapunov
+
+from app.engine import simulate
+from app.engine.simulation import Run, Scenario
+from app.lesson.figures import Figure, LineFigure
+from app.lesson.lesson import Lesson, Outcome
+from app.text import Text
+from lessons.noise.knobs import PLANT as BLOCK
+
+LONGER = 3.0  # times the horizon: a claim about what is to come is tried there
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A sentence where it stands: in which figure, None for the live sentence, of which outcome."""
+
+    lesson: Lesson
+    outcome: Outcome
+    figure: Figure | None
+
+    @property
+    def run(self) -> Run:
+        run = self.outcome.run
+        assert run is not None
+        return run
+
+    def __getitem__(self, knob: str) -> Any:
+        return self.outcome.design[knob]
+
+
+def value(words: Text, name: str) -> float:
+    """A number that stands in a message."""
+    found = dict(words.values)[name]
+    return float(str(found).replace("−", "-").split()[0]) if not isinstance(found, (int, float)) else float(found)
+
+
+# --- the run and what its matrices say ----------------------------------------------------------------------------------
+def matrices(run: Run) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """A, B, C of the plant, and A − LC, B of what the observer believes."""
+    s = run.scenario
+    model = s.plant if s.model is None else s.model
+    L = np.zeros((s.plant.n, s.plant.p)) if s.L is None else s.L
+    return s.plant.A, s.plant.B, s.plant.C, model.A - L @ model.C, model.B
+
+
+def rightmost(M: np.ndarray) -> float:
+    return float(np.max(np.real(np.linalg.eigvals(M))))
+
+
+def gone_on(run: Run) -> np.ndarray:
+    """‖e‖ of the same scenario simulated for longer, from the end of this run on."""
+    s: Scenario = run.scenario
+    t = s.dt * np.arange(round(LONGER * s.horizon / s.dt) + 1)
+    r = s.reference
+    if isinstance(r, np.ndarray) and len(r) == s.n_t:
+        r = np.concatenate([r, np.repeat(r[-1:], len(t) - len(r), axis=0)])
+    longer = simulate(replace(s, horizon=float(t[-1]), reference=r))
+    return np.linalg.norm(longer.e[len(run.t) - 1:], axis=1)
+
+
+def by_itself(run: Run) -> float:
+    """How far the run's error leaves e^{(A − LC)t} e(0), over its own peak; kicks start it anew."""
+    A, _, _, F, _ = matrices(run)
+    jumps = {round(t / run.scenario.dt): jump for t, jump in run.scenario.impulses}
+    step = expm((F if A.shape == F.shape else A) * (run.t[1] - run.t[0]))
+    e, off = run.e[0], 0.0
+    for k in range(1, len(run.t)):
+        e = step @ e
+        if k in jumps or k - 1 in jumps:
+            e = run.e[k]
+        off = max(off, float(np.max(np.abs(e - run.e[k]))))
+    return off / max(float(np.max(np.abs(run.e))), 1e-12)
+
+
+def _stays(shown: Shown, words: Text) -> None:
+    run, after = shown.run, value(words, "small")
+    size = np.linalg.norm(run.e, axis=1)
+    small = 0.02 * float(size.max())
+    assert float(np.max(size[run.t > after + 1e-9], initial=0.0)) <= small * (1 + 1e-9), "not even in the run"
+    if run.scenario.V is None:
+        later = gone_on(run)
+        assert float(later.max()) <= small * (1 + 1e-6), f"later the error is {later.max() / size.max():.2g} of its peak"
+
+
+def _caught(shown: Shown, _: Text) -> None:
+    figure = shown.figure
+    assert isinstance(figure, LineFigure)
+    true, guess = (c.y for c in figure.curves[:2])
+    tail = slice(-max(len(true) // 10, 1), None)
+    assert float(np.max(np.abs(true[tail] - guess[tail]))) <= 1.001e-3 * float(np.max(np.abs(true))), "apart in the last tenth"
+    if shown.lesson.id != "saturation":
+        _, _, _, F, _ = matrices(shown.run)
+        moved = float(np.max(np.abs(true[tail] - guess[tail])))
+        dt = shown.run.scenario.plant.dt
+        spread = float(np.max(np.abs(np.linalg.eigvals(F)))) - 1 if dt else rightmost(F)
+        assert spread < 1e-9 or moved == 0, f"the error grows, {spread:.2g}"
+
+
+def _apart(shown: Shown, words: Text) -> None:
+    figure = shown.figure
+    assert isinstance(figure, LineFigure)
+    true, guess = (c.y for c in figure.curves[:2])
+    tail = slice(-max(len(true) // 10, 1), None)
+    near(value(words, "gap"), float(np.max(np.abs(true[tail] - guess[tail]))))
+
+
+def near(said: float, true: float, relative: float = 1e-6) -> None:
+    assert abs(said - true) <= relative * max(abs(true), abs(said)) + 1e-12, f"says {said:.6g}, is {true:.6g}"
+
+
+def _meter_zero(shown: Shown, _: Text) -> None:
+    if shown.run.scenario.V is None:
+        off = by_itself(shown.run)
+        assert off < 1e-6, f"the error leaves A − LC by {off:.2g} of its peak"
+
+
+def _meter_not_zero(shown: Shown, _: Text) -> None:
+    if shown.run.scenario.V is None:
+        off = by_itself(shown.run)
+        assert off > 1e-10, "the error follows A − LC"
+
+
+def whole(run: Run) -> np.ndarray:
+    """The matrix of (x, x̂)."""
+    A, B, C, F, Bm = matrices(run)
+    K, L = run.scenario.K, run.scenario.L
+    return np.block([[A, -B @ K], [L @ C, F - Bm @ K]])
+
+
+def _union(shown: Shown, _: Text) -> None:
+    M = whole(shown.run)
+    poles = np.concatenate([shown.outcome.poles["controller"], shown.outcome.poles["observer"]])
+    size = float(np.max(np.abs(poles)))
+    for s in size * np.exp(1j * np.linspace(0.1, 3.0, 7)) * 1.5:
+        loop = np.linalg.slogdet(s * np.eye(len(M)) - M)
+        ratio = loop[0] * np.exp(loop[1] - float(np.sum(np.log(np.abs(s - poles))))) / np.prod((s - poles) / np.abs(s - poles))
+        assert abs(ratio - 1) < 1e-4, f"the polynomials differ by {abs(ratio - 1):.2g} at {s:.3g}"
+    assert shown.run.scenario.delay == 0 and np.allclose(shown.run.u_asked, shown.run.u_applied), "late or clipped"
+
+
+def _compensator(shown: Shown, _: Text) -> None:
+    _, _, _, F, B = matrices(shown.run)
+    assert rightmost(F - B @ shown.run.scenario.K) > -1e-9, "its poles are all on the left"
+
+
+def _isolates(sign: float) -> Callable[[Shown, Text], None]:
+    def witness(shown: Shown, words: Text) -> None:
+        figure = shown.figure
+        assert isinstance(figure, LineFigure)
+        assert rightmost(whole(shown.run)) < 0, "the loop is unstable"
+        bare, steered = (float(np.max(figure.curves[k].y)) for k in (0, 2))
+        near(sign * value(words, "peak"), 20 * np.log10(bare / steered), 1e-3)
+        assert sign * np.log(bare / steered) >= -1e-9
+    return witness
+
+
+# --- single lessons -------------------------------------------------------------------------------------------------------
+def _too(small: bool) -> Callable[[Shown, Text], None]:
+    def witness(shown: Shown, _: Text) -> None:
+        F = matrices(shown.run)[3]
+        trust = shown["trust"]
+        model = shown.run.scenario.model
+        assert model is not None
+        assert rightmost(F) > 0, "the error dies out"
+        if trust > 0:
+            L = shown.outcome.gains["L"] / trust
+            grid = np.linspace(trust, 2.0, 400) if small else np.linspace(0.0, trust, 400)
+            assert min(rightmost(model.A - theta * L @ model.C) for theta in grid) < 0, "no other trust is better"
+    return witness
+
+
+def _no_trust(shown: Shown, _: Text) -> None:
+    model = shown.run.scenario.model
+    assert model is not None
+    if shown["trust"] > 0:
+        L = shown.outcome.gains["L"] / shown["trust"]
+        best = min(rightmost(model.A - theta * L @ model.C) for theta in np.linspace(0.0, 2.0, 801))
+        assert best > -1e-3, f"some trust gives {best:.3g}"
+
+
+def _core_known(shown: Shown, words: Text) -> None:
+    run = shown.run
+    late = np.abs(run.e[run.t > value(words, "after") - 1e-9, 0])
+    assert float(late.max()) < 1.0, "not in the run"
+    assert rightmost(matrices(run)[3]) < 0, "the error grows"
+
+
+def _not_driven(shown: Shown, words: Text) -> None:
+    if shown["kick"] < 0:
+        off = by_itself(shown.run) * float(np.max(np.abs(shown.run.e)))
+        size = max(1.0, float(np.max(np.abs(shown.run.x))), float(np.max(np.abs(shown.run.xhat))))
+        assert off < 1e-7 * size, f"the error leaves its own law by {off:.2g}"
+
+
+def _driven(shown: Shown, words: Text) -> None:
+    A, _, C, F, _ = matrices(shown.run)
+    L = shown.run.scenario.L
+    assert L is not None
+    assert float(np.max(np.abs(A - L @ C - F))) > 1e-9 or rightmost(F) > 0, "the observer copies the plant"
+
+
+def _home(shown: Shown, _: Text) -> None:
+    s = shown.outcome.study.shown.scenario
+    A, B, C, F, Bm = matrices(shown.outcome.study.shown)
+    loop = rightmost(np.block([[A, -B @ s.K], [s.L @ C, F - Bm @ s.K]]))
+    assert loop < 0, f"its loop has a pole at {loop:.3g}: it leaves again"
+    longer = simulate(replace(s, horizon=2 * s.horizon))
+    assert longer.diverged_at is None and float(np.linalg.norm(longer.x[-1])) < 0.05, "it does not stay"
+
+
+def variance(poles: np.ndarray, W: float, V: float) -> np.ndarray:
+    """Variances of the error of the observer with these poles on the block, by coefficients and scipy's Lyapunov equation."""
+    A, B, C = BLOCK.A, BLOCK.B, BLOCK.C
+    O, last = np.vstack([C, C @ A]), np.array([[0.0], [1.0]])
+    a1, a0 = -float(np.real(np.sum(poles))), float(np.real(np.prod(poles)))
+    L = (A @ A + a1 * A + a0 * np.eye(2)) @ np.linalg.solve(O, last)
+    return np.diag(solve_continuous_lyapunov(A - L @ C, -(W * B @ B.T + V * L @ L.T)))
+
+
+def _least(W: float, V: float) -> np.ndarray:
+    return np.diag(solve_continuous_are(BLOCK.A.T, BLOCK.C.T, W * BLOCK.B @ BLOCK.B.T, np.array([[V]])))
+
+
+def _as_small(shown: Shown, _: Text) -> None:
+    i, W, V = int(shown["watch"] == "velocity"), shown["w"], shown["v"]
+    now = variance(shown.outcome.poles["observer"], W, V)[i]
+    assert now < 1.011 * _least(W, V)[i], f"{np.sqrt(now / _least(W, V)[i]):.4g} times the least"
+
+
+def _times(shown: Shown, words: Text) -> None:
+    i, W, V = int(shown["watch"] == "velocity"), shown["w"], shown["v"]
+    near(value(words, "ratio"), float(np.sqrt(variance(shown.outcome.poles["observer"], W, V)[i] / _least(W, V)[i])), 1e-4)
+
+
+def _other_speed(*better: float) -> Callable[[Shown, Text], None]:
+    def witness(shown: Shown, _: Text) -> None:
+        i, W, V = int(shown["watch"] == "velocity"), shown["w"], shown["v"]
+        poles = shown.outcome.poles["observer"]
+        now = variance(poles, W, V)[i]
+        for factor in better:
+            assert variance(factor * poles, W, V)[i] < now, f"{factor} times the speed is not better"
+        if not better:
+            best = min(variance(f * poles, W, V)[i] for f in (0.7, 0.85, 1.18, 1.4))
+            assert best > now * (1 - 1e-9), f"another speed has {np.sqrt(best / now):.4g} times the error"
+    return witness
+
+
+def _never_below_one(shown: Shown, _: Text) -> None:
+    figure = shown.figure
+    assert isinstance(figure, LineFigure)
+    least = float(np.min(figure.curves[0].y))
+    assert least > 1 - 1e-6, f"LQR comes down to {least:.6g}"
+
+
+def _bounded(stays: bool) -> Callable[[Shown, Text], None]:
+    def witness(shown: Shown, _: Text) -> None:
+        s = shown.outcome.study.watched.sampled
+        S, growth = np.eye(s.plant.n), 0.0
+        for _k in range(400):
+            S = shown["loss"] * s.plant.A @ S @ s.plant.A.T
+            growth = float(np.linalg.norm(S))
+            S /= max(growth, 1e-300)
+        assert (growth < 1 + 1e-9) if stays else (growth > 1 - 1e-9), f"the lower bound grows by {growth:.4g} a sample"
+    return witness
+
+
+def _flat(shown: Shown, _: Text) -> None:
+    y = shown.run.y[:, 0]
+    assert float(np.max(np.abs(y[-len(y) // 8:]))) <= 0.0201 * float(np.max(np.abs(y))), "the sensor still reads"
+
+
+def _law(shown: Shown, _: Text) -> None:
+    figure = shown.figure
+    assert isinstance(figure, LineFigure)
+    mine, law = (c.y for c in figure.curves[:2])
+    off = float(np.max(np.abs(np.abs(mine) - np.abs(law)))) / max(float(np.max(np.abs(law))), 1e-12)
+    assert off < 1e-5, f"leaves the line by {off:.2g} of its peak"
+
+
+def _unstable_loop(shown: Shown, _: Text) -> None:
+    assert shown.outcome.metrics["slowest_loop"] >= 0
+
+
+def _bound(shown: Shown, words: Text) -> None:
+    assert value(words, "peak") <= value(words, "bound") * (1 + 1e-3) + 1e-8, "the error exceeds the bound"
+
+
+def _largest_input(shown: Shown, words: Text) -> None:
+    figure = shown.figure
+    assert isinstance(figure, LineFigure)
+    near(value(words, "peak"), float(np.max(np.abs(figure.curves[0].y))), 1e-6) if len(figure.curves) == 1 else None
+
+
+def _recovered(shown: Shown, _: Text) -> None:
+    s = shown.outcome.study
+    assert s.cost.total > s.plain_cost.total, "it is not dearer"
+    assert s.real.margins.nearest > s.plain.margins.nearest, "the loop is no farther from −1"
+
+
+def _cheapest(shown: Shown, _: Text) -> None:
+    c = shown.outcome.study.cost
+    assert c.total < 1.00001 * c.least
+
+
+def _corner(shown: Shown, _: Text) -> None:
+    A, B, C, F, Bm = matrices(shown.run)
+    K, L = shown.run.scenario.K, shown.run.scenario.L
+    assert K is not None and L is not None
+    corner = A - L @ C - F - (B - Bm) @ K  # ė = … x + … e where the model is not the plant
+    assert float(np.max(np.abs(corner))) < 1e-6 * float(np.max(np.abs(whole(shown.run)))), "the state drives the error"
+
+
+def _none_smaller(shown: Shown, _: Text) -> None:
+    W, V = shown["w"], shown["v"]
+    assert np.all(variance(shown.outcome.poles["observer"], W, V) > _least(W, V) * (1 - 1e-6)), "one of the variances is smaller"
+
+
+def _none_hidden(shown: Shown, _: Text) -> None:
+    plant = shown.run.scenario.plant
+    for pole in np.linalg.eigvals(plant.A):
+        pencil = plant.A - pole * np.eye(plant.n)
+        for stacked in (np.vstack([pencil, plant.C]), np.hstack([pencil, plant.B])):
+            assert np.linalg.svd(stacked, compute_uv=False)[-1] > 1e-4 * np.linalg.norm(plant.A, 2), f"{pole:.3g} is nearly hidden"
+
+
+WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
+    "The error stays below 2 % of its peak after {small:.2f} s.": _stays,
+    "The estimate has caught up with the truth.": _caught,
+    "In the last tenth of the run they differ by up to {gap:.2g} {unit}.": _apart,
+    "Largest input applied: {peak:.3g} {input_unit}.": _largest_input,
+    "Separation meter: 0.": lambda shown, words: None if shown.outcome.run is None else _meter_zero(shown, words),
+    "Separation meter: {meter:.2g}; the error no longer lives by itself.": _meter_not_zero,
+    "The {count} poles of the loop are the union of both boards to about {union_error}.": _union,
+    "The compensator by itself is unstable.": _compensator,
+    "Steering by the estimate lowers the peak by {peak:.1f} dB; the gap to the dashed line is the observer's share.": _isolates(1),
+    "Steering by the estimate raises the peak by {peak:.1f} dB.": _isolates(-1),
+    "The lower left block is zero: the error drives the state, never the other way round.": _meter_zero,
+    "The lower left block of this matrix is zero.": _corner,
+    "No mode is hidden: every distance is well above zero.": _none_hidden,
+    "P − P_min has no negative eigenvalue: no combination of errors is smaller than the Kalman filter's.": _none_smaller,
+    "The observer's error grows: L is too small for this chip.": _too(True),
+    "The observer's error grows: L is too large for this chip.": _too(False),
+    "The observer's error grows: no θ up to 2 is stable with these poles.": _no_trust,
+    "No θ up to 2 is stable with these poles.": _no_trust,
+    "The observer knows the core within 1 K after {after:.2f} s.": _core_known,
+    "The input moves the state by up to {moved} and the error by {error_moved:.0e}: rounding, nothing else.": _not_driven,
+    "The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the error is not left alone.": _driven,
+    "The pole comes home.": _home,
+    "Caught.": _home,
+    "The {name} error is as small as any observer can make it: {share:.0f} % of its variance is sensor noise.": _as_small,
+    "The {name} error is {ratio:.3g} times the least possible; {share:.0f} % of its variance is sensor noise.": _times,
+    "Slower would be better.": _other_speed(0.95),
+    "Faster would be better.": _other_speed(1.05),
+    "No other speed is better; only another pattern is.": _other_speed(),
+    "LQR never falls below 1; LQG comes down to {least}.": _never_below_one,
+    "LQR never falls below 1; LQG comes down to {least}, with all inputs at once to {together}.": _never_below_one,
+    "No other controller is cheaper on average under this noise.": _cheapest,
+    "Margins are bought with noise in the input and a higher cost.": _recovered,
+    "{lost} of the measurements are lost, {critical:.1f} % may be: the mean stays bounded.": _bounded(True),
+    "{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.": _bounded(False),
+    "The trace has gone flat: as far as the sensor can tell, all is at rest.": _flat,
+    "|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.": _law,
+    "With the true plant the loop is unstable.": _unstable_loop,
+    "Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.": _bound,
+}
