@@ -402,3 +402,26 @@ def test_ctrl_c_while_starting_prints_no_traceback() -> None:
     rest = server.stderr.read()
     assert server.wait(30) in (0, 128 + signal.SIGINT)
     assert "Traceback" not in rest
+
+
+def test_a_link_holds_what_was_set_and_run_takes_it_back(capsys, tmp_path: Path) -> None:
+    link, code, state = "https://lab.example/o/", tmp_path / "q.svg", tmp_path / "state.json"
+    assert main(["link", "separation", "--set", "delay=18", "--lang", "zh", "--at", link, "--qr", str(code), "-o", str(state)]) == 0
+    printed = capsys.readouterr().out.strip()
+    assert printed.startswith(f"{link}#1.") and len(printed) < 100 and "<svg" in code.read_text()
+    for words in (printed, printed.rpartition("#")[2], str(state)):
+        assert run_json(capsys, "--state", words)[1]["knobs"]["delay"] == 18.0
+    assert "neither" in refused(capsys, "link", "separation", "--qr", str(tmp_path / "q.gif"))
+
+
+def test_a_state_with_something_unknown_runs_with_a_note(capsys, tmp_path: Path) -> None:
+    file = tmp_path / "state.json"
+    file.write_text('{"version": 1, "lesson": "separation", "knobs": {"delay": 18, "foo": 1}, "bar": 2}')
+    assert main(["run", "separation", "--json", "--state", str(file)]) in (0, 1)
+    out, err = capsys.readouterr()
+    assert json.loads(out)["knobs"]["delay"] == 18.0 and "foo" in err and "bar" in err
+
+
+def test_serve_takes_a_state_or_a_lesson_with_its_plant(capsys) -> None:
+    assert "a state brings its own" in refused(capsys, "serve", "--state", "1.AAAA", "--lesson", "noise")
+    assert "torn" in refused(capsys, "serve", "--state", "1.AAAA")

@@ -14,8 +14,8 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Protocol
 
+from . import link, run, serve, status, verify
 from . import list as list_
-from . import run, serve, status, verify
 from .options import CommandError, Parser
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -38,7 +38,7 @@ class Command(Protocol):
 
 
 DEFAULT = "serve"
-COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "run": run, "verify": verify,
+COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "run": run, "link": link, "verify": verify,
                                                     "status": status})
 
 

@@ -34,3 +34,20 @@ def save_page(figures: Sequence[Figure], path: str) -> None:
         save_figures(figures, path)
     except ExportError as problem:
         raise CommandError(str(problem)) from problem
+
+
+def save_words(words: str, path: str) -> None:
+    """A text file."""
+    Path(path).write_text(words + "\n", encoding="utf-8")
+
+
+def save_code(link: str, path: str) -> None:
+    """A link as a QR code: .svg or .png. Raises CommandError at another suffix, or where the link is too long."""
+    import segno
+
+    if Path(path).suffix.lower() not in (".svg", ".png"):
+        raise CommandError(f"A QR code is written as .svg or .png; {Path(path).name[:80]} ends in neither.")
+    try:
+        segno.make(link, error="l", micro=False).save(path, scale=10, border=4)
+    except segno.DataOverflowError as problem:
+        raise CommandError("The link is too long for a QR code; give the state as a file with -o.") from problem

@@ -6,10 +6,10 @@ import argparse
 import logging
 import signal
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from ..text.languages import languages
-from .options import PLANT_HELP, CommandError, cause, host_name, whole
+from .options import PLANT_HELP, STATE_HELP, CommandError, cause, host_name, whole
 
 log = logging.getLogger(__name__)
 
@@ -37,6 +37,7 @@ class ServeRequest:
     public: bool = False
     log_json: bool = False
     data_dir: str | None = None
+    state: str | None = None
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,6 +50,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
@@ -60,7 +62,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
-                              options.plant, tuple(options.names), options.public, options.log_json, options.data_dir))
+                              options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
+                              options.state))
 
 
 def serve(request: ServeRequest) -> int:
@@ -79,7 +82,8 @@ def serve(request: ServeRequest) -> int:
 def _serve(request: ServeRequest) -> None:
     from lessons import LESSONS, OPENING
 
-    from .inputs import find_lesson, fitted, plant_in
+    from ..tab.token import write_token
+    from .inputs import find_lesson, fitted, plant_in, saved_of
     from .logs import set_up
 
     try:
@@ -88,8 +92,13 @@ def _serve(request: ServeRequest) -> None:
         raise CommandError(f"{str(request.data_dir)[:80]} cannot hold the log ({cause(problem)}); choose another "
                            f"folder.") from problem
     plant = "" if request.plant is None else plant_in(request.plant)
-    opening = find_lesson(request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING))
-    fitted(opening, plant)
+    if request.state is not None and (request.lesson or request.plant):
+        raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
+    saved = None if request.state is None else saved_of(request.state)
+    lesson = saved.design.lesson if saved else request.lesson or (SANDBOX if plant and SANDBOX in LESSONS else OPENING)
+    opening = find_lesson(lesson)
+    state = "" if saved is None else write_token(opening, replace(saved, notes=()))
+    fitted(opening, saved.design.plant if saved else plant)
     from ..view.address import is_public
     from ..view.server import LabServer  # viser is loaded only here
 
@@ -99,7 +108,7 @@ def _serve(request: ServeRequest) -> None:
             raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
                                "--public as well if that is meant.")
         server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions,
-                           plant, request.names)
+                           plant, request.names, state)
     except OSError as problem:
         raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); "
                            "choose a free port of an address of this machine.") from problem

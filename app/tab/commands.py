@@ -229,15 +229,47 @@ class Answer:
 
 @dataclass(frozen=True)
 class Recalled:
-    """What the browser's tab kept before it was loaded again, None if nothing."""
+    """What the browser's tab kept before it was loaded again, None if nothing.
+
+    `token` stands in the address bar, "" where none does; `known` says that this tab itself has put it there.
+    """
 
     text: str | None
+    token: str = ""
+    known: bool = False
+
+
+@dataclass(frozen=True)
+class OpenState:
+    """Open the state in a token, a link or the words of a file. `asked` counts what came from the address bar."""
+
+    words: object
+    asked: object = None
+
+
+@dataclass(frozen=True)
+class Placed:
+    """Which of the figures' tabs is open, by its number, and which step of thought; None where none is."""
+
+    tab: object
+    step: object
+
+
+@dataclass(frozen=True)
+class ToggleTake:
+    """Open or close the dialog in which a state can be taken away."""
+
+
+@dataclass(frozen=True)
+class SaveState:
+    """Hand the present state over as a file."""
 
 
 Playing = Play | Rewind | Seek | ChangeSpeed | Kick | Watched
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
 Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
+Sharing = OpenState | Placed | ToggleTake | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp | Answer
           | Recalled)
-Command = Playing | Designing | Studying | Paging
+Command = Playing | Designing | Studying | Sharing | Paging
 Edit = SetKnobs | Command

@@ -27,6 +27,10 @@ class Desks:
             self._used[lesson] = Desk(History(start())) if found is None else found
         return self._used[lesson]
 
+    def lay(self, lesson: str, design: Design, now: float) -> None:
+        """Put a design on a lesson's desk; what lay there is one step of undo away."""
+        self.of(lesson, lambda: design).history.push(design, None, now)
+
     def renew(self, lesson: str, start: Design) -> None:
         """Clear a desk away for a new one."""
         self._used[lesson] = Desk(History(start))

@@ -55,8 +55,8 @@ def obey(show: Presenter, command: Paging) -> None:
             show.view.open_help()
         case Answer(question):
             show.view.answer(number(question))
-        case Recalled(kept):
-            recalled(show, kept)
+        case Recalled(kept, token, known):
+            recalled(show, kept, token, known)
         case _:
             assert_never(command)
 

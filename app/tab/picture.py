@@ -60,6 +60,9 @@ class State:
     exam_seed: int = 1
     landscape: bool = False
     plant: str = ""  # the plant that the person brought last, shown now or not
+    tab: str | None = None  # the English name of the figures' tab that is open, None for the first
+    step: int | None = None  # which step of thought is open
+    camera: tuple[float, ...] | None = None  # position and target that a link asked for, None for the whole view
     can_undo: bool = False
     can_redo: bool = False
 
@@ -138,8 +141,24 @@ class View(Protocol):
     def answer(self, question: float) -> None:
         """Say that all that was done before a question is shown."""
 
-    def recall(self, answer: Callable[[str | None], object]) -> None:
-        """Ask for what `remember` kept in this tab before it was reloaded; the answer may come late, or never."""
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        """Look from a position at a target, from where everything is seen for None."""
+
+    def eye(self) -> tuple[float, ...] | None:
+        """Position and target of the camera, None where it stands as it was put."""
+
+    def address(self, token: str, lesson: str, asked: int) -> None:
+        """Put a state into the address bar; `asked` is the number of the last one that was opened from there."""
+
+    def offer(self, token: str) -> None:
+        """Open the dialog in which the state of that token can be taken away, or close it."""
+
+    def hand_over(self, name: str, content: bytes) -> None:
+        """Give the person a file."""
+
+    def recall(self, answer: Callable[[str | None, str, bool], object]) -> None:
+        """Ask for what `remember` kept in this tab before it was reloaded, and for the token in the address bar; the answer
+        may come late, or never."""
 
     def remember(self, text: str) -> None:
         """Keep a text in the browser's tab."""

@@ -12,13 +12,15 @@ from dataclasses import replace
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
-from ..text import text, told
+from ..text import Text, text, told
 from .commands import SetKnobs
 from .desk import Desk
 from .desks import Desks
 from .drafts import Drafts, Drawn, LongJob
 from .memory import write_desk, write_memory
 from .picture import Picture, State, View
+from .state import Saved
+from .token import write_token
 from .unexpected import kind_of
 
 log = logging.getLogger(__name__)
@@ -42,7 +44,9 @@ class Presenter:
         self.desks = Desks(self.lessons)
         self.touched = False  # whether the person has done anything yet
         self.recalled = False  # whether it is known what the browser's tab kept
+        self.asked = 0  # the number of the last state that was opened from the address bar
         self._drafts = Drafts()
+        self._unsaid: list[tuple[Text, bool]] = []  # sentences that wait for the page
         self._shown: Picture | None = None
 
     @property
@@ -88,6 +92,8 @@ class Presenter:
         self.resting = True
         self._shown = self._make(self.design, drawn)
         self._lay_out(self._shown)
+        while self._unsaid:
+            self.view.say(*self._unsaid.pop(0))
 
     def open_lesson(self, lesson: str) -> None:
         """Open another lesson; if it cannot be opened, the present one again."""
@@ -107,6 +113,22 @@ class Presenter:
         self.state = state
         self._shown = self._again()
         self._lay_out(self._shown)
+
+    def open_state(self, saved: Saved) -> None:
+        """Open a state that came from elsewhere: its lesson, its design as a step of undo, and how its page looked.
+
+        Raises what its lesson raises at such a design; then nothing was changed.
+        """
+        design, state = saved.design, self.state
+        self._drafts.draw(self.lessons[design.lesson].fit(design.plant), design)
+        self.desks.lay(design.lesson, design, self.clock())
+        self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step,
+                             camera=saved.camera, plant=design.plant or state.plant)
+        if self._shown is None:
+            self.lesson = self.lessons[design.lesson]
+        else:
+            self.view.look(saved.camera)
+            self.open_lesson(design.lesson)
 
     def _lay_out(self, picture: Picture) -> None:
         self.view.build(picture)
@@ -238,6 +260,13 @@ class Presenter:
         self._shown = picture
         self._drafts.keep_found(self.lesson, design, found)
 
+    def tell(self, words: Text, bad: bool) -> None:
+        """Say a sentence now, or when the page stands."""
+        if self._shown is None:
+            self._unsaid.append((words, bad))
+        else:
+            self.view.say(words, bad)
+
     def drop_job(self) -> None:
         """End the long computation without a word; the last picture stays."""
         self.job.drop()
@@ -257,6 +286,12 @@ class Presenter:
         if self.recalled:
             self._write_down()
             self.view.remember(write_memory(self.lesson.id, self.state, self.desks.written(self.lesson.id)))
+            self.view.address(write_token(self.lesson, self.saved()), self.lesson.id, self.asked)
+
+    def saved(self) -> Saved:
+        """The state as a link carries it."""
+        state = self.state
+        return Saved(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye())
 
     def _write_down(self) -> None:
         self.desk.text = write_desk(self.lesson, self.design, self.state)

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from ..text import text
+from . import sharing
 from .memory import Memory, read_memory
 from .presenter import Presenter
 
@@ -20,7 +21,7 @@ LATE = text("Your work from before the reload has arrived late: one step of undo
 class Recall:
     """The question what the tab kept, asked until it is answered."""
 
-    def __init__(self, show: Presenter, answer: Callable[[str | None], object]) -> None:
+    def __init__(self, show: Presenter, answer: Callable[[str | None, str, bool], object]) -> None:
         self._show, self._answer = show, answer
         self._pause, self._next = PATIENCE, 0.0
 
@@ -40,13 +41,23 @@ class Recall:
             self.ask()
 
 
-def recalled(show: Presenter, kept: str | None) -> None:
+def recalled(show: Presenter, kept: str | None, token: str = "", known: bool = False) -> None:
     """The answer: go on where this tab was, or keep what the person has done meanwhile and put what was kept beside
-    it."""
+    it. A token in the address bar that this tab has not put there itself is opened over it."""
     if show.recalled:
         return
     show.recalled = True
     memory = read_memory(kept, show.lessons)
+    _go_on(show, memory)
+    if token and known and memory is not None:
+        sharing.look_again(show, token)
+    elif token:
+        sharing.open_words(show, token)
+    if show.shown is not None:
+        show.remember()
+
+
+def _go_on(show: Presenter, memory: Memory | None) -> None:
     if memory is not None and show.touched:
         _put_beside(show, memory)
     elif memory is not None:
@@ -57,8 +68,6 @@ def recalled(show: Presenter, kept: str | None) -> None:
                              plant=memory.plant or show.state.plant)
         if show.shown is not None:
             show.open()
-    if show.shown is not None:
-        show.remember()
 
 
 def _put_beside(show: Presenter, memory: Memory) -> None:

@@ -16,8 +16,8 @@ from typing import assert_never
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
-from . import designing, paging, playing, studying
-from .commands import Answer, Command, Designing, Edit, Paging, Playing, Recalled, SeeWindow, Studying, Watched
+from . import designing, paging, playing, sharing, studying
+from .commands import Answer, Command, Designing, Edit, Paging, Placed, Playing, Recalled, SeeWindow, Sharing, Studying, Watched
 from .mailbox import Mailbox, grouped
 from .picture import Picture, State, View
 from .presenter import Presenter
@@ -36,12 +36,14 @@ class Session:
     """
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
-                 clock: Callable[[], float] = time.monotonic, exam_seed: int = 1, plant: str = "") -> None:
+                 clock: Callable[[], float] = time.monotonic, exam_seed: int = 1, plant: str = "",
+                 state: str = "") -> None:
+        """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it."""
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
-        self._mailbox = Mailbox()
+        self._mailbox, self._state = Mailbox(), state
         self._show = Presenter(lessons, view, lesson, State(language=language, exam_seed=exam_seed, plant=plant), clock)
-        self._recall = Recall(self._show, lambda text: self.post(Recalled(text)))
+        self._recall = Recall(self._show, lambda *kept: self.post(Recalled(*kept)))
 
     # --- outside ---------------------------------------------------------------------------------------------------
     def post(self, edit: Edit) -> int:
@@ -63,9 +65,9 @@ class Session:
         return self._show.shown
 
     # --- the worker ------------------------------------------------------------------------------------------------
-    def restore(self, text: str | None) -> None:
-        """Go on where this tab was before a reload, which kept that text; None if it kept nothing."""
-        recalled(self._show, text)
+    def restore(self, text: str | None, token: str = "", known: bool = False) -> None:
+        """Go on where this tab was before a reload, which kept that text; None if it kept nothing. See `Recalled`."""
+        recalled(self._show, text, token, known)
 
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
@@ -77,7 +79,7 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched))
+            self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched, Placed))
             try:
                 if isinstance(edits, list):
                     self._show.set_knobs(edits)
@@ -104,19 +106,23 @@ class Session:
             designing.obey(self._show, command)
         elif isinstance(command, Studying):
             studying.obey(self._show, command)
+        elif isinstance(command, Sharing):
+            sharing.obey(self._show, command)
         elif isinstance(command, Paging):
             paging.obey(self._show, command)
         else:
             assert_never(command)
 
     def _begin(self) -> None:
+        if self._state:
+            sharing.open_words(self._show, self._state)
         self._recall.ask()
         early: list[Edit] = []
         end = time.monotonic() + PATIENCE
         while not self._show.recalled and not self._mailbox.closed and (left := end - time.monotonic()) > 0:
             for _, edit in self._mailbox.take(left):
                 if isinstance(edit, Recalled):
-                    recalled(self._show, edit.text)
+                    recalled(self._show, edit.text, edit.token, edit.known)
                 else:
                     early.append(edit)
         for edit in early:

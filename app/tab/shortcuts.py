@@ -20,6 +20,7 @@ from .commands import (
     ToggleHelp,
     ToggleLandscape,
     ToggleLecture,
+    ToggleTake,
     ToggleTheme,
     TurnPage,
     Undo,
@@ -56,5 +57,6 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(text("View the boards"), LookFrom("boards"), "3"),
     Shortcut(text("Start or cancel the long computation"), RunJob(), "J"),
     Shortcut(text("Check the first unsolved task"), CheckNextTask(), "T"),
+    Shortcut(text("Take it with you"), ToggleTake(), "E"),
     Shortcut(text("This list"), ToggleHelp(), "H"),
 )

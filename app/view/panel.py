@@ -39,6 +39,7 @@ class Panel:
         self._gui, self._post = gui, post
         self._lang = picture.state.language
         self._lesson = picture.lesson
+        self._step = picture.state.step
         self._words = picture.lesson.words[self._lang]
         self._formulas: dict[str, viser.GuiHtmlHandle] = {}
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
@@ -119,8 +120,8 @@ class Panel:
                 self._formulas[formula.id] = self._gui.add_html("")
 
     def _explain(self) -> None:
-        for heading, text in self._words.steps:
-            with self._gui.add_folder(heading, expand_by_default=False):
+        for index, (heading, text) in enumerate(self._words.steps):
+            with self._gui.add_folder(heading, expand_by_default=index == self._step):
                 self._gui.add_markdown(render(text))
 
     def _make_tasks(self, picture: Picture) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import re
 import secrets
 import socket
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -26,6 +27,7 @@ OPENING = threading.Lock()  # two servers opened at once would take each other's
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
 STORAGE = "observer-lab"
+ADDRESS = "observer-lab-address"  # the key of the token that a tab has put into its address bar
 SPOKEN = "observer-lab-language"  # the key of the language that a tab spoke last
 
 
@@ -44,7 +46,8 @@ def page_of_our_own(language: str) -> str:
     words = {web_code(code): {"name": NAME, "loading": phrases.LOADING(code), "lost": phrases.LOST(code)} for code in languages()}
     link = page.call("link", words=words, language=web_code(language), kept=SPOKEN)
     ours = (f'<link rel="icon" href="{icon}" /><title>{NAME}</title><style>{page.source("link.css")}</style>'
-            f"<script>{page.call('software')}</script><script>{link}</script>")
+            f"<script>{page.call('software')}</script><script>{link}</script>"
+            f"<script>{page.call('address', kept=ADDRESS)}</script>")
     return text.replace("<title>Viser</title>", ours, 1)
 
 
@@ -260,15 +263,41 @@ def write_tab_storage(client: viser.ClientHandle, text: str) -> None:
     _run(client, "remember", key=STORAGE, text=text)
 
 
-def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None], object]) -> None:
-    """Ask for the text that this tab kept; `answer` is called on the event loop when it comes, which may be never."""
+def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int) -> None:
+    """Let the address bar say a state: another lesson is a page of its own to go back from, all else is not.
+
+    `asked` is the number of the last state that was opened from there: the answer to an older one is passed over.
+    """
+    _run(client, "shown", token=token, lesson=lesson, asked=asked)
+
+
+def tell_places(client: viser.ClientHandle, widget: Any, tabs: Sequence[str], steps: Sequence[str], tab: str | None) -> None:
+    """Let a widget hear what is opened by hand, from the address bar and among tabs and folders, and open a tab."""
+    _run(client, "places", widget=id_of(widget), tabs=tabs, steps=steps, tab=tab)
+
+
+def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None, str, bool, str], object]) -> None:
+    """Ask for the text that this tab kept and for what stands in its address bar; `answer` is called on the event loop when
+    they come, which may be never: (text, token, whether this tab has put the token there itself, address of the page)."""
     request, connection = secrets.token_hex(8), client._websock_connection
 
     def heard(client_id: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
         if message.request_uuid == request:
             connection.unregister_handler(_messages.LocalStorageGetItemResponseMessage, heard)
-            answer(message.value if isinstance(message.value, str) else None)
+            answer(*_kept(message.value))
 
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
     _run(client, "recall", key=STORAGE, request=request)
     client.flush()
+
+
+def _kept(value: object) -> tuple[str | None, str, bool, str]:
+    """What a browser answered, whatever it is."""
+    try:
+        said = json.loads(value) if isinstance(value, str) else None
+    except (ValueError, RecursionError):
+        said = None
+    match said:
+        case [str() | None as kept, str(token), bool(known), str(home)]:
+            return kept, token, known, home
+    return None, "", False, ""

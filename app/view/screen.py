@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import html
 import time
 from collections.abc import Callable
 from typing import Any
@@ -14,19 +13,21 @@ from ..lesson.lesson import Board
 from ..tab.commands import Command, Edit, PickPoint, SeeWindow, SetKnobs, Watched
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
+from ..tab.token import LONGEST_LINK
 from ..text import Text
-from . import phrases, quirks
+from . import quirks
 from .boards import BoardView
 from .charts import Chart
 from .grips import FAINT, GRIPS
+from .help import Help
 from .mapboard import MapBoard
 from .mark import Mark
 from .panel import Panel
 from .sizes import Sizes
 from .stage import StageView, letters
 from .style import sheet
+from .take import HOME, Take
 from .transport import Transport
-from .version import version
 
 Post = Callable[[Edit], int]
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
@@ -49,7 +50,9 @@ class Screen:
         self._picture: Picture | None = None
         self._notes: list[Any] = []
         self._looked = False
-        self._help: Any = None
+        self._help = Help(client)
+        self._take: Take | None = None
+        self._home = ""  # where the browser found the page, as its address bar says
 
     def attach(self, post: Post) -> None:
         """Where edits go."""
@@ -62,7 +65,7 @@ class Screen:
         with self._client.atomic():
             gui.reset()
             self._client.scene.reset()
-            self._boards, self._charts, self._map, self._help = {}, {}, None, None
+            self._boards, self._charts, self._map, self._help = {}, {}, None, Help(self._client)
             gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178),
                                 dark_mode=picture.state.darkness)
             gui.set_panel_label("Observer Lab")
@@ -71,6 +74,7 @@ class Screen:
             self._right_panel(picture)
             self._transport = Transport(gui, picture, self._post, sizes.run)
             self._mark = Mark(gui, self._post)
+            self._take = Take(self._client, picture, self._post, self._home)
             gui.main_panel.dock_left()
             gui.main_panel.set_width(sizes.left)
             self._commands(language)
@@ -83,7 +87,7 @@ class Screen:
                 quirks.sentences_to_press(self._client)
                 quirks.stay_above_the_floor(self._client)
                 quirks.pulse_once(self._client, GRIPS, FAINT)
-                self._stage.camera("all")
+                self._stage.look(picture.state.camera)
                 self._stage.follow_window()
                 self._fit_grips()
                 self._looked = True
@@ -176,33 +180,38 @@ class Screen:
             self._client.flush()
 
     def open_help(self) -> None:
-        """The list of keys, made from the table that binds them; the same key closes it."""
-        if self._help is not None:
-            self._close_help()
-            return
-        language = self._picture.state.language if self._picture is not None else "en"
-        gui = self._client.gui
-        modal = self._help = gui.add_modal(phrases.KEYS_TITLE(language))
-        rows = "".join(f"<tr><td><kbd>{html.escape(c.key)}</kbd></td><td>{html.escape(c.label(language))}</td></tr>"
-                       for c in SHORTCUTS)
-        with modal:
-            gui.add_html(f'<table class="ol-table ol-keys">{rows}</table><p class="ol-note">{quirks.NAME} {version()}</p>')
-            button = gui.add_button(phrases.CLOSE(language))
+        """The list of keys; the same key closes it."""
+        self._help.toggle(self._picture.state.language if self._picture is not None else "en")
 
-        @button.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            self._close_help()
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        """Look from a position at a target, from where everything is seen for None."""
+        self._stage.look(camera)
         self._client.flush()
 
-    def _close_help(self) -> None:
-        if self._help is not None:
-            self._help.close()
-            self._help = None
+    def eye(self) -> tuple[float, ...] | None:
+        """Position and target of the camera, None where it stands as it was put."""
+        return self._stage.eye()
+
+    def address(self, token: str, lesson: str, asked: int) -> None:
+        """Put a state into the address bar, if it fits there."""
+        quirks.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked)
+
+    def offer(self, token: str) -> None:
+        """Open the dialog in which a state can be taken away, or close it."""
+        if self._take is not None:
+            self._take.toggle(token)
             self._client.flush()
 
-    def recall(self, answer: Callable[[str | None], object]) -> None:
-        """Ask for what this tab's own storage kept through a reload."""
-        quirks.read_tab_storage(self._client, answer)
+    def hand_over(self, name: str, content: bytes) -> None:
+        """Give the person a file."""
+        self._client.send_file_download(name, content, save_immediately=True)
+
+    def recall(self, answer: Callable[[str | None, str, bool], object]) -> None:
+        """Ask for what this tab's own storage kept through a reload, and for what stands in the address bar."""
+        def heard(kept: str | None, token: str, known: bool, home: str) -> None:
+            self._home = home if HOME.fullmatch(home) else ""
+            answer(kept, token, known)
+        quirks.read_tab_storage(self._client, heard)
 
     def remember(self, text: str) -> None:
         """Keep a text in this tab's own storage."""

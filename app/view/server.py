@@ -31,10 +31,13 @@ class LabServer:
 
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
-                 names: Iterable[str] = ()) -> None:
-        """Raises OSError where it cannot listen, ValueError at a name that is none."""
+                 names: Iterable[str] = (), state: str = "") -> None:
+        """`state` is what a tab opens with that brings none, as a token or the words of a file.
+
+        Raises OSError where it cannot listen, ValueError at a name that is none.
+        """
         self._lessons = lessons
-        self._lesson, self._language, self._max, self._plant = lesson, language, max_sessions, plant
+        self._lesson, self._language, self._max, self._plant, self._state = lesson, language, max_sessions, plant, state
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._born = time.monotonic()
@@ -70,7 +73,8 @@ class LabServer:
                                     color="red")
             return
         screen = Screen(client)
-        session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant)
+        session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
+                          state=self._state)
         screen.attach(session.post)
         quirks.may_leave(client)
         quirks.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))

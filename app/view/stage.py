@@ -77,7 +77,8 @@ class StageView:
         self._names: list[viser.LabelHandle] = []
         self._stage: Stage | None = None
         self._posed: tuple[Stage, int] | None = None
-        self._preset, self._aspect = "all", 1.0
+        self._arrived = False  # whether the browser has said that it looks from where it was told to
+        self._seen_from, self._aspect = CAMERAS["all"], 1.0
 
     def furnish(self, dark: bool) -> None:
         """Floor, light, background and the default camera of an empty stage."""
@@ -98,17 +99,45 @@ class StageView:
         """Look again from the last named place whenever the window or a panel changes its shape."""
         @self._client.camera.on_update
         async def _(camera: viser.CameraHandle) -> None:
+            self._arrived = self._arrived or np.allclose(self._eye(), np.ravel(self._seen_from), atol=0.02)
             if abs(aspect_of(camera) - self._aspect) > 0.03 * self._aspect:
-                self.camera(self._preset)
+                self._look()
                 self._client.flush()
 
     def camera(self, preset: str) -> None:
         """Look from one of the named places."""
-        self._preset = preset if preset in CAMERAS else "all"
-        position, target = CAMERAS[self._preset]
-        self._aspect = aspect_of(self._client.camera)
+        self._seen_from = CAMERAS.get(preset, CAMERAS["all"])
+        self._look()
+
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        """Look from a position at a target, from where everything is seen for None."""
+        self._seen_from = CAMERAS["all"] if camera is None else (camera[:3], camera[3:])
+        self._look()
+
+    def eye(self) -> tuple[float, ...] | None:
+        """Position and target as `look` takes them, None where everything is seen from the usual place."""
+        now = self._eye() if self._arrived else np.ravel(self._seen_from)
+        if not np.all(np.isfinite(now)) or np.allclose(now, np.ravel(CAMERAS["all"]), atol=0.02):
+            return None
+        return tuple(now.tolist())
+
+    def _eye(self) -> np.ndarray:
+        """Position and target, six numbers, of a window that needs no adapting."""
+        camera, (back, drop) = self._client.camera, self._fit(self._seen_from)
+        lift = np.array((0.0, 0.0, drop))
+        target = np.array(camera.look_at) + lift
+        return np.concatenate([target + (np.array(camera.position) + lift - target) / back, target])
+
+    def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
+        """How many times farther off a narrow window looks from, and how far below the target a phone aims."""
         back = retreat(self._aspect)
-        drop = 0.14 * back * abs(position[1] - target[1]) if self._aspect < PHONE else 0.0  # above a phone's sheet
+        return back, 0.14 * back * abs(place[0][1] - place[1][1]) if self._aspect < PHONE else 0.0  # above a phone's sheet
+
+    def _look(self) -> None:
+        self._arrived = False
+        position, target = self._seen_from
+        self._aspect = aspect_of(self._client.camera)
+        back, drop = self._fit(self._seen_from)
         aim = np.array(target) - (0.0, 0.0, drop)
         with self._client.atomic():
             self._client.camera.up_direction = (0.0, 0.0, 1.0)

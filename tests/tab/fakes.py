@@ -74,7 +74,9 @@ class FakeView:
         self.calls: list[tuple[str, Any]] = []
         self.kept = kept
         self.answers = answers  # whether it says at once what it kept
-        self.asked: list[Callable[[str | None], object]] = []
+        self.asked: list[Callable[..., object]] = []
+        self.addresses: list[tuple[str, str, int]] = []
+        self.looks: tuple[float, ...] | None = None
 
     def build(self, picture: Picture) -> None:
         self.calls.append(("build", picture))
@@ -105,7 +107,22 @@ class FakeView:
     def answer(self, question: float) -> None:
         self.calls.append(("answer", question))
 
-    def recall(self, answer: Callable[[str | None], object]) -> None:
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        self.looks = camera
+
+    def eye(self) -> tuple[float, ...] | None:
+        return self.looks
+
+    def address(self, token: str, lesson: str, asked: int) -> None:
+        self.addresses.append((token, lesson, asked))
+
+    def offer(self, token: str) -> None:
+        self.calls.append(("offer", token))
+
+    def hand_over(self, name: str, content: bytes) -> None:
+        self.calls.append(("file", (name, content)))
+
+    def recall(self, answer: Callable[..., object]) -> None:
         self.asked.append(answer)
         if self.answers:
             answer(self.kept)

@@ -212,7 +212,8 @@ class WireTab:
         if script == "remember":
             self.kept = given["text"]
         elif script == "recall" and self.answers:
-            self.send("LocalStorageGetItemResponseMessage", value=self.kept, error=None, request_uuid=given["request"])
+            value = json.dumps([self.kept, "", False, "http://127.0.0.1/"])
+            self.send("LocalStorageGetItemResponseMessage", value=value, error=None, request_uuid=given["request"])
 
     # --- seeing ----------------------------------------------------------------------------------------------------
     def find(self, label: str) -> str:

@@ -1,0 +1,37 @@
+// Tells which of the figures' tabs and which step of thought is open, opens the tab that a link names, and copies links.
+({widget, tabs, steps, tab}) => {
+  const lab = window.observerLabAddress;
+  if (!lab) return;
+  const fresh = !lab.widget;
+  Object.assign(lab, {widget, tabs, steps, placed: ''});
+  const heads = () => [...document.querySelectorAll('[role=tab]')].filter(head => lab.tabs.includes(head.textContent.trim()));
+  const named = (parts, names) => names.indexOf(parts.map(part => part.textContent.trim()).find(name => names.includes(name)));
+  const look = () => {
+    const open = [...document.querySelectorAll('[role=button][aria-expanded=true]')];
+    const at = {tab: named(heads().filter(head => head.ariaSelected === 'true'), lab.tabs), step: named(open, lab.steps)};
+    const said = JSON.stringify(at);
+    if (said !== lab.placed) lab.say(at);
+    lab.placed = said;
+  };
+  const copy = async button => {
+    const field = document.querySelector('input.ol-link');
+    field.value = location.origin + location.pathname + '#' + button.dataset.token;
+    field.select();
+    const done = navigator.clipboard ? await navigator.clipboard.writeText(field.value).then(() => true, () => false)
+      : document.execCommand('copy');
+    if (done) button.textContent = button.dataset.done;
+  };
+  if (fresh) for (const kind of ['pointerup', 'keyup']) addEventListener(kind, event => {
+    const button = event.target?.closest?.('button.ol-copy');
+    if (button && (kind === 'pointerup' || event.key === 'Enter' || event.key === ' ')) copy(button);
+    else for (const later of [30, 350]) setTimeout(look, later);  // a folder says after a moment that it is open
+  });
+  if (tab === null) return;
+  const end = performance.now() + 5000, open = () => {
+    const head = heads().find(one => one.textContent.trim() === tab);
+    if (head?.ariaSelected === 'true') return;
+    head?.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+    if (performance.now() < end) setTimeout(open, 100);
+  };
+  open();
+}

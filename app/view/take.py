@@ -1,0 +1,114 @@
+"""The dialog "Take it with you": the link, its code for a hall's cameras, the state as a file."""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Callable
+from typing import Any
+
+import segno
+import viser
+
+from ..lesson.figures import tabs
+from ..tab.commands import Edit, OpenState, Placed, SaveState, ToggleTake
+from ..tab.picture import Picture
+from ..tab.state import LONGEST
+from ..tab.token import LONGEST_LINK, LONGEST_TOKEN
+from . import phrases, quirks
+
+HOME = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
+LONGEST_CODE = 700  # characters of a link whose code a telephone reads from the back of a hall
+BORDER = 4  # modules of white around a code, as its standard asks for
+
+
+class Take:
+    """The button that opens the dialog, the dialog, and the hidden widget by which the page says what was opened in it."""
+
+    def __init__(self, client: viser.ClientHandle, picture: Picture, post: Callable[[Edit], int], home: str) -> None:
+        self._client, self._post, self._home, self._lang = client, post, home, picture.state.language
+        self._modal: Any = None
+        gui, state = client.gui, picture.state
+        button = gui.add_button(phrases.TAKE(self._lang), color="gray")
+        said = gui.add_text("", "", visible=False)
+        names = tabs(picture.figures)
+        quirks.tell_places(client, said, [name(self._lang) for name in names],
+                           [heading for heading, _ in picture.lesson.words[self._lang].steps],
+                           next((name(self._lang) for name in names if name("en") == state.tab), None))
+
+        @button.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            post(ToggleTake())
+
+        @said.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            edit = _said(event.target.value)
+            if edit is not None:
+                post(edit)
+
+    def toggle(self, token: str) -> None:
+        """Open the dialog on a state, or close it."""
+        if self._modal is not None:
+            self._close()
+            return
+        gui, lang = self._client.gui, self._lang
+        self._modal = gui.add_modal(phrases.TAKE(lang))
+        with self._modal:
+            gui.add_html(self._link(token))
+            save = gui.add_button(phrases.SAVE(lang))
+            upload = gui.add_upload_button(phrases.OPEN(lang), color="gray", mime_type=".json,.txt", hint=phrases.OPEN_HINT(lang))
+            close = gui.add_button(phrases.CLOSE(lang), color="gray")
+
+        @save.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            self._post(SaveState())
+
+        @upload.on_upload
+        async def _(event: viser.GuiEvent) -> None:
+            self._close()
+            self._post(OpenState(event.target.value.content[:LONGEST + 1]))
+
+        @close.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            self._close()
+
+    def _close(self) -> None:
+        if self._modal is not None:
+            self._modal.close()
+            self._modal = None
+            self._client.flush()
+
+    def _link(self, token: str) -> str:
+        """The link in a field, a button that copies it, and its code; a sentence where it is too long."""
+        if len(token) > LONGEST_LINK:
+            return f'<p class="ol-note">{phrases.TOO_LONG(self._lang)}</p>'
+        link = html.escape(f"{self._home}#{token}", quote=True)
+        copy, done = (html.escape(words(self._lang), quote=True) for words in (phrases.COPY, phrases.COPIED))
+        field = (f'<div class="ol-take"><input class="ol-link" readonly aria-label="{copy}" value="{link}">'
+                 f'<button type="button" class="ol-copy" data-token="{token}" data-done="{done}">{copy}</button></div>')
+        shown = self._home and len(self._home) + 1 + len(token) <= LONGEST_CODE
+        return field + (code(f"{self._home}#{token}") if shown else "")
+
+
+def code(link: str) -> str:
+    """A link as a QR code, an SVG as wide as there is room."""
+    found = segno.make(link, error="l", micro=False, boost_error=False)
+    svg = found.svg_inline(border=BORDER, omitsize=True, light="white", svgclass="ol-code")
+    return f'<div class="ol-code-frame">{svg}</div>'
+
+
+def _said(words: object) -> Edit | None:
+    """What the page said: a token from its address bar, or what is open on it; None where it makes no sense."""
+    if not isinstance(words, str) or len(words) > LONGEST_TOKEN + 100:
+        return None
+    try:
+        data = json.loads(words)
+    except (ValueError, RecursionError):
+        return None
+    match data:
+        case {"open": token, "asked": asked}:
+            return OpenState(token, asked)
+        case {"tab": tab, "step": step}:
+            return Placed(tab, step)
+    return None

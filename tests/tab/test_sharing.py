@@ -1,0 +1,158 @@
+"""A link opens in a tab exactly what it says, whatever lies there; the address bar follows; a bad one is one sentence."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from fakes import BROKEN, FORBIDDEN, FakeView, Tab, toy
+
+from app.lesson.figures import tabs
+from app.tab.commands import OpenLesson, OpenState, Placed, Predict, Recalled, SaveState, SetLanguage, ToggleTake, Undo
+from app.tab.session import Session
+from app.tab.state import Saved, write_state
+from app.tab.token import TORN, read_token, write_token
+from app.text import text
+
+LESSONS = {name: toy(name) for name in ("first", "second")}
+
+
+def token(lesson: str = "second", language: str = "zh", **knobs: object) -> str:
+    design = LESSONS[lesson].apply(LESSONS[lesson].start(), {"gain": 3.5, **knobs})
+    return write_token(LESSONS[lesson], Saved(design, language, True, camera=(1.0, -9.0, 2.0, 0.0, 0.0, 1.0)))
+
+
+def fresh(answer: tuple[object, ...], **options: object) -> tuple[Session, FakeView]:
+    """A tab whose browser answers so before the lesson stands."""
+    view = FakeView()
+    session = Session(LESSONS, view, "first", **options)
+    session.restore(*answer)
+    session.open()
+    return session, view
+
+
+def test_a_link_opens_its_state_in_a_fresh_browser_and_the_prediction_stays_veiled() -> None:
+    session, view = fresh((None, token(), False))
+    picture = session.picture
+    assert picture is not None and picture.design["gain"] == 3.5 and picture.lesson.id == "second"
+    assert (picture.state.language, picture.state.lecture, picture.state.predicted) == ("zh", True, None)
+    assert picture.state.camera == (1.0, -9.0, 2.0, 0.0, 0.0, 1.0)
+    assert view.of("say") == []
+
+
+def test_the_address_bar_follows_what_is_done() -> None:
+    tab = Tab(LESSONS)
+    tab.set(gain=2.0)
+    assert [address for address in tab.view.addresses if read_token(address[0], LESSONS).design["gain"] == 2.0] == []
+    tab.rest()
+    written, lesson, asked = tab.view.addresses[-1]
+    assert read_token(written, LESSONS).design == tab.picture.design and (lesson, asked) == ("first", 0)
+    tab.do(SetLanguage("zh"))
+    tab.do(OpenLesson("second"))
+    written, lesson, _ = tab.view.addresses[-1]
+    assert lesson == "second" and read_token(written, LESSONS).language == "zh"
+
+
+def test_nothing_is_written_into_the_address_bar_before_what_stands_there_is_known() -> None:
+    view = FakeView(answers=False)
+    session = Session(LESSONS, view, "first")
+    session.open()
+    assert view.addresses == []
+    session.post(Recalled(None, token(), False))
+    session.step()
+    assert session.picture is not None and session.picture.design["gain"] == 3.5
+    assert read_token(view.addresses[-1][0], LESSONS).design == session.picture.design
+
+
+def test_a_link_opened_over_ones_own_work_is_one_step_of_undo_away_and_keeps_the_prediction() -> None:
+    tab = Tab(LESSONS)
+    tab.set(gain=6.0)
+    tab.do(Predict(1))
+    tab.do(OpenState(token("first"), 3))
+    assert tab["gain"] == 3.5 and tab.picture.state.predicted == 1
+    assert tab.view.addresses[-1][2] == 3 and tab.view.looks == (1.0, -9.0, 2.0, 0.0, 0.0, 1.0)
+    tab.do(Undo())
+    assert tab["gain"] == 6.0
+
+
+def test_a_reload_goes_on_where_the_tab_was_and_its_own_address_changes_nothing() -> None:
+    tab = Tab(LESSONS)
+    tab.do(Predict(1))
+    tab.set(gain=6.0)
+    tab.rest()
+    session, view = fresh((tab.view.kept, tab.view.addresses[-1][0], True))
+    picture = session.picture
+    assert picture is not None and picture.design["gain"] == 6.0 and picture.state.predicted == 1 and not picture.state.can_undo
+    assert view.of("say") == []
+
+
+def test_another_link_in_the_same_tab_is_opened_over_what_was_kept() -> None:
+    tab = Tab(LESSONS)
+    tab.set(gain=6.0)
+    tab.rest()
+    session, _ = fresh((tab.view.kept, token("first"), False))
+    assert session.picture is not None and session.picture.design["gain"] == 3.5 and session.picture.state.can_undo
+
+
+def test_a_browser_without_storage_is_restored_by_its_address() -> None:
+    session, _ = fresh((None, token(), True))
+    assert session.picture is not None and session.picture.design["gain"] == 3.5
+
+
+@pytest.mark.parametrize("words", ["1.AAAA", "x", "", "{}", b"\xff", b"{", 3, None, ["1.AAAA"], token(gain=FORBIDDEN), token(gain=BROKEN),
+                                   "[" * 5000 + "{"])
+def test_what_cannot_be_opened_is_one_sentence_and_changes_nothing(words: object) -> None:
+    tab = Tab(LESSONS)
+    tab.set(gain=6.0)
+    before = tab.picture.design
+    tab.do(OpenState(words))
+    assert len(tab.view.scolded()) == 1 and tab.picture.design == before and tab.picture.lesson.id == "first"
+
+
+def test_a_bad_link_in_a_fresh_browser_opens_the_page_and_says_one_sentence_on_it() -> None:
+    session, view = fresh((None, "1.AAAA", False))
+    assert session.picture is not None and session.picture.lesson.id == "first"
+    assert view.scolded() == [TORN] and [name for name, _ in view.calls].index("build") < [name for name, _ in view.calls].index("say")
+
+
+def test_a_server_opens_its_state_for_those_who_bring_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    for kept, wanted in (((None, "", False), 3.5), ((None, token(gain=4.0), False), 4.0)):
+        view = FakeView(answers=False)
+        session = Session(LESSONS, view, "first", state=token())
+        session.post(Recalled(*kept))
+        monkeypatch.setattr("app.tab.session.start_worker", lambda mailbox, begin, step, stop: begin())
+        session.start()
+        assert session.picture is not None and session.picture.design["gain"] == wanted
+
+
+def test_the_state_is_handed_over_as_a_file_that_opens_again() -> None:
+    tab = Tab(LESSONS)
+    tab.set(gain=6.0)
+    tab.do(SaveState())
+    name, content = tab.view.of("file")[-1]
+    assert name == "first.json" and json.loads(content)["knobs"] == {"gain": "6"}
+    tab.set(gain=1.0)
+    tab.do(OpenState(content))
+    assert tab["gain"] == 6.0
+    tab.do(OpenState(write_state(LESSONS["second"], Saved(LESSONS["second"].start()))))
+    assert tab.picture.lesson.id == "second"
+
+
+def test_the_dialog_offers_the_present_state() -> None:
+    tab = Tab(LESSONS)
+    tab.set(gain=6.0)
+    tab.do(ToggleTake())
+    assert read_token(tab.view.of("offer")[-1], LESSONS).design == tab.picture.design
+
+
+@pytest.mark.parametrize("tab_number, step, kept", [
+    (1, 0, ("Error", 0)), (0, -1, (None, None)), (99, 99, (None, None)), ("1", None, (None, None)), (-1, -1, (None, None))])
+def test_the_opened_tab_and_step_travel(tab_number: object, step: object, kept: tuple[object, object]) -> None:
+    def figures(outcome):
+        (figure,) = toy().figures(outcome)
+        return figure, type(figure)("e", figure.title, figure.x, figure.curves, tab=text("Error"))
+    tab = Tab({"first": toy("first", figures=figures)})
+    assert [name("en") for name in tabs(tab.picture.figures)] == ["Time", "Error"]
+    tab.do(Placed(tab_number, step))
+    saved = read_token(tab.view.addresses[-1][0], tab.lessons)
+    assert (saved.tab, saved.step) == kept
