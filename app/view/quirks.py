@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import secrets
 import socket
@@ -21,6 +20,7 @@ from ..text import languages
 from . import page, phrases
 from .gate import Gate, Refusal
 from .handshake import Page, guarded
+from .kept import kept
 
 NAME = "Observer Lab"
 OPENING = threading.Lock()  # two servers opened at once would take each other's socket
@@ -284,20 +284,8 @@ def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None, s
     def heard(client_id: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
         if message.request_uuid == request:
             connection.unregister_handler(_messages.LocalStorageGetItemResponseMessage, heard)
-            answer(*_kept(message.value))
+            answer(*kept(message.value))
 
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
     _run(client, "recall", key=STORAGE, request=request)
     client.flush()
-
-
-def _kept(value: object) -> tuple[str | None, str, bool, str]:
-    """What a browser answered, whatever it is."""
-    try:
-        said = json.loads(value) if isinstance(value, str) else None
-    except (ValueError, RecursionError):
-        said = None
-    match said:
-        case [str() | None as kept, str(token), bool(known), str(home)]:
-            return kept, token, known, home
-    return None, "", False, ""
