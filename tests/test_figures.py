@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from laws import each
+from laws import each, holds_for_all
 
 from app.lesson.figures import (
     FLOOR,
+    SPECTRUM,
     Curve,
     LineFigure,
     MapFigure,
@@ -20,16 +22,22 @@ from app.lesson.figures import (
     Point,
     TableFigure,
     axis_range,
+    below,
     calm_range,
     columns,
     finite,
     legal_range,
     nice,
     over_frequency,
+    same_axis,
+    same_key,
     tabs,
     thin,
 )
+from app.lesson.lesson import Lesson
 from app.text import same, text
+from app.view.charts import what_is_shared
+from lessons import LESSONS
 
 quick = settings(max_examples=200, deadline=None, derandomize=True, database=None)
 sane = st.floats(-1e9, 1e9)
@@ -195,3 +203,31 @@ def test_tabs_come_in_the_order_in_which_figures_name_them() -> None:
     one, two = text("one"), text("two")
     figures = [TableFigure(str(i), same("t"), (), (), tab=tab) for i, tab in enumerate((two, one, two))]
     assert tabs(figures) == [two, one]
+
+
+# --- figures that stand under each other -------------------------------------------------------------------------------
+def lines(id: str, end: float = 1.0, names: tuple[str, ...] = ("a", "b"), said: str = "so") -> LineFigure:
+    t = np.linspace(0.0, end, 5)
+    return LineFigure(id, same(id), t, tuple(Curve(same(name), t) for name in names), caption=same(said))
+
+
+def test_stacked_signals_share_their_axis_their_key_and_their_caption() -> None:
+    first, second, third = lines("x"), lines("v"), lines("e", names=("a",))
+    assert [what_is_shared(first, second), what_is_shared(second, third), what_is_shared(third, first), what_is_shared(third, None)] == [
+        "-stacked-keyless", "-stacked", "-stacked-keyless", ""]
+    assert what_is_shared(first, lines("v", end=2.0)) == "-keyless", "another length of time is another axis"
+    assert below((first, second), first) is second and below((first, second), second) is None
+    assert below((first, replace(second, tab=SPECTRUM)), first) is None
+
+
+def test_whatever_a_figure_leaves_out_is_said_in_its_tab() -> None:
+    """The last figure of every tab has its axis, its key and its caption; those above lack only what one below has."""
+    def law(lesson: Lesson) -> None:
+        figures = lesson.figures(lesson.compute(lesson.start()))
+        for figure in figures:
+            told, under = {(c.name, c.role, c.dash) for c in getattr(figure, "curves", ())}, below(figures, figure)
+            while same_key(figure, under):
+                assert isinstance(under, LineFigure) and told <= {(c.name, c.role, c.dash) for c in under.curves}
+                figure, under = under, below(figures, under)
+            assert not same_key(figure, under) and not (under is None and same_axis(figure, under))
+    holds_for_all(LESSONS.values(), law, lambda lesson: lesson.id)

@@ -255,3 +255,22 @@ def tabs(figures: Sequence[Figure]) -> list[Text]:
         if figure.tab not in seen:
             seen.append(figure.tab)
     return seen
+
+
+def below(figures: Sequence[Figure], figure: Figure) -> Figure | None:
+    """The figure that stands under another one in its tab."""
+    own = [each for each in figures if each.tab == figure.tab]
+    after = [index for index, each in enumerate(own) if each.id == figure.id]
+    return own[after[0] + 1] if after and after[0] + 1 < len(own) else None
+
+
+def same_axis(figure: Figure, under: Figure | None) -> bool:
+    """Whether the axis of the figure under this one is its own too, and so need not be written twice."""
+    return (isinstance(figure, LineFigure) and isinstance(under, LineFigure) and figure.log_x == under.log_x
+            and float(figure.x[0]) == float(under.x[0]) and float(figure.x[-1]) == float(under.x[-1]))
+
+
+def same_key(figure: Figure, under: Figure | None) -> bool:
+    """Whether the key of the figure under this one explains its curves too."""
+    return isinstance(figure, LineFigure) and isinstance(under, LineFigure) and (
+        {(c.name, c.role, c.dash) for c in figure.curves} <= {(c.name, c.role, c.dash) for c in under.curves})

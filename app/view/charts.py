@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import viser
 
-from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, finite, thin
+from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, finite, same_axis, same_key, thin
 from ..text import raised, wording
 from .prose import with_minus
 from .sizes import Sizes
@@ -18,6 +18,8 @@ from .svg import draw
 from .ticks import ticks
 
 DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({"solid": None, "dash": (9, 5), "dot": (2, 4)})
+
+FRAME = 36.0  # px of a column of figures beside its charts
 
 
 def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, Any]:
@@ -78,14 +80,23 @@ def even(low: float, high: float, most: int) -> tuple[tuple[float, ...], tuple[s
     return tuple(at), tuple(f"{v / 10.0 ** power:.4g}{tail}".replace("-", "−") if v else "0" for v in at)
 
 
-class Chart:
-    """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change."""
+def what_is_shared(figure: Figure, under: Figure | None) -> str:
+    """The end of a class by which the page leaves out what the figure under this one says too."""
+    return ("-stacked" if same_axis(figure, under) else "") + ("-keyless" if same_key(figure, under) else "")
 
-    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, sizes: Sizes, horizon: float) -> None:
+
+class Chart:
+    """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change.
+
+    What the figure `under` it says as well, its axis, its key and its caption, is written there alone.
+    """
+
+    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, sizes: Sizes, horizon: float, under: Figure | None) -> None:
         self._language, self._figure = language, figure
+        self._shared = what_is_shared(figure, under)
         self._cursor = on_the_clock(figure, horizon)
         self._bold = 1.5 if sizes.state.lecture else 1.0
-        self._letter, self._height = sizes.chart_letter, sizes.chart
+        self._letter, self._aspect = sizes.chart_letter, (sizes.right - FRAME) / sizes.chart
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
@@ -94,16 +105,17 @@ class Chart:
             self._plot = gui.add_uplot(data_of(figure, self._range), self._all_series(figure), **self._frame(figure))
         else:
             self._html = gui.add_html(draw(figure, language))
-        self._caption = gui.add_html(self._words(figure))
+        self._caption = gui.add_html(self._words(figure, under))
 
-    def _words(self, figure: Figure) -> str:
-        return f'<p class="ol-caption" data-figure="{figure.id}">{with_minus(figure.caption(self._language))}</p>'
+    def _words(self, figure: Figure, under: Figure | None) -> str:
+        said = "" if under is not None and under.caption == figure.caption else with_minus(figure.caption(self._language))
+        return f'<p class="ol-caption" data-figure="{figure.id}">{said}</p>'
 
     def _all_series(self, figure: LineFigure) -> tuple[Any, ...]:
         mark = "ol-time" if self._cursor else "ol-still"
         x: dict[str, Any] = {"label": figure.x_label[0], "class": "ol-x"}
         told = [(c.name, c.role, c.dash) for c in figure.curves]
-        return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}", self._bold)
+        return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}{self._shared}", self._bold)
                      for k, c in enumerate(figure.curves)))
 
     def _frame(self, figure: LineFigure) -> dict[str, Any]:
@@ -128,33 +140,34 @@ class Chart:
                                       "size": size + 16}
         horizontal["splits"], horizontal["values"] = decades(*ends) if figure.log_x else even(*ends, 6)
         return {
-            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "height": self._height,
+            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "aspect": self._aspect,
             "axes": (horizontal, vertical),
             "legend": {"show": True, "live": False}, "cursor": {"drag": {"x": False, "y": False}},
             "padding": (10, 14, 0, 0),
         }
 
-    def show_curves(self, figure: Figure, resting: bool, horizon: float) -> None:
+    def show_curves(self, figure: Figure, resting: bool, horizon: float, under: Figure | None) -> None:
         """Draw present data over time or frequency; `show_words` draws the rest."""
         before, self._figure = self._figure, figure
         if isinstance(figure, LineFigure):
-            self._show_plot(figure, before, resting, on_the_clock(figure, horizon))
+            shared, self._shared = self._shared, what_is_shared(figure, under)
+            self._show_plot(figure, before, resting, on_the_clock(figure, horizon), shared != self._shared)
 
-    def show_words(self, figure: Figure) -> None:
+    def show_words(self, figure: Figure, under: Figure | None) -> None:
         """Write the caption, and draw what is not over time or frequency."""
         if self._html is not None:
             content = draw(figure, self._language)
             if content != self._html.content:
                 self._html.content = content
-        words = self._words(figure)
+        words = self._words(figure, under)
         if words != self._caption.content:
             self._caption.content = words
 
-    def _show_plot(self, figure: LineFigure, before: Figure, resting: bool, cursor: bool) -> None:
+    def _show_plot(self, figure: LineFigure, before: Figure, resting: bool, cursor: bool, anew: bool) -> None:
         assert self._plot is not None and isinstance(before, LineFigure)
         wanted = calm_range(figure, self._range, resting)
         turned, self._cursor = cursor != self._cursor, cursor
-        if turned or len(figure.curves) != len(before.curves) or any(
+        if turned or anew or len(figure.curves) != len(before.curves) or any(
                 (a.name, a.role, a.dash) != (b.name, b.role, b.dash) for a, b in zip(figure.curves, before.curves, strict=True)):
             self._plot.series = self._all_series(figure)
         if figure.title != before.title:

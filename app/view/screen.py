@@ -8,7 +8,7 @@ from typing import Any
 
 import viser
 
-from ..lesson.figures import MapFigure, tabs
+from ..lesson.figures import MapFigure, below, tabs
 from ..lesson.lesson import Board
 from ..tab.commands import Command, Edit, PickPoint, SeeWindow, SetKnobs, Watched
 from ..tab.picture import Picture
@@ -106,10 +106,10 @@ class Screen:
         before, self._picture = self._picture, picture
         anew = before is None or before.outcome is not picture.outcome
         stale = anew or (before is not None and picture.resting and not before.resting)
-        charts = [(self._charts[f.id], f) for f in picture.figures if f.id in self._charts] if stale else []
+        charts = [(self._charts[f.id], f, below(picture.figures, f)) for f in picture.figures if f.id in self._charts] if stale else []
         with self._client.atomic():
-            for chart, figure in charts:
-                chart.show_curves(figure, picture.resting, picture.horizon)
+            for chart, figure, under in charts:
+                chart.show_curves(figure, picture.resting, picture.horizon, under)
         self._client.flush()
         time.sleep(APART)
         with self._client.atomic():
@@ -127,8 +127,8 @@ class Screen:
             if self._transport is not None:
                 self._transport.show(picture)
             self._show_style(picture)
-            for chart, figure in charts:
-                chart.show_words(figure)
+            for chart, figure, under in charts:
+                chart.show_words(figure, under)
             if self._mark is not None:
                 self._mark.show(picture)
         self._client.flush()
@@ -230,7 +230,7 @@ class Screen:
                 for figure in picture.figures:
                     if figure.tab == tab:
                         self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state),
-                                                                      picture.horizon)
+                                                       picture.horizon, below(picture.figures, figure))
 
     def _watch(self) -> None:
         """Ask the page whether anybody sees it; then a run that has not begun is shown in motion."""

@@ -1,0 +1,122 @@
+"""A newcomer plays: load, choose, drag. How far the ghost has moved on the screen within the first drag, lesson by lesson.
+
+    python tests/e2e/newcomer.py [--lesson separation] [--size 1366x768]
+
+The drag is that of a pole on a board where the lesson has one that can be moved, else of its first knob. The ghost is
+watched in the browser itself: the corners of its parts, projected to the screen in every frame that is drawn.
+Exit status 1 where it has moved by less than 20 px in a lesson that has a ghost which ever leaves its plant.
+"""
+
+# ruff: noqa: E402 — the folders of the app and of the browser tests must be found first
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
+
+from conftest import chromium, serving  # type: ignore[import-not-found]
+from geometry import on_screen  # type: ignore[import-not-found]
+from playwright.sync_api import sync_playwright
+from tab import FLAGS, Tab  # type: ignore[import-not-found]
+
+from app.lesson.knobs import Number
+from app.lesson.lesson import Lesson
+from app.lesson.living import apart
+from app.view.knobs import slider_label
+from lessons import LESSONS
+
+WANTED = 20.0  # px
+NEVER = 1e-3  # stage units: a ghost that is never farther from its plant than this is not seen
+WATCH = """() => {
+  const page = window.__viserMutable, paths = {}, seen = page.scene.onAfterRender;
+  const look = () => {
+    const view = page.canvas.getBoundingClientRect();
+    for (const [name, held] of Object.entries(page.nodeRefFromName)) {
+      const node = held && 'current' in held ? held.current : held;
+      if (name.startsWith('/ghost/')) node?.traverse(part => {
+        if (!part.geometry) return;
+        if (!part.geometry.boundingBox) part.geometry.computeBoundingBox();
+        const {min, max} = part.geometry.boundingBox;
+        for (let corner = 0; corner < 8; corner += 1) {
+          const at = min.clone().set(corner & 1 ? min.x : max.x, corner & 2 ? min.y : max.y, corner & 4 ? min.z : max.z)
+            .applyMatrix4(part.matrixWorld).project(page.camera);
+          (paths[name + corner] ??= []).push([(at.x + 1) / 2 * view.width, (1 - at.y) / 2 * view.height]);
+        }
+      });
+    }
+  };
+  page.scene.onAfterRender = (...all) => { seen(...all); look(); };
+  look();
+  window.ghostMoved = () => Math.max(0, ...Object.values(paths).map(path => Math.max(...path.map(
+    ([x, y]) => Math.hypot(x - path[0][0], y - path[0][1])))));
+}"""
+
+
+def has_a_ghost(lesson: Lesson) -> bool:
+    """Whether the lesson opens with a ghost that leaves its plant."""
+    stage = lesson.compute(lesson.start()).stage
+    return stage is not None and stage.xhat is not None and bool(apart(stage)[1].max() > NEVER)
+
+
+def drag_something(tab: Tab, lesson: Lesson) -> str:
+    """One drag to and fro, of some seconds: of a pole, else of the first knob that is a slider; what it was."""
+    outcome, mouse = lesson.compute(lesson.start()), tab.page.mouse
+    board = next((b for b in outcome.boards if b.knob is not None and b.poles), None)
+    if board is not None:
+        what, (x, y) = f"a pole of {board.id}", on_screen(tab, f"/board/{board.id}/pole0")
+    else:
+        knob = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()))
+        thumb = tab.thumb(slider_label(knob, knob.default, "en"))
+        thumb.scroll_into_view_if_needed()
+        box = thumb.bounding_box()
+        assert box is not None
+        what, (x, y) = knob.name, (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    mouse.move(x, y)
+    mouse.down()
+    for i in range(1, 17):
+        mouse.move(x - 80 * math.sin(math.pi * i / 16), y - 30 * math.sin(math.pi * i / 16))
+        tab.page.wait_for_timeout(150)
+    mouse.up()
+    return what
+
+
+def play(tab: Tab, lesson: Lesson) -> tuple[str, float]:
+    """Choose the first sentence, see the evidence begin, drag: what was dragged, and how far the ghost moved meanwhile, in px."""
+    tab.choose_lesson(lesson.words["en"].title, lesson.words["en"].question)
+    tab.predict("A")
+    tab.answered(rests=True)
+    tab.drawn()
+    tab.page.evaluate(WATCH)
+    what = drag_something(tab, lesson)
+    return what, float(tab.page.evaluate("() => window.ghostMoved()"))
+
+
+def main() -> int:
+    """Play every lesson and print one table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--lesson", choices=list(LESSONS), action="append")
+    parser.add_argument("--size", default="1366x768")
+    options = parser.parse_args()
+    width, height = (int(v) for v in options.size.split("x"))
+    failed = 0
+    print("| lesson | dragged | the ghost moved [px] | |\n|---|---|---|---|")
+    with serving() as address, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
+        for name in options.lesson or LESSONS:
+            context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce")
+            what, moved = play(Tab(context.new_page(), address), LESSONS[name])
+            context.close()
+            fails = has_a_ghost(LESSONS[name]) and moved <= WANTED
+            failed += fails
+            print(f"| {name} | {what} | {moved:.0f} | {'too little' if fails else '' if has_a_ghost(LESSONS[name]) else 'no ghost'} |",
+                  flush=True)
+        browser.close()
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

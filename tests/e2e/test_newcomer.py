@@ -1,0 +1,30 @@
+"""The first drag moves the world: two lessons here, all of them by `python tests/e2e/newcomer.py`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from newcomer import WANTED, play
+from tab import Tab, eventually
+
+from lessons import LESSONS
+
+CLOCK = "() => Number(getComputedStyle(document.documentElement).getPropertyValue('--ol-t'))"
+
+
+@pytest.mark.parametrize("lesson", ["error-dynamics", "saturation"])
+def test_the_first_drag_moves_the_ghost(new_tab: Callable[..., Tab], lesson: str) -> None:
+    what, moved = play(new_tab(1366, 768), LESSONS[lesson])
+    assert moved > WANTED, f"{what} moved the ghost by {moved:.0f} px"
+
+
+def test_a_lesson_opens_in_motion_where_motion_is_welcome(new_tab: Callable[..., Tab]) -> None:
+    tab = new_tab(motion=True)
+    eventually(lambda: tab.page.evaluate(CLOCK), lambda share: share > 0, "the run in motion")
+    tab.answered(rests=True)
+
+
+def test_a_lesson_stands_still_where_calm_is_asked_for(tab: Tab) -> None:
+    assert tab.page.evaluate(CLOCK) == 0.0
+    assert tab.clock() == 0.0
