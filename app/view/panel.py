@@ -205,10 +205,11 @@ class Panel:
         """The options as sentences to press; afterwards the chosen one is marked and none can be pressed."""
         skip = phrases.SKIP(self._lang)
         said = [(letter, f"<b>{letter}</b> {render(words)}") for letter, words in zip(LETTERS, self._words.options, strict=False)]
+        said += [(skip, skip)] if predicted is None else []
         return "".join(
             f'<button type="button" class="ol-option{" ol-chosen" if i == predicted else ""}" data-value="{value}" '
             f'data-to="{quirks.id_of(self._letters)}"{"" if predicted is None else " disabled"}>{words}</button>'
-            for i, (value, words) in enumerate([*said, *([(skip, skip)] if predicted is None else [])]))
+            for i, (value, words) in enumerate(said))
 
     def _told(self, predicted: int, said: Text) -> str:
         """What was predicted and what the run says, with a sign and a colour where something was predicted."""

@@ -138,7 +138,8 @@ def run_of(here: Here, design: Design, o: FunctionalObserver, dA: np.ndarray, dC
     states = np.zeros((count, size + 2))
     states[0, :here.plant.n], states[0, size + 1] = model.x0, 1.0
     with np.errstate(over="ignore", invalid="ignore"):
-        step, done = expm(whole * model.dt), 1
+        step: np.ndarray = expm(whole * model.dt)
+        done = 1
         while done < count:  # twice as many samples each time
             more = min(done, count - done)
             states[done:done + more] = states[:more] @ step.T

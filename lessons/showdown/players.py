@@ -123,12 +123,15 @@ def gain_gap(v: float) -> tuple[np.ndarray, np.ndarray]:
     A (I + H G)⁻¹A, G + AᵀG(I + H G)⁻¹A and H + A (I + H G)⁻¹H Aᵀ: doubled up to the stride, then repeated.
     """
     kf, eye = sampled_design(v).filter, np.eye(8)
-    A, G, H = kf.A, kf.C.T @ np.linalg.solve(kf.R, kf.C), kf.Q
+    A: np.ndarray = kf.A
+    G: np.ndarray = kf.C.T @ np.linalg.solve(kf.R, kf.C)
+    H: np.ndarray = kf.Q
     for _ in range(round(np.log2(STRIDE))):
-        both = np.linalg.solve(eye + H @ G, np.hstack([A, H]))
+        both: np.ndarray = np.linalg.solve(eye + H @ G, np.hstack([A, H]))
         A, G, H = A @ both[:, :8], G + A.T @ G @ both[:, :8], H + A @ both[:, 8:] @ A.T
         H, G = symmetric(H), symmetric(G)
-    goal, P = kf.steady.filter_gain, first_belief(v).covariance
+    goal = kf.steady.filter_gain
+    P: np.ndarray = first_belief(v).covariance
     away = np.empty(STRIDES)
     for i in range(STRIDES):
         CP = kf.C @ P

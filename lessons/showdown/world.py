@@ -181,7 +181,8 @@ def _linear(loop: SampledLoop, w0: np.ndarray, gamma: np.ndarray, begun: int) ->
 def _powers(step: np.ndarray, start: np.ndarray, count: int) -> np.ndarray:
     """start, step start, step² start … (count, N), by doubling."""
     found = np.empty((count, len(start)))
-    found[0], done, power = start, 1, step.T
+    found[0], done = start, 1
+    power: np.ndarray = step.T
     while done < count:
         more = min(done, count - done)
         found[done:done + more] = found[:more] @ power

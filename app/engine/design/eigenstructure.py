@@ -78,14 +78,13 @@ def _cheapest_vector(A: np.ndarray, B: np.ndarray, pole: complex | float) -> tup
         return S @ turns[:, :1], image @ turns[:, :1]
     choices = [turns[:, i] for i in range(turns.shape[1])]
     choices += [turns[:, i] + 1j * turns[:, k] for i in range(turns.shape[1]) for k in range(i)]
-    best, basis, c = -1.0, None, choices[0]
+    best, basis, directions = -1.0, np.zeros((len(A), 0)), choices[0]
     for c in choices:
         x = S @ c
         pair = np.column_stack([x.real, x.imag]) / np.linalg.norm(x)
         spread = np.linalg.svd(pair, compute_uv=False)[-1]
-        if basis is None or spread > best:
-            best, basis, f = spread, pair, image @ c / np.linalg.norm(x)
+        if not basis.size or spread > best:
+            best, basis, directions = float(spread), pair, image @ c / np.linalg.norm(x)
         if best > 0.1:
             break
-    assert basis is not None
-    return basis, np.column_stack([f.real, f.imag])
+    return basis, np.column_stack([np.real(directions), np.imag(directions)])

@@ -182,11 +182,10 @@ def assemble(plant: Plant, K: np.ndarray, factors: CoprimeFactors, poles: Poles,
     N, M = _outputs(K, T, plant.C, free, start)
     back = np.linalg.inv(turn)
     T, L = turn @ T, turn @ L
-    matrices = (frozen(matrix) for matrix in (K, turn @ J @ back, T, L, N @ back, M))
     whole = [[s] if s.imag == 0 else [s, s.conjugate()] for s in heads]
     every = [row[None] if s.imag == 0 else np.array([row, row.conj()]) for s, row in zip(heads, g, strict=True)]
-    return FunctionalObserver(plant, *matrices, np.concatenate(whole), np.vstack(every), turn,
-                              criterion(T, L, M, wrong, norm=norm), wrong, norm)
+    return FunctionalObserver(plant, frozen(K), frozen(turn @ J @ back), frozen(T), frozen(L), frozen(N @ back), frozen(M),
+                              np.concatenate(whole), np.vstack(every), turn, criterion(T, L, M, wrong, norm=norm), wrong, norm)
 
 
 def real_rows(plant: Plant, factors: CoprimeFactors, heads: Poles, g: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -247,6 +247,7 @@ def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray,
     extra[:, :N] = push[k:last]
     extra[:, N:N + p] = extra[:, :N] @ (loop.Y.T / unit) + noise[1:]
     extra[:, N + p:] = extra[:, :N] @ loop.U[-1].T
+    j = -1
     with np.errstate(over="ignore", invalid="ignore"):
         for j in range(last - k):
             if rounds:
