@@ -2,7 +2,9 @@
 
 import ast
 import doctest
+import importlib
 import inspect
+import pkgutil
 from pathlib import Path
 
 import numpy as np
@@ -12,20 +14,24 @@ import app.engine as engine
 
 ROOT = Path(__file__).resolve().parents[2]
 NAMES = {"np": np, **{name: getattr(engine, name) for name in engine.__all__}}
+ROOMS = sorted(found.name for found in pkgutil.walk_packages(engine.__path__, "app.engine.") if not found.ispkg)
 
 
 def test_the_flat_names_are_about_sixty():
     assert 55 <= len(engine.__all__) <= 70
 
 
-@pytest.mark.parametrize("name", engine.__all__)
-def test_every_name_has_an_example_of_at_most_five_lines_that_runs(name):
-    (example,) = [t for t in doctest.DocTestFinder(recurse=False).find(NAMES[name], name, globs=dict(NAMES))]
-    typed = sum(item.source.count("\n") for item in example.examples)
-    assert 1 <= typed <= 5
-    said: list[str] = []
-    result = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(example, out=said.append)
-    assert result.attempted == len(example.examples) and not result.failed, "".join(said)
+def test_every_flat_name_has_an_example():
+    assert [name for name in engine.__all__ if ">>>" not in (inspect.getdoc(NAMES[name]) or "")] == []
+
+
+@pytest.mark.parametrize("name", [n for n in ROOMS if ">>>" in inspect.getsource(importlib.import_module(n))])
+def test_every_example_of_a_module_has_at_most_five_lines_and_runs(name):
+    module = importlib.import_module(name)
+    for example in doctest.DocTestFinder(exclude_empty=True).find(module, globs={**NAMES, **vars(module)}):
+        typed, said = sum(item.source.count("\n") for item in example.examples), list[str]()
+        result = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(example, out=said.append)
+        assert typed <= 5 and result.attempted == len(example.examples) and not result.failed, f"{example.name}: {typed}" + "".join(said)
 
 
 @pytest.mark.parametrize("name", [n for n in engine.__all__ if inspect.isfunction(NAMES[n])])

@@ -33,7 +33,11 @@ class Diophantine:
 
     @property
     def strictly_proper(self) -> bool:
-        """Whether deg F < deg E."""
+        """Whether deg F < deg E.
+
+        >>> diophantine([1, 0, 0], [1], [1, 4, 6, 4, 1]).strictly_proper
+        True
+        """
         return len(self.F) < len(self.E)
 
     @property

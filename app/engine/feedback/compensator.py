@@ -119,6 +119,9 @@ def to_tf(plant: Plant) -> TransferFunction:
 
     Leading coefficients that vanish by structure (the relative degree, read from the Markov parameters D, CB, CAB, …)
     are exact zeros. Polynomials of high degree are ill-conditioned: above some ten states trust the state space.
+
+    >>> to_tf(Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])).den
+    array([1., 3., 2.])
     """
     num = np.empty((plant.p, plant.m, plant.n + 1))
     den, own = np.ones(1), balance(plant.A, plant.B, plant.C, _through(plant))

@@ -61,6 +61,9 @@ def recover_at_output(plant: Plant, L: object, Q: object, R: object, q: float) -
     """Recovery at the plant's output, the dual: the regulator is told of Q + q² Cᵀ C, so P Kc → −C (sI − A)⁻¹ L.
 
     L (n×p) is a filter gain, usually of `lqe`; Q (n×n), R (m×m) weights. Raises ShapeError, EngineError, RiccatiError.
+
+    >>> recover_at_output(Plant([[-1]], [[1]], [[1]]), [[1]], [[1]], [[1]], 100.0).gap < 0.05
+    True
     """
     L = as_matrix(L, "L")
     _check(plant, q)

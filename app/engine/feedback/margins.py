@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from ..systems.plant import Plant
+from .refine import Response, highest, zeros_of
 from .sensitivity import Sensitivity, sensitivity
 
 __all__ = ["ChannelMargins", "DiskMargin", "LoopMargins", "MultiMargins", "loop_margins", "state_feedback_margins"]
 
 BALANCING = 12  # sweeps of Osborne's iteration
 UNEVEN = 1e60  # how unequal squared rows and columns may be before balancing stops
-REFINED = 3  # highest grid points around which a peak is looked for
-SPLIT = np.linspace(0.0, 1.0, 17)  # how an interval is divided at each round of a search
 ENDLESS = 1e6  # a gain factor that counts as infinite, its inverse as none; S is known to about 1e-9
-PEAK_ROUNDS, ROOT_ROUNDS = 7, 12
-Response = Callable[[np.ndarray], np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -123,12 +119,20 @@ class LoopMargins:
 
     @cached_property
     def all_inputs(self) -> MultiMargins:
-        """Of all plant inputs at once."""
+        """Of all plant inputs at once.
+
+        >>> bool(loop_margins(Plant([[0]], [[1]], [[1]]), [[-1]]).all_inputs.disk.alpha > 1.99)
+        True
+        """
         return _together(self.loop, slice(0, self.loop.inputs))
 
     @cached_property
     def all_outputs(self) -> MultiMargins:
-        """Of all plant outputs at once."""
+        """Of all plant outputs at once.
+
+        >>> bool(loop_margins(Plant([[0]], [[1]], [[1]]), [[-1]]).all_outputs.disk.alpha > 1.99)
+        True
+        """
         return _together(self.loop, slice(self.loop.inputs, len(self.names)))
 
     @cached_property
@@ -169,14 +173,14 @@ def _channel(loop: Sensitivity, i: int, name: str) -> ChannelMargins:
 
     low, high = _gain(omega, s, at)
     phase, delay = _phase(loop, s, at)
-    peak, frequency = _peak(omega, np.abs(s), lambda w: np.abs(at(w)))
-    disk = _disk(*_peak(omega, np.abs(s - 0.5), lambda w: np.abs(at(w) - 0.5)))
+    peak, frequency = highest(omega, np.abs(s), lambda w: np.abs(at(w)))
+    disk = _disk(*highest(omega, np.abs(s - 0.5), lambda w: np.abs(at(w) - 0.5)))
     return ChannelMargins(name, (low[0], high[0]), (low[1], high[1]), phase[0], phase[1], delay, disk, peak, frequency)
 
 
 def _gain(omega: np.ndarray, s: np.ndarray, at: Response) -> tuple[tuple[float, float], tuple[float, float]]:
     """(factor, frequency) of the largest destabilising gain below one and the least above: 1 + gℓ = 0, g = S/(S − 1)."""
-    crossings = _roots(omega, np.imag(s), lambda w: np.imag(at(w)))
+    crossings = zeros_of(omega, np.imag(s), lambda w: np.imag(at(w)))
     where = np.concatenate([omega[[0, -1]], crossings])
     value = np.real(np.concatenate([s[[0, -1]], at(crossings)]))
     with np.errstate(divide="ignore"):
@@ -192,7 +196,7 @@ def _gain(omega: np.ndarray, s: np.ndarray, at: Response) -> tuple[tuple[float, 
 
 def _phase(loop: Sensitivity, s: np.ndarray, at: Response) -> tuple[tuple[float, float], float]:
     """((phase margin, its frequency), delay margin) from the frequencies with |ℓ| = 1, where −ℓ = (S − 1)/S = e^{jφ}."""
-    crossings = _roots(loop.omega, np.real(s) - 0.5, lambda w: np.real(at(w)) - 0.5)
+    crossings = zeros_of(loop.omega, np.real(s) - 0.5, lambda w: np.real(at(w)) - 0.5)
     phase, delay = (float(np.pi), float("nan")), float("inf")
     if crossings.size:
         value = at(crossings)
@@ -209,7 +213,7 @@ def _structured_disk(loop: Sensitivity, part: slice) -> DiskMargin:
     if not loop.stable:
         return DiskMargin(0.0, float("nan"))
     S, half = loop.values[:, part, part], 0.5 * np.eye(part.stop - part.start)
-    return _disk(*_peak(loop.omega, _structured(S - half), lambda w: _structured(loop.at(w)[..., part, part] - half)))
+    return _disk(*highest(loop.omega, _structured(S - half), lambda w: _structured(loop.at(w)[..., part, part] - half)))
 
 
 # --- many channels -----------------------------------------------------------------------------------------------------
@@ -223,7 +227,7 @@ def _together(loop: Sensitivity, part: slice) -> MultiMargins:
 
     def peak(norm: Response, less: float) -> tuple[float, float]:
         """The largest norm of S − less · I, and where."""
-        return _peak(loop.omega, norm(S - less * identity), lambda w: norm(loop.at(w)[..., part, part] - less * identity))
+        return highest(loop.omega, norm(S - less * identity), lambda w: norm(loop.at(w)[..., part, part] - less * identity))
 
     top, frequency = peak(_largest, 0.0)
     return MultiMargins(_disk(*peak(_structured, 0.5)), _disk(*peak(_largest, 0.5)), top, frequency)
@@ -256,45 +260,3 @@ def _structured(matrices: np.ndarray) -> np.ndarray:
 
 def _disk(peak: float, frequency: float) -> DiskMargin:
     return DiskMargin(1 / peak if peak > 0 else float("inf"), frequency)
-
-
-# --- searches ----------------------------------------------------------------------------------------------------------
-def _peak(omega: np.ndarray, values: np.ndarray, at: Response) -> tuple[float, float]:
-    """The largest value and where, refined between the neighbours of the highest local maxima of the grid."""
-    best = int(np.argmax(values))
-    top, where = float(values[best]), float(omega[best])
-    inside = np.arange(1, len(omega) - 1)
-    summit = inside[(values[1:-1] >= values[:-2]) & (values[1:-1] >= values[2:]) & np.isfinite(omega[2:])]
-    summit = summit[np.argsort(values[summit])[::-1][:REFINED]]
-    if not summit.size:
-        return top, where
-    low, high = omega[summit - 1], omega[summit + 1]
-    for _ in range(PEAK_ROUNDS):
-        points = low[:, None] + (high - low)[:, None] * SPLIT
-        found = at(points)
-        row, column = np.unravel_index(int(np.argmax(found)), found.shape)
-        if found[row, column] > top:
-            top, where = float(found[row, column]), float(points[row, column])
-        k = np.clip(found.argmax(axis=1), 1, len(SPLIT) - 2)
-        rows = np.arange(len(k))
-        low, high = points[rows, k - 1], points[rows, k + 1]
-    return top, where
-
-
-def _roots(omega: np.ndarray, values: np.ndarray, function: Response) -> np.ndarray:
-    """Zeros of a function at grid points above 0 or between neighbours of opposite sign, ∞ left out."""
-    finite = np.isfinite(omega)
-    w, v = omega[finite], values[finite]
-    exact = w[(v == 0) & (w > 0)]
-    k = np.nonzero(v[:-1] * v[1:] < 0)[0]
-    if not k.size:
-        return exact
-    low, high, sign = w[k], w[k + 1], np.sign(v[k])
-    rows = np.arange(len(k))
-    for _ in range(ROOT_ROUNDS):
-        points = low[:, None] + (high - low)[:, None] * SPLIT[1:-1]
-        same = np.sign(function(points)) == sign[:, None]
-        before = np.logical_and.accumulate(same, axis=1).sum(axis=1)
-        grid = np.concatenate([low[:, None], points, high[:, None]], axis=1)
-        low, high = grid[rows, before], grid[rows, before + 1]
-    return np.concatenate([exact, (low + high) / 2])

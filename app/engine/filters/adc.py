@@ -84,7 +84,11 @@ class AdcNoise:
         return noise
 
     def quantise(self, y: object) -> np.ndarray:
-        """Readings rounded to whole steps."""
+        """Readings rounded to whole steps.
+
+        >>> AdcNoise(0.0, 0.0, 0.0, 1e-3, step=0.5).quantise([0.2, 0.3])
+        array([0. , 0.5])
+        """
         y = np.asarray(y, dtype=float)
         return self.step * np.round(y / self.step) if self.step > 0 else y
 

@@ -126,7 +126,11 @@ class KalmanFilter(LinearFilter):
         return S, M, joseph(spread, C, R, M[:, seen])
 
     def short_update(self, belief: Belief, y: object, u: object | None = None) -> Belief:
-        """`update` by the short form P − M C P, for comparison: it drifts and may lose positivity (Algorithm 1)."""
+        """`update` by the short form P − M C P, for comparison: it drifts and may lose positivity (Algorithm 1).
+
+        >>> KalmanFilter([[1]], [[0]], [[1]], 1.0, 1.0).short_update(Belief([0], [[1]]), [1.0]).covariance
+        array([[0.5]])
+        """
         step = self.correct(belief, y, u)
         return Belief(step.belief.mean, short_form(belief.covariance, self.C, step.gain))
 

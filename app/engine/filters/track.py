@@ -63,7 +63,12 @@ class Track:
 
     @property
     def prior_covariances(self) -> np.ndarray:
-        """P[k|k−1], (n_t, n, n)."""
+        """P[k|k−1], (n_t, n, n).
+
+        >>> from app.engine import Belief, KalmanFilter
+        >>> KalmanFilter([[1]], [[0]], [[1]], 1.0, 1.0).run(Belief([0], [[1]]), [1.0, 1.0]).prior_covariances.ravel()
+        array([1. , 1.5])
+        """
         return self.schedule.prior[self.schedule.index]
 
     @property

@@ -106,7 +106,11 @@ def intermittent_steps(A: object, C: object, Q: object, R: object, P0: object, h
 
 
 def intermittent_covariances(A: object, C: object, Q: object, R: object, P0: object, heard: object) -> np.ndarray:
-    """P[k|k−1] of each record, (…, N + 1, n, n); see `intermittent_steps`."""
+    """P[k|k−1] of each record, (…, N + 1, n, n); see `intermittent_steps`.
+
+    >>> intermittent_covariances([[1]], [[1]], [[1]], [[1]], [[1]], [0, 1]).ravel()
+    array([1.        , 2.        , 1.66666667])
+    """
     return np.stack(list(intermittent_steps(A, C, Q, R, P0, heard)), axis=-3)
 
 

@@ -71,6 +71,10 @@ def error_transfer(observer: FunctionalObserver, omega: Any, *, dA: Any = None, 
     """N (jωI − F)⁻¹ Δ₁ + Δ₂ with Δ₁ = L ΔC − T ΔA, Δ₂ = M ΔC: from x to the error of the estimate (n_ω, r, n).
 
     Unlike J it does not depend on the observer's coordinates and sees N. ω in rad/s.
+
+    >>> o = functional_observer(Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]]), [[1, 1]], 1, poles=[-5])
+    >>> bool(error_transfer(o, [1.0], dA=np.zeros((2, 2))).any())  # a model without error
+    False
     """
     D1, D2 = _defects(observer, dA, dC)
     s = _points(observer.plant, np.atleast_1d(np.asarray(omega, dtype=float)))

@@ -59,6 +59,9 @@ def alarm_probability(noncentrality: object, dof: float, false_alarm: float) -> 
     """With what probability the threshold is passed when a fault adds `noncentrality`: noncentral χ²(dof, λ).
 
     λ is what the statistic would be without noise. Raises EngineError.
+
+    >>> np.round(alarm_probability([0.0, 10.0, 100.0], 1, 0.01), 3)
+    array([0.01 , 0.721, 1.   ])
     """
     lam = np.asarray(noncentrality, dtype=float)
     if not np.all(lam >= 0):

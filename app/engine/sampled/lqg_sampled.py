@@ -54,7 +54,12 @@ class SampledLqg:
 
     @cached_property
     def late_controller(self) -> Plant:
-        """The compensator that answers one sample late, u[k] = −K x̂[k|k−1]: x̂⁺ = (A − BK − LC) x̂ + L y, L = A M."""
+        """The compensator that answers one sample late, u[k] = −K x̂[k|k−1]: x̂⁺ = (A − BK − LC) x̂ + L y, L = A M.
+
+        >>> late = sampled_lqg(Plant([[0]], [[1]], [[1]]), [[1]], [[1]], [[1]], [[1]], 0.1).late_controller
+        >>> bool(late.D.any())  # nothing of a reading reaches the input of its own sample
+        False
+        """
         return compensator(self.plant, self.K, self.filter.steady.predictor_gain)
 
     def controller_with(self, M: np.ndarray) -> Plant:

@@ -183,6 +183,12 @@ def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
 
     The transform of window ⋆ window times R(τ) = C F_cᵀ… P Cᵀ, leakage and finite resolution included; only the removal
     of the mean, which touches the lowest two bins, is left out. Raises EngineError for an unstable loop.
+
+    >>> from app.engine import compensator, sampled_loop
+    >>> from app.engine.sampled import sampled_controller
+    >>> loop = sampled_loop(P := Plant([[0]], [[1]], [[1]]), sampled_controller(compensator(P, [[1]], [[3]]), 0.1), [0])
+    >>> float(welch_expectation(loop, 64).frequency[-1])
+    5.0
     """
     if length < 2:
         raise EngineError("A segment must hold at least two samples.")

@@ -237,7 +237,7 @@ def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray,
     rounds, clips, now, product = loop.hardware.step > 0, bool(np.isfinite(limit)), np.empty(N + p + m), np.empty(N + p + m)
     now[:N] = w[k]
     state, read, asked = now[:N], now[N:N + p], now[N + p:]
-    noise = v[k:last + 1] / unit
+    noise, j = v[k:last + 1] / unit, -1
     i = min(k, loop.varying)
     read[:] = loop.Y @ state / unit + noise[0]
     asked[:] = loop.U[i] @ state
@@ -247,7 +247,6 @@ def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray,
     extra[:, :N] = push[k:last]
     extra[:, N:N + p] = extra[:, :N] @ (loop.Y.T / unit) + noise[1:]
     extra[:, N + p:] = extra[:, :N] @ loop.U[-1].T
-    j = -1
     with np.errstate(over="ignore", invalid="ignore"):
         for j in range(last - k):
             if rounds:

@@ -16,7 +16,11 @@ STEP = 1e-30  # of the complex step: its square is below every rounding
 
 
 def each_column(one: Map) -> Map:
-    """A map of columns, x (n, N) and u (m, 1), from a function of one state x (n,) and input u (m,)."""
+    """A map of columns, x (n, N) and u (m, 1), from a function of one state x (n,) and input u (m,).
+
+    >>> each_column(lambda x, u: [x[0] * x[1]])(np.array([[1, 2], [3, 4]]), np.zeros((1, 1)))
+    array([[3, 8]])
+    """
     def many(x: np.ndarray, u: np.ndarray) -> np.ndarray:
         return np.stack([np.asarray(one(column, u[:, 0])) for column in x.T], axis=1)
 

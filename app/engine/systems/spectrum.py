@@ -28,7 +28,11 @@ class Spectrum:
 
     @property
     def decibel(self) -> np.ndarray:
-        """10 log₁₀ of the density."""
+        """10 log₁₀ of the density.
+
+        >>> Spectrum(np.array([1.0, 2.0]), np.array([1.0, 100.0])).decibel
+        array([ 0., 20.])
+        """
         return 10 * np.log10(np.maximum(self.density, np.finfo(float).tiny))
 
     def variance(self) -> np.ndarray:
