@@ -1,21 +1,14 @@
 """The command line: the contract of its output and exit status, and one sentence for every kind of bad input."""
 
 import json
-import os
 import re
-import signal
-import socket
-import subprocess
-import sys
-import urllib.request
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from types import MappingProxyType
 
 import numpy as np
 import pytest
+from commands import refused
 
 from app.cli import inputs
 from app.cli import serve as serving
@@ -26,7 +19,6 @@ from app.lesson.lesson import Check, Job, Lesson
 from app.published import records
 from app.tab.state import Saved, write_state
 from app.text import same
-from app.view.address import url
 from lessons import LESSONS
 
 SEPARATION = LESSONS["separation"]
@@ -38,16 +30,6 @@ def run_json(capsys, *words: str) -> tuple[int, dict]:
     out, err = capsys.readouterr()
     assert err == ""
     return status, json.loads(out)
-
-
-def refused(capsys, *words: str) -> str:
-    """The one sentence on stderr of a command that must end with status 2 and print nothing else."""
-    assert main(list(words)) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    lines = err.splitlines()
-    assert len(lines) == 1 and lines[0].startswith("observer-lab: ") and lines[0].endswith(".")
-    return lines[0]
 
 
 def use(monkeypatch, lesson: Lesson) -> None:
@@ -280,128 +262,6 @@ def test_without_a_command_serve_is_meant(monkeypatch) -> None:
                  "--allow-host", "lab.example", "--allow-host", "::1"]) == 0
     assert asked == [ServeRequest(), ServeRequest(port=8123, language="zh"),
                      ServeRequest("0.0.0.0", 8080, "separation", "en", 7, None, ("lab.example", "::1"), True)]
-
-
-QUIET = """
-import os, sys
-import app.cli
-assert "numpy" not in sys.modules, "numpy came before its threads were settled"
-assert app.cli.main(["list"]) == 0 and app.cli.main(["run", "separation", "--json"]) in (0, 1)
-assert app.cli.main(["verify"]) == 0
-assert os.environ["OMP_NUM_THREADS"] == os.environ["OPENBLAS_NUM_THREADS"] == "1"
-heavy = {"viser", "matplotlib", "control"} & set(sys.modules)
-assert not heavy, heavy
-assert app.cli.main(["run", "separation", "--figure", sys.argv[1]]) in (0, 1)
-assert "matplotlib.pyplot" not in sys.modules
-"""
-
-
-def plain_environment() -> dict[str, str]:
-    return {key: value for key, value in os.environ.items() if not key.endswith("_NUM_THREADS")}
-
-
-@pytest.mark.slow
-def test_commands_without_a_browser_load_neither_viser_nor_matplotlib_and_one_thread(tmp_path: Path) -> None:
-    done = subprocess.run([sys.executable, "-c", QUIET, str(tmp_path / "page.png")], cwd=ROOT, env=plain_environment(),
-                          capture_output=True, text=True, timeout=120, check=False)
-    assert done.returncode == 0, done.stderr
-
-
-@pytest.mark.slow
-def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = taken.getsockname()[1]
-        server = subprocess.Popen([sys.executable, "-m", "app.cli", "--port", str(port)], cwd=ROOT,
-                                  env=plain_environment(), stdout=subprocess.PIPE, text=True)
-        try:
-            assert server.stdout is not None
-            url = next(line.strip() for line in server.stdout if line.startswith("http://"))
-            assert url != f"http://127.0.0.1:{port}"
-            with urllib.request.urlopen(url, timeout=20) as page:
-                assert page.status == 200 and b"<html" in page.read().lower()
-        finally:
-            server.send_signal(signal.SIGINT)
-            assert server.wait(30) == 0
-
-
-@contextmanager
-def started(*words: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """`serve` in a process of its own and the address that it prints; ended by SIGTERM, and well."""
-    server = subprocess.Popen([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment(),
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        assert server.stdout is not None
-        yield server, server.stdout.readline().strip()
-    finally:
-        server.send_signal(signal.SIGTERM)
-        assert server.wait(30) == 0
-
-
-def test_the_last_port_when_taken_is_refused_and_does_not_hang(capsys) -> None:
-    with socket.socket() as taken:
-        try:
-            taken.bind(("127.0.0.1", 65535))
-            taken.listen()
-        except OSError:
-            pass  # somebody else has it: as good
-        assert "in use" in refused(capsys, "serve", "--port", "65535")
-
-
-@pytest.mark.slow
-def test_an_address_that_others_reach_says_what_that_means() -> None:
-    with started("--host", "0.0.0.0", "--public", "--port", "0") as (server, url):
-        assert re.fullmatch(r"http://localhost:\d+", url)
-        assert server.stderr is not None
-        told = server.stderr.readline() + server.stderr.readline()
-        assert "0.0.0.0 can be reached by other machines" in told and "without a password" in told
-        with urllib.request.urlopen(url.replace("localhost", "127.0.0.1"), timeout=20) as page:
-            assert page.status == 200
-
-
-@pytest.mark.slow
-def test_status_tells_of_a_running_server_and_is_status_1_where_there_is_none(capsys) -> None:
-    with started("--port", "0", "--max-sessions", "7") as (_, url):
-        assert main(["status", url]) == 0
-        assert re.fullmatch(r"Observer Lab \S+: 0 of 7 tabs open, up \d+ s\n", capsys.readouterr().out)
-        assert main(["status", url + "/", "--json"]) == 0
-        health = json.loads(capsys.readouterr().out)
-        assert health["status"] == "ok" and health["tabs"] == 0 and health["most_tabs"] == 7
-    assert main(["status", url]) == 1
-    out, err = capsys.readouterr()
-    assert out == "" and len(err.splitlines()) == 1
-    assert err.startswith(f"observer-lab: no Observer Lab answers at {url} (")
-
-
-@pytest.mark.slow
-def test_the_log_is_lines_of_json_on_stderr_and_in_the_data_folder(tmp_path: Path) -> None:
-    kept = tmp_path / "kept"
-    with started("--port", "0", "--log-json", "--data-dir", str(kept)) as (server, url):
-        pass
-    assert server.stderr is not None
-    told, written = server.stderr.read(), (kept / "observer-lab.log").read_text(encoding="utf-8")
-    assert told == written
-    records = [json.loads(line) for line in written.splitlines()]
-    assert [record["what"] for record in records] == [f"serving {url}", "stopped"]
-    assert all(set(record) == {"time", "level", "where", "what"} and record["level"] == "info" for record in records)
-
-
-def test_an_ipv6_address_is_printed_in_brackets() -> None:
-    assert url("::1", 8080) == "http://[::1]:8080" and url("127.0.0.1", 1) == "http://127.0.0.1:1"
-
-
-def test_ctrl_c_while_starting_prints_no_traceback() -> None:
-    server = subprocess.Popen([sys.executable, "-X", "importtime", "-m", "app.cli", "--port", "0"], cwd=ROOT,
-                              env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert server.stderr is not None
-    for line in server.stderr:
-        if line.endswith(" numpy\n"):  # from here on the command has begun, and seconds of loading lie ahead
-            break
-    server.send_signal(signal.SIGINT)
-    rest = server.stderr.read()
-    assert server.wait(30) in (0, 128 + signal.SIGINT)
-    assert "Traceback" not in rest
 
 
 def test_a_link_holds_what_was_set_and_run_takes_it_back(capsys, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from string import Template
 
 from . import page
 
@@ -17,6 +18,5 @@ def clock(t: float, horizon: float, speed: float, caption: str) -> str:
     """The cursor in all time plots and the clock beside the transport, in one element."""
     share = t / horizon if horizon > 0 else 0.0
     digits = 2 if horizon >= 2 or horizon <= 0 else 2 - math.floor(math.log10(horizon))
-    return (f"<style>:root{{--ol-t:{share:.4f}}}</style>"
-            f'<div class="ol-note">t = {t:.{digits}f} s '
-            f'<span class="ol-dim">/ {horizon:g} s · {speed:g}× &emsp;{caption}</span></div>')
+    return Template(page.source("clock.html")).substitute(
+        share=f"{share:.4f}", now=f"{t:.{digits}f}", horizon=f"{horizon:g}", speed=f"{speed:g}", caption=caption)

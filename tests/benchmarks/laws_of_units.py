@@ -14,7 +14,8 @@ import numpy as np
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[2]), str(Path(__file__).resolve().parents[1] / "engine")]
 
-from unit_laws import LAWS, breach, random_case, random_units  # noqa: E402
+from unit_cases import random_case, random_units  # noqa: E402
+from unit_laws import LAWS, breach  # noqa: E402
 
 
 def main(plants: int = 500, seed: int = 1) -> None:

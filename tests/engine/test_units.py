@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from unit_laws import LAWS, breach, random_case, random_units
+from unit_cases import random_case, random_units
+from unit_laws import LAWS, breach
 
 from app.engine import Plant, controllability, kalman_decomposition, lqe, lqr, observability, place
 from app.engine.systems import balance, transmission_zeros
