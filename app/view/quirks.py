@@ -234,6 +234,11 @@ def ask_whether_seen(client: viser.ClientHandle, widget: Any) -> None:
     _run(client, "watched", widget=id_of(widget))
 
 
+def one_part_at_a_time(client: viser.ClientHandle) -> None:
+    """Let a phone show one part of the lesson at a time."""
+    _run(client, "parts")
+
+
 def tell_the_window(client: viser.ClientHandle, widget: viser.GuiVector3Handle) -> None:
     """Have a widget told how large the window is and whether its owner likes the dark, now and at every change."""
     _run(client, "window", widget=id_of(widget))

@@ -85,6 +85,7 @@ class Screen:
                 quirks.folders_by_key(self._client)
                 quirks.one_meaning_per_key(self._client)
                 quirks.sentences_to_press(self._client)
+                quirks.one_part_at_a_time(self._client)
                 quirks.stay_above_the_floor(self._client)
                 quirks.pulse_once(self._client, GRIPS, FAINT)
                 self._stage.look(picture.state.camera)
@@ -223,6 +224,7 @@ class Screen:
             return
         language = picture.state.language
         panel = self._client.gui.add_panel()
+        panel.expand()
         panel.dock_right()
         panel.set_width(Sizes(picture.state).right)
         for tab in tabs(picture.figures):

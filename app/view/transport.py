@@ -26,6 +26,15 @@ def step_of(horizon: float) -> float:
     return max(s * decade for s in (1, 2, 5) if s * decade <= finest * (1 + 1e-9))
 
 
+def _parts(picture: Picture) -> str:
+    """The names of the parts of the lesson, for a phone, which shows one at a time."""
+    lang, named = picture.state.language, [("predict", phrases.PREDICTION), ("knobs", phrases.KNOBS)]
+    named += [("curves", phrases.CURVES)] if picture.figures else []
+    named += [("why", phrases.STEPS), ("tasks", phrases.TASKS)]
+    buttons = "".join(f'<button type="button" data-part="{part}">{words(lang)}</button>' for part, words in named)
+    return f'<nav class="ol-parts">{buttons}</nav>'
+
+
 class Transport:
     """Play, kick, start, undo, redo, reset; the time slider and the speed."""
 
@@ -43,10 +52,12 @@ class Transport:
                 phrases.FASTER(lang): ChangeSpeed(+1), phrases.UNDO(lang): Undo(), phrases.REDO(lang): Redo(),
                 phrases.RESET(lang): Reset(), phrases.VIEW(lang): LookFrom("all"),
                 phrases.HELP(lang): ToggleHelp()}
+            gui.add_html(_parts(picture))
             self._row = gui.add_button_group("", self._options(picture))
             self._time = gui.add_slider(phrases.TIME(lang), 0.0, self._horizon, step_of(self._horizon), 0.0)
             self._back = ReadBack(self._time, lambda t: post(Seek(t)))
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
+        panel.expand()  # a phone folds it otherwise
         panel.float(x=BAR, y=-BAR, width=width)
         self._listen(commands, post)
 
