@@ -10,7 +10,7 @@ import viser
 
 from ..lesson.figures import MapFigure, below, tabs
 from ..lesson.lesson import Board
-from ..tab.commands import Command, Edit, PickPoint, SeeWindow, SetKnobs, Watched
+from ..tab.commands import Command, Edit, PickPoint, SetKnobs, Watched
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
 from ..tab.token import LONGEST_LINK
@@ -23,7 +23,7 @@ from .help import Help
 from .mapboard import MapBoard
 from .mark import Mark
 from .panel import Panel
-from .sizes import Sizes
+from .sizes import Sizes, listen_to_the_window
 from .stage import StageView, letters
 from .style import sheet
 from .take import HOME, Take
@@ -93,7 +93,7 @@ class Screen:
                 self._fit_grips()
                 self._looked = True
             self._watch()
-            self._listen_to_the_window()
+            listen_to_the_window(self._client, self._post)
             title = picture.lesson.words[language].title
             quirks.name_page(self._client, f"{title} · {quirks.NAME}", language)
             quirks.say_in(self._client, language)
@@ -242,15 +242,6 @@ class Screen:
         async def _(event: viser.GuiEvent) -> None:
             self._post(Watched(event.target.value))
         quirks.ask_whether_seen(self._client, seen)
-
-    def _listen_to_the_window(self) -> None:
-        """Hear how large the window is, and whether it is to be dark."""
-        told = self._client.gui.add_vector3("", (0.0, 0.0, 0.0), visible=False)
-
-        @told.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            self._post(SeeWindow(*event.target.value))
-        quirks.tell_the_window(self._client, told)
 
     def _commands(self, language: str) -> None:
         for shortcut in SHORTCUTS:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import viser
+
+from ..tab.commands import Edit, SeeWindow
 from ..tab.picture import State
+from . import quirks
 
 LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of the run
 LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
@@ -48,3 +53,13 @@ class Sizes:
     def chart(self) -> int:
         """px of a chart's height: one figure is what a hall looks at."""
         return round(0.42 * self.state.window[1]) if self.state.lecture else 180
+
+
+def listen_to_the_window(client: viser.ClientHandle, post: Callable[[Edit], int]) -> None:
+    """Hear how large a browser's window is, and whether its owner likes the dark."""
+    told = client.gui.add_vector3("", (0.0, 0.0, 0.0), visible=False)
+
+    @told.on_update
+    async def _(event: viser.GuiEvent) -> None:
+        post(SeeWindow(*event.target.value))
+    quirks.tell_the_window(client, told)

@@ -1,0 +1,95 @@
+"""What an eye would measure on the page: the first knob in view, the smallest words, what is cut, what lies on what."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from tab import Tab
+
+PHONE = 576  # px of width below which viser lays a sheet over the stage
+PARTS = ("predict", "knobs", "curves", "why", "tasks")
+MEASURE = """() => {
+  const seen = e => e.checkVisibility({opacityProperty: true, visibilityProperty: true}) && e.getClientRects().length > 0;
+  const scale = e => { const box = e.ownerSVGElement ?? e; const m = box.getScreenCTM?.(); return m ? Math.hypot(m.a, m.b) : 1; };
+  const inside = (a, b, by) => a.left >= b.left - by && a.right <= b.right + by;
+  const out = {words: 1e9, smallest: '', cut: [], over: []};
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node; (node = walk.nextNode());) {
+    const e = node.parentElement, words = node.textContent.trim();
+    if (!words || e.closest('style, script, .ol-cover, math, sub, sup') || !seen(e)) continue;
+    const svg = e instanceof SVGElement, size = parseFloat(getComputedStyle(e).fontSize) * (svg ? scale(e) : 1);
+    if (size < out.words) { out.words = size; out.smallest = words.slice(0, 40); }
+    const range = document.createRange();
+    range.selectNodeContents(node);
+    const box = range.getBoundingClientRect(), view = e.closest('svg, [data-scrollarea-viewport]')?.getBoundingClientRect();
+    if (view && !inside(box, view, 1)) out.cut.push(words.slice(0, 40));
+  }
+  for (const e of document.querySelectorAll('.ol-question, .ol-note, .ol-caption, .mantine-Button-label, .ol-option'))
+    if (seen(e) && e.clientWidth && e.scrollWidth > e.clientWidth + 1) out.cut.push(e.textContent.slice(0, 40));
+  for (const svg of document.querySelectorAll('.ol-figure svg')) {
+    if (!seen(svg)) continue;
+    const names = [...svg.querySelectorAll('text')].map(t => [t.textContent, t.getBoundingClientRect()]).filter(([w]) => w.trim());
+    names.forEach(([a, p], i) => names.slice(i + 1).forEach(([b, q]) => {
+      const [x, y] = [Math.min(p.right, q.right) - Math.max(p.left, q.left), Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top)];
+      if (x > 2 && y > 0.3 * Math.min(p.height, q.height)) out.over.push(`${a} on ${b}`.slice(0, 60));
+    }));
+  }
+  for (const chart of Object.values(window.__viserTestpoints?.uplots ?? {}))
+    if (chart.chart.root.isConnected && seen(chart.chart.root)) for (const axis of chart.chart.axes) {
+      const size = parseFloat(String(axis.font?.[0] ?? '').match(/([\\d.]+)px/)?.[1]) / devicePixelRatio;
+      if (size < out.words) { out.words = size; out.smallest = 'numbers of a chart'; }
+    }
+  const column = document.querySelector('[data-dock-region=right]')?.getBoundingClientRect();
+  const last = Math.max(0, ...[...document.querySelectorAll('.ol-caption')].filter(seen).map(e => e.getBoundingClientRect().bottom));
+  out.empty = column ? Math.max(0, 1 - last / column.height) : 0;
+  out.words = Math.round(10 * out.words) / 10;
+  return out;
+}"""
+KNOB = """() => {
+  const folder = document.querySelector('div:has(>.ol-part-knobs) + .mantine-Paper-root');
+  const row = [...folder?.querySelectorAll('input, [role=slider]') ?? []].find(e => e.checkVisibility() && e.type !== 'hidden');
+  if (!row) return 'no knob';
+  const box = row.getBoundingClientRect(), x = box.x + box.width / 2, y = box.y + box.height / 2;
+  if (x < 0 || y < 0 || x > innerWidth || y > innerHeight) return `at ${Math.round(x)}, ${Math.round(y)}`;
+  const top = document.elementFromPoint(x, y);
+  return folder.contains(top) ? '' : `under ${top?.className}`;
+}"""
+REACH = """() => {
+  const view = document.querySelector('.ol-parts').closest('[data-scrollarea-viewport]');
+  return view.scrollHeight / innerHeight;
+}"""
+
+
+class Sight(NamedTuple):
+    """What was measured: words in px and as a share of the window's height, one over it; `knob` is empty where one is in view."""
+
+    knob: str
+    words: float
+    one_over: float
+    smallest: str
+    cut: tuple[str, ...]
+    over: tuple[str, ...]
+    empty: float
+    screens: float
+
+
+def look(tab: Tab) -> Sight:
+    """Measure the page as it stands; on a phone part by part."""
+    size = tab.page.viewport_size
+    assert size is not None
+    parts: tuple[str, ...] = PARTS if size["width"] < PHONE else ("",)
+    found: list[dict[str, Any]] = []
+    knob, screens = "", 0.0
+    for part in parts:
+        if part:
+            tab.page.locator(f".ol-parts [data-part={part}]").click()
+            tab.answered()
+            if part != "curves":  # charts are looked at one after the other
+                screens = max(screens, tab.page.evaluate(REACH))
+        if part in ("", "knobs"):
+            knob = tab.page.evaluate(KNOB)
+        found.append(tab.page.evaluate(MEASURE))
+    least = min(found, key=lambda it: it["words"])
+    return Sight(knob, least["words"], round(size["height"] / least["words"], 1), least["smallest"],
+                 tuple(w for it in found for w in it["cut"]), tuple(w for it in found for w in it["over"]),
+                 round(max(it["empty"] for it in found), 2), round(screens, 2))
