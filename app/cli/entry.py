@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Protocol
 
-from . import link, run, serve, status, verify
+from . import export, link, run, serve, status, verify
 from . import list as list_
 from .options import CommandError, Parser
 
@@ -38,7 +38,8 @@ class Command(Protocol):
 
 
 DEFAULT = "serve"
-COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "run": run, "link": link, "verify": verify,
+COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "run": run, "link": link, "export": export,
+                                                    "verify": verify,
                                                     "status": status})
 
 

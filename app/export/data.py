@@ -23,7 +23,7 @@ from ..lesson.figures import (
 from ..lesson.lesson import Design, Outcome
 from ..text import languages, wording
 
-__all__ = ["HEADER", "csv_rows", "plain", "run_record", "save_csv"]
+__all__ = ["HEADER", "csv_rows", "json_text", "plain", "run_record", "save_csv"]
 
 HEADER = ("figure", "kind", "series", "x", "y", "value")
 Row = tuple[str, str, str, float, float | str, float | str]
@@ -125,6 +125,11 @@ def run_record(design: Design, outcome: Outcome) -> dict[str, Any]:
         "series": _series(outcome),
         **({"plant": json.loads(design.plant)} if design.plant else {}),
     }
+
+
+def json_text(design: Design, outcome: Outcome, token: str) -> str:
+    """`run_record` as one line of strict JSON, with the token from which it can be made again."""
+    return json.dumps({"token": token, **run_record(design, outcome)}, ensure_ascii=False, allow_nan=False)
 
 
 def _series(outcome: Outcome) -> dict[str, Any]:

@@ -1,0 +1,58 @@
+"""`export`: a design as code that proves itself, as data, or as figures."""
+
+from __future__ import annotations
+
+import argparse
+
+from .options import PLANT_HELP, STATE_HELP, CommandError
+
+HELP = "a design as a script that proves itself, as data or as figures"
+SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("json", ".json"), ("csv", ".csv"), ("pdf", ".pdf"), ("svg", ".svg"),
+            ("png", ".png"))
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `export`."""
+    parser.add_argument("lesson", metavar="LESSON")
+    parser.add_argument("--to", required=True, choices=[kind for kind, _ in SUFFIXES], help="what to make of it")
+    parser.add_argument("-o", "--output", metavar="FILE", help="where to (default: the lesson's name in this folder)")
+    parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
+                        help="set a knob; may be repeated, and comes after --state")
+    parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
+    parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
+    parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Compute the design and write the file; prints its name."""
+    from ..engine import EngineError
+    from ..export.data import json_text, save_csv
+    from ..export.script import ScriptError, notebook, python_script
+    from ..tab.state import Saved
+    from ..tab.token import write_token
+    from .inputs import design_of, find_lesson, fitted, outcome_of
+    from .outputs import save_page, save_words, write
+
+    origin = find_lesson(options.lesson)
+    design = design_of(origin, options.plant, options.state, options.changes)
+    lesson, token = fitted(origin, design.plant), write_token(origin, Saved(design))
+    name = options.output or f"{origin.id}{dict(SUFFIXES)[options.to]}"
+    try:
+        outcome = outcome_of(lesson, design, options.final)
+        if options.to in ("python", "notebook"):
+            code = (python_script if options.to == "python" else notebook)(lesson, outcome, token)
+            write(name, lambda path: save_words(code, path))
+        elif options.to == "json":
+            write(name, lambda path: save_words(json_text(design, outcome, token), path))
+        elif options.to == "csv":
+            write(name, lambda path: save_csv(lesson.figures(outcome), path))
+        else:
+            if not name.lower().endswith(dict(SUFFIXES)[options.to]):
+                raise CommandError(f"{name[:80]} does not end in {dict(SUFFIXES)[options.to]}; name it so.")
+            write(name, lambda path: save_page(lesson.figures(outcome), path))
+    except EngineError as problem:
+        raise CommandError(f"This design cannot be computed: {problem}") from problem
+    except ScriptError as problem:
+        raise CommandError(str(problem)) from problem
+    print(name)
+    return 0

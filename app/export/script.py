@@ -1,0 +1,214 @@
+"""A design as a Python script that needs numpy, scipy, python-control and matplotlib alone, and proves itself.
+
+It goes from A, B, C, D over gains and poles to the trajectory that the page shows, with the same noise, limits, delay and
+impulses, and asserts the page's numbers. Its parts stand between `# %%` lines, of which a notebook is made.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from importlib.resources import files
+from types import MappingProxyType
+
+import numpy as np
+
+from ..engine.simulation import Run, Scenario
+from ..lesson.lesson import Lesson, Outcome
+
+__all__ = ["ScriptError", "notebook", "parts_of", "python_script"]
+
+INSTANTS = 6  # moments of the run that are asserted
+AGREED = 1e-6  # of the largest number: how near the script comes
+PARTS = files("app.export") / "parts"
+POLES: Mapping[str, str] = MappingProxyType({  # what a set of poles may be the eigenvalues of, under its name in the script
+    "A - B K": "Am - Bm @ K", "A - L C": "Am - L @ Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm @ K - L @ (Cm - Dm @ K)",
+    "A": "A", "the believed A": "Am"})
+
+
+class ScriptError(ValueError):
+    """A design of which no script can be made; the message is one sentence."""
+
+
+def python_script(lesson: Lesson, outcome: Outcome, token: str) -> str:
+    """The script of a design, with its token at the head. Raises ScriptError where the lesson's run is of another kind."""
+    return "\n\n".join(f"# %% {title}\n{body}" for title, body in parts_of(lesson, outcome, token)) + "\n"
+
+
+def notebook(lesson: Lesson, outcome: Outcome, token: str) -> str:
+    """The script as a Jupyter notebook with the story of the lesson. Raises ScriptError as `python_script` does."""
+    words = lesson.words["en"]
+    story = "\n\n".join([f"# {words.title}", f"**{words.question}**", words.introduction,
+                         *(f"## {heading}\n\n{text}" for heading, text in words.steps)])
+    cells = [_cell("markdown", story, 0)]
+    for title, body in parts_of(lesson, outcome, token):
+        cells += [_cell("markdown", f"## {title}", len(cells)), _cell("code", body, len(cells) + 1)]
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    whole = {"cells": cells, "metadata": {"language_info": {"name": "python"}, "kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    return json.dumps(whole, ensure_ascii=False, indent=1)
+
+
+def _cell(kind: str, source: str, number: int) -> dict[str, object]:
+    code = {"outputs": [], "execution_count": None} if kind == "code" else {}
+    return {"cell_type": kind, "id": f"part-{number}", "metadata": {}, "source": source, **code}
+
+
+def parts_of(lesson: Lesson, outcome: Outcome, token: str) -> Iterator[tuple[str, str]]:
+    """Title and code of every part, in order. Raises ScriptError where the lesson's run is of another kind."""
+    run = outcome.run
+    if run is None:
+        raise ScriptError(f"The run of lesson {lesson.id} is of a kind that no script is written for yet; give --to json or csv.")
+    s = run.scenario
+    words = lesson.words["en"]
+    yield f"{words.title}: {words.question}", _head(token)
+    yield "The plant: dx/dt = A x + B u + G w, y = C x + D u + v", "\n".join(_plant(s))
+    yield "The gains: u = r - K xhat, dxhat/dt = Am xhat + Bm u + L (y - Cm xhat - Dm u)", "\n".join(_gains(s, outcome))
+    yield "The run: its start, its grid, what acts on it", "\n".join(_given(s, run))
+    yield "The loop on z = (x, xhat), with the input left open", _part("loop")
+    yield "Noise of the seed", _part("noise")
+    yield "The trajectory", _part("sampled" if s.discrete else "bent" if s.limited or s.lag else "linear")
+    yield "What the page shows", "\n".join(_asserted(s, run, outcome))
+    yield "The curves", _part("plot")
+
+
+def _part(name: str) -> str:
+    return (PARTS / f"{name}.txt").read_text(encoding="utf-8").rstrip()
+
+
+def _head(token: str) -> str:
+    return (f"# Made by Observer Lab from the state {token}\n"
+            "# Every number stands in SI units. Signs: u = -K xhat, e = x - xhat, de/dt = (A - L C) e.\n" + _part("head"))
+
+
+def _array(name: str, value: object, note: str = "") -> str:
+    """An assignment that reads back exactly, a row of a matrix a line."""
+    array = np.asarray(value, dtype=float)
+    if array.ndim < 2 or not array.size:
+        body = f"np.zeros({array.shape})" if not array.size else repr(array.tolist())
+        return f"{name} = np.array({body})" + (f"  # {note}" if note else "") if array.size else f"{name} = {body}"
+    rows = f",\n{' ' * (len(name) + 13)}".join(repr(row) for row in array.tolist())
+    return (f"# {note}\n" if note else "") + f"{name} = np.array([{rows}])"
+
+
+def _plant(s: Scenario) -> Iterator[str]:
+    plant, model = s.plant, s.model
+    yield f"# states {', '.join(plant.state_names)}; inputs {', '.join(plant.input_names)}; outputs {', '.join(plant.output_names)}"
+    for name in "ABCD":
+        yield _array(name, getattr(plant, name))
+    if model is plant:
+        yield "Am, Bm, Cm, Dm = A, B, C, D  # the designer believes the truth"
+        return
+    for name in "ABCD":
+        yield _array(f"{name}m", getattr(model, name), "what the designer believes" if name == "A" else "")
+
+
+def _gains(s: Scenario, outcome: Outcome) -> Iterator[str]:
+    model = s.model
+    yield from _gain("K", s.K, model.A, model.B, "K", "A - B K")
+    yield from _gain("L", s.L, model.A.T, model.C.T, "L", "A - L C")
+    others = [name for name, gain in outcome.gains.items() if name not in ("K", "L")]
+    if others:
+        yield f"# The lesson also shows {', '.join(others)}; the run does not need them, and they are not computed here."
+
+
+def _gain(name: str, gain: np.ndarray, A: np.ndarray, B: np.ndarray, called: str, matrix: str) -> Iterator[str]:
+    """A gain from its poles where they make it unique, else as a number."""
+    dual = name == "L"
+    plain = gain.T if dual else gain
+    if not np.any(gain):
+        yield f"{name} = np.zeros({gain.shape})  # nothing is fed back by {called} here"
+        return
+    poles = np.linalg.eigvals(A - B @ plain)
+    placed = _placed(A, B, poles) if B.shape[1] == 1 else None
+    if placed is not None and np.allclose(placed, plain, rtol=1e-8, atol=1e-9 * np.abs(plain).max()):
+        yield f"# One {'output' if dual else 'input'}: the poles of {matrix} make {name} unique (Ackermann)."
+        yield f"{name.lower()}_poles = {_complex(poles)}"
+        yield f"{name} = np.asarray(control.acker({'Am.T, Cm.T' if dual else 'Am, Bm'}, {name.lower()}_poles)).reshape({plain.shape})" + (
+            ".T" if dual else "")
+        yield _array(f"{name}_on_the_page", gain)
+        yield f"assert agree({name}, {name}_on_the_page), '{name}'"
+        return
+    yield (f"# {name} stands as the page found it: many gains reach the same poles, or poles alone do not say it exactly enough; its "
+           "poles are asserted below.")
+    yield _array(name, gain)
+
+
+def _placed(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray | None:
+    """Ackermann's gain, computed as python-control does; None where it fails."""
+    n = len(A)
+    reach = np.hstack([np.linalg.matrix_power(A, k) @ B for k in range(n)])
+    try:
+        value = sum(c * np.linalg.matrix_power(A, n - k) for k, c in enumerate(np.real(np.poly(poles))))
+        return np.linalg.solve(reach, value)[-1:, :]
+    except np.linalg.LinAlgError:
+        return None
+
+
+def _complex(poles: np.ndarray) -> str:
+    return "[" + ", ".join(repr(complex(p)) if p.imag else repr(float(p.real)) for p in poles) + "]"
+
+
+def _given(s: Scenario, run: Run) -> Iterator[str]:
+    yield f"h, count = {s.dt!r}, {len(run.t)}  # s from one grid point to the next, and grid points" + (
+        f"; the run is cut where it diverges, at {run.diverged_at:g} s" if run.diverged_at is not None else "")
+    yield f"whole = {s.n_t}  # grid points of the run as it was planned: noise is drawn for all of them"
+    yield _array("x_start", s.x0)
+    yield _array("xhat_start", s.xhat0)
+    held = s.reference
+    if held is None:
+        yield "r = np.zeros((whole, B.shape[1]))  # no reference"
+    elif np.all(held == held[:1]):
+        yield f"r = np.tile({held[0].tolist()!r}, (whole, 1))  # a constant reference"
+    else:
+        yield _array("r", held, "the reference, held from one grid point to the next")
+    yield f"u_min, u_max = np.array({_limits(s.u_min)}), np.array({_limits(s.u_max)})"
+    yield f"told_clipped = {s.fed == 'applied'}  # whether the observer is told the clipped input, or the asked one"
+    yield f"state_feedback = {bool(s.state_feedback)}  # whether u = r - K x instead of r - K xhat"
+    yield f"lag = {s.lag}  # steps by which the input comes late"
+    yield f"plant_is_sampled, hold_and_sample = {bool(s.plant.dt)}, {bool(s.discrete)}"
+    yield f"impulses = {[(float(t), np.asarray(jump).tolist()) for t, jump in s.impulses]!r}  # (time in s, jump of x)"
+    yield f"seed = {s.seed}"
+    yield _array("G", s.G, "the way of w into x") if s.G is not None else "G = None"
+    yield _array("W", s.W, "intensity of w") if s.W is not None else "W = None  # no process noise"
+    yield _array("V", s.V, "intensity of v") if s.V is not None else "V = None  # no measurement noise"
+
+
+def _limits(limit: np.ndarray) -> str:
+    return "[" + ", ".join(repr(float(v)) if np.isfinite(v) else f"{'-' if v < 0 else ''}np.inf" for v in limit) + "]"
+
+
+def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
+    at = np.unique(np.linspace(0, len(run.t) - 1, INSTANTS).astype(int))
+    yield f"at = {at.tolist()}  # grid points that are compared"
+    for name, values in (("x", run.x), ("xhat", run.xhat), ("u_asked", run.u_asked), ("u_applied", run.u_applied), ("y", run.y)):
+        yield _array(f"{name}_on_the_page", values[at])
+        yield f"largest = {float(np.abs(values).max())!r}"
+        yield f"assert agree({name}[at], {name}_on_the_page, largest), '{name}'"
+        yield f"assert agree(np.abs({name}).max(), largest), 'the largest of {name}'"
+    known = dict(_eigenvalues(s))
+    for name, poles in outcome.poles.items():
+        poles = np.asarray(poles)
+        match = next((key for key, found in known.items() if len(found) == len(poles) and len(poles) and _same(found, poles)), None)
+        if match is None:
+            yield f"# The poles that the page calls '{name}' do not belong to this run's matrices; they are not computed here."
+        else:
+            yield f"# '{name}' on the page: the eigenvalues of {match}"
+            yield f"assert same_poles(np.linalg.eigvals({POLES[match]}), {_complex(poles)}), '{name}'"
+    yield f"print('Observer Lab: the {len(at)} moments of the run, its largest values, gains and poles agree to {AGREED:g}.')"
+
+
+def _eigenvalues(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
+    A, model, K, L = s.plant.A, s.model, s.K, s.L
+    loop = np.block([[A, -s.plant.B @ K], [L @ s.plant.C, model.A - L @ model.C - (model.B - L @ model.D + L @ s.plant.D) @ K]])
+    yield "A - B K", np.linalg.eigvals(model.A - model.B @ K)
+    yield "A - L C", np.linalg.eigvals(model.A - L @ model.C)
+    yield "the loop", np.linalg.eigvals(loop)
+    yield "the compensator", np.linalg.eigvals(model.A - model.B @ K - L @ (model.C - model.D @ K))
+    yield "A", np.linalg.eigvals(A)
+    yield "the believed A", np.linalg.eigvals(model.A)
+
+
+def _same(found: np.ndarray, poles: np.ndarray) -> bool:
+    """Whether two sets have one polynomial, as the script's own `same_poles` compares them."""
+    scale = max(1.0, float(np.abs(poles).max()))
+    return bool(np.abs(np.poly(found / scale) - np.poly(poles / scale)).max() <= 0.1 * AGREED)
