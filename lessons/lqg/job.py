@@ -107,7 +107,7 @@ def _record(bench: Bench, z: np.ndarray, seed: int) -> np.ndarray:
     """Welch's density of the channels of one run with the steady gain, at the case's frequencies."""
     s, case = bench.sampled, bench.case
     n, steps = s.plant.n, round(case.record / s.plant.dt)
-    run = s.run(z[:n], *s.draw(steps, seed, bench.process, bench.readings), xhat0=z[n:], truth=bench.truth)
+    run = s.run(z[:n], *s.draw(steps, seed, process=bench.process, readings=bench.readings), xhat0=z[n:], truth=bench.truth)
     seen = psd(run.x @ case.rows.T, 1 / s.plant.dt, segment=steps // SEGMENTS)
     return np.column_stack([np.interp(case.frequency, seen.frequency, column) for column in seen.density.T])
 

@@ -262,8 +262,8 @@ def trace(case: Case, setting: Setting, kick: float, recursive: bool) -> Trace:
         w[max(round(time / case.dt) - 1, 0)] += np.asarray(jump)
     s = sampled.plant
     with np.errstate(over="ignore", invalid="ignore"):
-        found = sampled.run(case.model.x0, w, v, schedule(case, f.beta_q, f.beta_r, setting.recovery, steps), case.model.guess,
-                            Plant(s.A, setting.gain * s.B, s.C, s.D, s.dt))
+        found = sampled.run(case.model.x0, w, v, gains=schedule(case, f.beta_q, f.beta_r, setting.recovery, steps),
+                            xhat0=case.model.guess, truth=Plant(s.A, setting.gain * s.B, s.C, s.D, s.dt))
     good = int(np.argmin(np.append(np.isfinite(found.x).all(axis=1) & (np.abs(found.x).max(axis=1) < FAR), False)))
     keep = slice(0, max(good, 1))
     return _long_enough(Trace(found.t[keep], found.x[keep], found.xhat[keep], np.clip(np.nan_to_num(found.u[keep]), -FAR, FAR)), case.dt)

@@ -68,7 +68,7 @@ class NoisyLoop:
         D = np.vstack([np.zeros((len(T), self.D.shape[1])), self.D[self.measured:]])
         return replace(self, C=C, D=D, measured=len(T))
 
-    def only(self, disturbances: float = 1.0, sensors: float = 1.0) -> NoisyLoop:
+    def only(self, *, disturbances: float = 1.0, sensors: float = 1.0) -> NoisyLoop:
         """The same loop with the intensities of the disturbances and of the sensors' noise multiplied: 0 is without."""
         scale = np.ones(len(self.noise))
         scale[:self.disturbances], scale[self.disturbances:] = disturbances, sensors

@@ -108,7 +108,7 @@ class LinearFilter(ABC):
         return self.correct(belief, y, u).belief
 
     # --- a record -----------------------------------------------------------------------------------------------------
-    def schedule(self, start: Belief, steps: int, seen: np.ndarray | None = None) -> Schedule:
+    def schedule(self, start: Belief, steps: int, *, seen: np.ndarray | None = None) -> Schedule:
         """Covariances and gains of `steps` samples from the belief before the first; no measurement changes them.
 
         Ends early where P[k|k−1] meets the Riccati solution to 1e-9 of its standard deviations: from there on the
@@ -132,7 +132,7 @@ class LinearFilter(ABC):
             spread = self.forward(spread)
         return Schedule(steps, *(part[:k + 1].copy() for part in stored))
 
-    def run(self, start: Belief, y: object, u: object | None = None, schedule: Schedule | None = None) -> Track:
+    def run(self, start: Belief, y: object, u: object | None = None, *, schedule: Schedule | None = None) -> Track:
         """A record y (n_t, p) with the inputs u (n_t, m) filtered; `start` is the belief before the first measurement.
 
         Row k of u acts on sample k through D and is held until sample k + 1. A `schedule` made before for the same
@@ -147,7 +147,7 @@ class LinearFilter(ABC):
             known, push = y - u @ self.D.T, u @ self.B.T
         seen = np.isfinite(y)
         if not seen.all():
-            schedule = self.schedule(start, len(y), seen)
+            schedule = self.schedule(start, len(y), seen=seen)
         elif schedule is None:
             schedule = self.schedule(start, len(y))
         elif schedule.steps != len(y):

@@ -69,7 +69,7 @@ class SampledLqg:
         return Plant(step @ keep, step @ M, -K @ keep, -K @ M, p.dt, tuple(f"{s}_hat" for s in p.state_names),
                      p.output_names, p.input_names, name=f"sampled compensator of {p.name}".strip())
 
-    def loop(self, process: object | None = None, readings: object | None = None) -> NoisyLoop:
+    def loop(self, *, process: object | None = None, readings: object | None = None) -> NoisyLoop:
         """The loop with the steady filter under white noise: covariances of a step (n×n) and of a reading (p×p).
 
         By default those that the filter believes. Signals are taken at the samples.
@@ -82,7 +82,7 @@ class SampledLqg:
         """Gains of the recursive filter (Joseph's form) over `steps` samples, from the covariance P0 of x̂⁻[0]."""
         return self.filter.schedule(Belief(np.zeros(self.plant.n), as_covariance(P0, "P0", self.plant.n)), steps)
 
-    def draw(self, steps: int, seed: int, process: object | None = None,
+    def draw(self, steps: int, seed: int, *, process: object | None = None,
              readings: object | None = None) -> tuple[np.ndarray, np.ndarray]:
         """White noise of a seed: jumps of the state (steps, n) and noise of the readings (steps, p).
 
@@ -93,8 +93,8 @@ class SampledLqg:
         v = self.filter.R if readings is None else as_covariance(readings, "readings", self.plant.p)
         return (for_w.standard_normal((steps, len(w))) @ root(w).T, for_v.standard_normal((steps, len(v))) @ root(v).T)
 
-    def run(self, x0: object, w: np.ndarray, v: np.ndarray, gains: Schedule | None = None, xhat0: object | None = None,
-            truth: Plant | None = None) -> SampledRun:
+    def run(self, x0: object, w: np.ndarray, v: np.ndarray, *, gains: Schedule | None = None,
+            xhat0: object | None = None, truth: Plant | None = None) -> SampledRun:
         """The loop from x0 and the prediction xhat0 (default zero) under jumps w (n_t, n) and reading noise v (n_t, p).
 
         w[k] joins the state after sample k. `gains`: a schedule of the recursive filter, or None for the steady one.

@@ -44,7 +44,7 @@ class MonteCarlo:
         """The mean density."""
         return Spectrum(self.frequency, self.density)
 
-    def band(self, times: float = 2.0) -> tuple[np.ndarray, np.ndarray]:
+    def band(self, *, times: float = 2.0) -> tuple[np.ndarray, np.ndarray]:
         """Mean density ± `times` its standard error, (n_f, k) each; the lower edge is not negative."""
         error = times * self.spread / np.sqrt(max(self.runs - int(self.diverged.sum()), 1))
         return np.maximum(self.density - error, 0.0), self.density + error

@@ -162,7 +162,7 @@ def test_platform_filter_started_steady_is_the_steady_observer():
     track = filter_.run(Belief(np.zeros(10), steady.solution),
                         1e-6 * np.random.default_rng(2).standard_normal((400, 4)))
     assert track.settled == 0
-    every = filter_.schedule(Belief(np.zeros(10), steady.solution), 50, np.ones((50, 4), dtype=bool))
+    every = filter_.schedule(Belief(np.zeros(10), steady.solution), 50, seen=np.ones((50, 4), dtype=bool))
     np.testing.assert_allclose(every.gains[-1], steady.filter_gain, rtol=1e-6, atol=1e-9 * np.abs(every.gains).max())
 
 
@@ -176,7 +176,7 @@ def test_critical_loss_of_a_scalar_plant():
         rng, priors = np.random.default_rng(8), np.empty(runs)
         for i in range(runs):
             seen = rng.random((steps, 1)) >= loss
-            priors[i] = np.log(filter_.schedule(start, steps, seen).prior[:, 0, 0]).max()
+            priors[i] = np.log(filter_.schedule(start, steps, seen=seen).prior[:, 0, 0]).max()
         return np.mean(priors > np.log(1e4))
 
     assert mean_of_largest(0.9) > 0.9 and mean_of_largest(0.2) < 0.01

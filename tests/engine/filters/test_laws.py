@@ -182,7 +182,7 @@ def a_batch_of_one_is_the_single_run(make: Make, q: Problem) -> None:
     filter_ = make(q)
     track = filter_.run(q.start, q.y, q.u)
     if isinstance(filter_, LinearFilter):
-        shared = filter_.schedule(q.start, len(q.y), np.isfinite(q.y))
+        shared = filter_.schedule(q.start, len(q.y), seen=np.isfinite(q.y))
         np.testing.assert_array_equal(filter_.run(q.start, q.y, q.u, schedule=shared).means, track.means)
         return
     beliefs = Beliefs.alike(q.start.mean, q.start.covariance, 1)
