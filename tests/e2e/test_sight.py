@@ -1,0 +1,30 @@
+"""What an eye would measure, on a few lessons; `python tests/benchmarks/bench_sight.py` measures all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from sight import look
+from tab import Tab
+
+from lessons import LESSONS
+
+
+@pytest.mark.parametrize("name, size, large", [
+    ("separation", (1920, 1080), True), ("weak-states", (390, 844), False)], ids=str)
+def test_the_first_knob_is_in_view_and_words_are_large_enough(new_tab: Callable[..., Tab], name: str, size: tuple[int, int],
+                                                              large: bool) -> None:
+    tab, words = new_tab(*size), LESSONS[name].words["en"]
+    tab.choose_lesson(words.title, words.question)
+    tab.predict("skip")
+    if large:
+        tab.press("large print")
+    tab.answered(rests=True)
+    seen = look(tab)
+    assert seen.knob == ""
+    assert seen.cut == ()
+    if large:
+        assert seen.one_over <= 50.0, f"{seen.smallest}: {seen.words} px"
+    if size[0] < 576:
+        assert seen.screens <= 2.0, "a part of the lesson takes more than one screen of scrolling"
