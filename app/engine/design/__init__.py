@@ -1,18 +1,33 @@
 """Gains: pole placement, Riccati equations, LQR and LQE, Diophantine equations, scalar controllers."""
 
-from .diophantine import Diophantine, diophantine, sylvester
-from .optimal import DiscreteFilter, Optimal, dlqe, dlqr, lqe, lqr
-from .placement import Placement, observer_gain, place
-from .siso import LoopShape, diagonal_controller, loop_shaped, negated, polynomial_roots, rational, realise, series
-from .starting import (
-    StartingGain,
+from .diophantine import Diophantine
+from .door import (
+    diagonal_controller,
+    diophantine,
+    dlqe,
+    dlqr,
     in_natural_units,
+    loop_shaped,
+    lqe,
+    lqr,
+    negated,
+    observer_gain,
+    place,
+    polynomial_roots,
+    rational,
+    realise,
+    series,
     shift_observer,
     shift_poles,
     starting_feedback,
     starting_observer,
+    sylvester,
     typical_rate,
 )
+from .optimal import DiscreteFilter, Optimal
+from .placement import Placement
+from .siso import LoopShape
+from .starting import StartingGain
 
 __all__ = [
     "Diophantine",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.errors import EngineError, PoleError, phrase
+from ..systems.errors import EngineError, PoleError, ShapeError, phrase
 from ..systems.plant import Plant
 from .siso import coefficients, negated, polynomial_roots, rational
 
@@ -55,6 +55,8 @@ def sylvester(A: object, B: object, degree: int) -> np.ndarray:
     """M with M (e; f) = coefficients of A E + B F, square (degree + 1): deg E = degree − n, deg F = n − 1, n = deg A."""
     a, b = (np.atleast_1d(np.asarray(p, dtype=float)) for p in (A, B))
     n = len(a) - 1
+    if n < 0 or len(b) > n or degree < max(n, 2 * n - 1):
+        raise ShapeError("A must be of a degree n above that of B, and the degree of Φ at least 2n − 1.")
     e, f = degree - n + 1, n
     M = np.zeros((degree + 1, e + f))
     for k in range(e):

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates import count, number, optional, pair, passed
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, match_poles
 from ..systems.spectrum import frequency_response
@@ -34,6 +35,10 @@ class LoopShape:
     lead: tuple[float, float] | None = None
     roll_off: float | None = None
     order: int = 1
+
+    def __post_init__(self) -> None:
+        corners = optional(pair(number(), number()))
+        passed(self, gain=number(), lag=corners, lead=corners, roll_off=optional(number()), order=count(-1000))
 
 
 def loop_shaped(shape: LoopShape) -> Plant:

@@ -1,11 +1,23 @@
 """The loop closed: compensators, sensitivity, margins, spectra, LQG and its recovery."""
 
-from .compensator import ClosedLoop, TransferFunction, closed_loop, compensator, to_tf
-from .loop_spectrum import NoisyLoop, noisy_loop
-from .lqg import Lqg, lqg
-from .ltr import Recovered, recover, recover_at_output
-from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins, loop_margins, state_feedback_margins
-from .sensitivity import Sensitivity, sensitivity
+from .compensator import ClosedLoop, TransferFunction
+from .door import (
+    closed_loop,
+    compensator,
+    loop_margins,
+    lqg,
+    noisy_loop,
+    recover,
+    recover_at_output,
+    sensitivity,
+    state_feedback_margins,
+    to_tf,
+)
+from .loop_spectrum import NoisyLoop
+from .lqg import Lqg
+from .ltr import Recovered
+from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins
+from .sensitivity import Sensitivity
 
 __all__ = [
     "ChannelMargins",

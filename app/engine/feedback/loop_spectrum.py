@@ -10,6 +10,7 @@ from scipy.linalg import block_diag
 
 from ..systems.arrays import as_covariance, frozen
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import SECONDS, SERIES, array, gated, matrix, number, optional
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
@@ -48,14 +49,17 @@ class NoisyLoop:
         """Whether every pole is stable; only then are there variances."""
         return all_stable(self.poles, dt=self.dt)
 
+    @gated(T=matrix())
     def outputs(self, T: object | None = None) -> np.ndarray:
         """Rows for T y, k×(p+m); T k×p, by default I."""
         return self._rows(T, slice(0, self.measured))
 
+    @gated(T=matrix())
     def inputs(self, T: object | None = None) -> np.ndarray:
         """Rows for T u, k×(p+m); T k×m, by default I."""
         return self._rows(T, slice(self.measured, len(self.C)))
 
+    @gated(T=matrix())
     def watching(self, T: object) -> NoisyLoop:
         """The same loop with T x in place of y, k×n weights on the plant's states: for signals that no sensor reads."""
         T = as_matrix(T, "T")
@@ -68,12 +72,14 @@ class NoisyLoop:
         D = np.vstack([np.zeros((len(T), self.D.shape[1])), self.D[self.measured:]])
         return replace(self, C=C, D=D, measured=len(T))
 
+    @gated(disturbances=number(0, 1e150), sensors=number(0, 1e150))
     def only(self, *, disturbances: float = 1.0, sensors: float = 1.0) -> NoisyLoop:
         """The same loop with the intensities of the disturbances and of the sensors' noise multiplied: 0 is without."""
         scale = np.ones(len(self.noise))
         scale[:self.disturbances], scale[self.disturbances:] = disturbances, sensors
         return replace(self, noise=self.noise * np.sqrt(np.outer(scale, scale)))
 
+    @gated(frequency=SERIES, rows=optional(matrix()), ground=array())
     def psd(self, frequency: object, rows: object | None = None, ground: object | None = None) -> np.ndarray:
         """One-sided density S(f) = 2 Σ H(j2πf) N H(j2πf)ᴴ of each signal, (n_f, k), in units²/Hz.
 
@@ -82,6 +88,7 @@ class NoisyLoop:
         """
         return sum(self.parts(frequency, rows, ground))  # type: ignore[return-value]
 
+    @gated(frequency=SERIES, rows=optional(matrix()), ground=array())
     def parts(self, frequency: object, rows: object | None = None,
               ground: object | None = None) -> tuple[np.ndarray, np.ndarray]:
         """The density as (what the disturbances cause, what the sensors' noise causes), each (n_f, k)."""
@@ -98,6 +105,7 @@ class NoisyLoop:
                              count=len(H), q=q)
         return np.einsum("fkj,fj->fk", np.abs(H[..., :q]) ** 2, np.broadcast_to(shape, (len(H), q))), sensors
 
+    @gated(frequency=SERIES, rows=matrix())
     def response(self, frequency: object, rows: object | None = None) -> np.ndarray:
         """H from d = (w, v) to each signal, complex (n_f, k, q+p), `frequency` in Hz; not finite on a pole."""
         rows = self.outputs() if rows is None else self._fitting(rows)
@@ -114,10 +122,12 @@ class NoisyLoop:
             raise EngineError("The loop is unstable: its variances grow without bound; stabilise it first.")
         return frozen(settled_covariance(self.A, self.B @ root(self.noise), self.dt))
 
+    @gated(rows=matrix())
     def variance(self, rows: object | None = None) -> np.ndarray:
         """Variance of each signal, (k,); ∞ where white noise passes straight through a continuous loop."""
         return np.maximum(np.diag(self.joint(rows)), 0.0)
 
+    @gated(rows=matrix())
     def joint(self, rows: object | None = None) -> np.ndarray:
         """Covariance of the signals, k×k; ∞ on the diagonal where white noise passes straight through."""
         rows = self.outputs() if rows is None else self._fitting(rows)
@@ -128,6 +138,7 @@ class NoisyLoop:
         found[np.diag_indices(len(found))] += np.where(np.diag(direct) > 0, np.inf, 0.0)
         return found
 
+    @gated(Q=matrix(), R=matrix())
     def cost(self, Q: object, R: object) -> tuple[float, float]:
         """(E xᵀQx, E uᵀRu) of the plant's state x (the first n of z) and the input: what a loop really costs.
 
@@ -143,6 +154,7 @@ class NoisyLoop:
         u = self.joint(self.inputs())
         return float(np.sum(Q * self.covariance[:n, :n])), float(np.sum(R * u)) if np.isfinite(u).all() else np.inf
 
+    @gated(dt=SECONDS)
     def sampled(self, dt: float) -> NoisyLoop:
         """The same loop seen every dt seconds: its densities are folded at 1/(2 dt), its variances stay.
 

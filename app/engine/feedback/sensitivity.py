@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates import array, count, gated
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, all_stable, sorted_poles
 from ..systems.spectrum import frequency_response, modal_coordinates
@@ -71,6 +72,7 @@ class Sensitivity:
         found = modal_coordinates(self.A, self.B, self.C)
         return None if found is None else (found[0], found[1].T[:, :, None] * found[2][:, None, :])
 
+    @gated(omega=array(infinite=True))
     def at(self, omega: np.ndarray) -> np.ndarray:
         """S at frequencies in rad/s of any shape, ∞ included: complex (…, m+p, m+p)."""
         if self.modal is None:
@@ -83,8 +85,11 @@ class Sensitivity:
         residues = self.modal[1].reshape(len(self.A), -1)
         return (self._weights(omega) @ residues).reshape(*omega.shape, *self.D.shape) + self.D
 
+    @gated(i=count(), omega=array(infinite=True))
     def entry(self, i: int, omega: np.ndarray) -> np.ndarray:
         """S_ii alone, complex (…)."""
+        if i >= len(self.D):
+            raise EngineError("There is no signal number {index}; the loop has {count}.", index=i, count=len(self.D))
         if self.modal is None:
             return self.at(omega)[..., i, i]
         return self._weights(omega) @ self.modal[1][:, i, i] + self.D[i, i]

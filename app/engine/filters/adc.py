@@ -11,6 +11,7 @@ from scipy.linalg import block_diag
 from scipy.signal import lfilter
 
 from ..systems.errors import EngineError
+from ..systems.gates import GENERATOR, MOST_NUMBERS, RECORD, SERIES, count, gated, number, passed
 from .linear_filter import LinearFilter
 
 __all__ = ["AdcNoise", "with_coloured_noise"]
@@ -39,6 +40,8 @@ class AdcNoise:
     step: float = 0.0
 
     def __post_init__(self) -> None:
+        size = number(0, 1e150)
+        passed(self, sigma=size, corner=size, lowest=size, dt=size, step=size)
         numbers = (self.sigma, self.corner, self.lowest, self.dt, self.step)
         if not all(np.isfinite(number) and number >= 0 for number in numbers) or self.dt == 0:
             raise EngineError("The noise of a converter needs finite sizes ≥ 0 and a sampling period dt > 0.")
@@ -65,6 +68,7 @@ class AdcNoise:
         a, each = self.relaxations
         return self.sigma**2 + len(a) * each + self.step**2 / 12
 
+    @gated(frequency=SERIES)
     def density(self, frequency: object) -> np.ndarray:
         """One-sided density in units²/Hz at frequencies in Hz, quantisation counted as white noise of step²/12."""
         f = np.asarray(frequency, dtype=float)
@@ -73,8 +77,11 @@ class AdcNoise:
         flicker = (each * (1 - a**2) / np.abs(turn - a) ** 2).sum(axis=-1)
         return 2 * self.dt * (self.sigma**2 + self.step**2 / 12 + flicker)
 
+    @gated(steps=count(0, MOST_NUMBERS), channels=count(1, 10_000), rng=GENERATOR)
     def draw(self, steps: int, channels: int, rng: np.random.Generator) -> np.ndarray:
         """Independent noise for each channel, stationary from the start, (steps, channels); without quantisation."""
+        if steps * channels > MOST_NUMBERS:
+            raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
         noise = self.sigma * rng.standard_normal((steps, channels))
         a, each = self.relaxations
         for factor in a:
@@ -83,6 +90,7 @@ class AdcNoise:
             noise += lfilter([1.0], [1.0, -factor], push, axis=0)
         return noise
 
+    @gated(y=RECORD)
     def quantise(self, y: object) -> np.ndarray:
         """Readings rounded to whole steps.
 

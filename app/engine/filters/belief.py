@@ -6,10 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.arrays import as_covariance, frozen
+from ..systems.arrays import as_covariance, as_numbers, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates import count, vector
 
 __all__ = ["Belief", "Beliefs", "Correction", "Corrections", "RootBelief"]
+
+
+def _told(value: object, name: str) -> np.ndarray:
+    return as_numbers(value, name, missing=True, infinite=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,8 +31,8 @@ class Belief:
     covariance: np.ndarray
 
     def __post_init__(self) -> None:
-        mean = np.array(self.mean, dtype=float).reshape(-1)
-        covariance = np.array(self.covariance, dtype=float, ndmin=2)
+        mean = np.array(_told(self.mean, "mean")).reshape(-1)
+        covariance = np.array(_told(self.covariance, phrase("The covariance")), ndmin=2)
         if covariance.shape != (mean.size, mean.size):
             raise ShapeError("The covariance of {mean_size} states must be {mean_size}×{mean_size}; its shape is "
                              "{covariance_shape}.",
@@ -83,10 +88,17 @@ class Beliefs:
     covariance: np.ndarray
     points: np.ndarray | None = None
 
+    def __post_init__(self) -> None:
+        for name, dimensions in (("mean", 2), ("covariance", 3), ("points", 3)):
+            value = getattr(self, name)
+            if (name != "points" or value is not None) and not (isinstance(value, np.ndarray) and value.dtype.kind == "f"
+                                                                and value.ndim == dimensions):
+                raise ShapeError("{name} must be a NumPy array of numbers with {ndim} dimensions.", name=name, ndim=dimensions)
+
     @classmethod
     def alike(cls, mean: object, covariance: object, runs: int) -> Beliefs:
         """The same belief, mean (n,) and covariance (n×n), in every run."""
-        mean = np.asarray(mean, dtype=float)
+        mean, runs = vector()(mean, "mean", {}), count(1)(runs, "runs", {})
         P = as_covariance(covariance, phrase("The covariance"), mean.size)
         return cls(np.repeat(mean[:, None], runs, axis=1), np.repeat(P[None], runs, axis=0))
 

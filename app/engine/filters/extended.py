@@ -11,6 +11,7 @@ import numpy as np
 from ..systems.arrays import symmetric
 from ..systems.errors import ShapeError
 from ..systems.flow import Flow
+from ..systems.gates import FUNCTION, matrix, optional, passed, vector
 from ..systems.jacobian import Map, slopes
 from .belief import Belief, Beliefs
 from .kalman import ahead, joseph
@@ -39,6 +40,7 @@ class ExtendedKalmanFilter(NonlinearFilter):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        passed(self, f_expand=optional(FUNCTION), h_expand=optional(FUNCTION))
         if self.f_expand is None and isinstance(self.f, Flow):
             object.__setattr__(self, "f_expand", self.f.expand)
 
@@ -75,6 +77,10 @@ class LinearisedFilter(NonlinearFilter):
 
     x_rest: np.ndarray
     u_rest: np.ndarray
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        passed(self, Q=matrix("n n"), x_rest=vector("n"), u_rest=vector())
 
     @cached_property
     def expanded(self) -> tuple[np.ndarray, ...]:

@@ -10,8 +10,9 @@ from typing import Self
 import numpy as np
 
 from ..design.optimal import DiscreteFilter, dlqe
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_covariance, as_numbers
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import MOST_NUMBERS, RECORD, SECONDS, count, covariance, gated, instance, matrix, optional, passed
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.sampling import discretise
@@ -21,6 +22,13 @@ from .track import Schedule, Track, as_record, means_along
 __all__ = ["LinearFilter"]
 
 SETTLED = 1e-9  # distance from the Riccati solution, in standard deviations squared, that counts as none
+_BELIEF = instance(Belief)
+
+
+def _seen(value: object, name: str, sizes: dict[str, int]) -> np.ndarray:
+    return as_numbers(value, name).astype(bool)
+
+
 LOOK_EVERY = 8  # steps between two looks whether the filter has settled
 FIRST_ROOM = 64  # steps stored before the arrays grow
 
@@ -43,6 +51,7 @@ class LinearFilter(ABC):
     dt: float = 0.0
 
     def __post_init__(self) -> None:
+        passed(self, A=matrix(), Q=covariance(), R=covariance())
         plant = Plant(self.A, self.B, self.C, self.D, self.dt)
         for name in ("A", "B", "C", "D", "dt"):
             object.__setattr__(self, name, getattr(plant, name))
@@ -50,6 +59,7 @@ class LinearFilter(ABC):
         object.__setattr__(self, "R", as_covariance(self.R, "R", plant.p))
 
     @classmethod
+    @gated(plant=instance(Plant), W=matrix(), V=covariance("p"), dt=optional(SECONDS), G=optional(matrix()))
     def from_plant(cls, plant: Plant, W: object, V: object, dt: float | None = None, G: object | None = None) -> Self:
         """The filter of a continuous plant sampled every dt seconds, its input held: an exact discretisation.
 
@@ -86,6 +96,7 @@ class LinearFilter(ABC):
         return dlqe(self.A, np.eye(self.n), self.C, self.Q, self.R)
 
     # --- one step -----------------------------------------------------------------------------------------------------
+    @gated(belief=_BELIEF)
     def predict(self, belief: Belief, u: object | None = None) -> Belief:
         """x̂[k+1|k] = A x̂ + B u, P[k+1|k] = A P Aᵀ + Q: the belief one step later, before its measurement. u is (m,)."""
         mean = self.A @ self._fitting(belief).mean
@@ -93,6 +104,7 @@ class LinearFilter(ABC):
             mean = mean + self.B @ self._input(u)
         return self.belief(mean, self.forward(self.spread(belief)))
 
+    @gated(belief=_BELIEF)
     def correct(self, belief: Belief, y: object, u: object | None = None) -> Correction:
         """The measurement y (p,) taken in: x̂ + M ν with ν = y − C x̂ − D u, M = P Cᵀ S⁻¹, S = C P Cᵀ + R."""
         nu = self._vector(y, "y", len(self.C)) - self.C @ self._fitting(belief).mean
@@ -108,13 +120,18 @@ class LinearFilter(ABC):
         return self.correct(belief, y, u).belief
 
     # --- a record -----------------------------------------------------------------------------------------------------
+    @gated(start=_BELIEF, steps=count(0, MOST_NUMBERS // 4), seen=optional(_seen))
     def schedule(self, start: Belief, steps: int, *, seen: np.ndarray | None = None) -> Schedule:
         """Covariances and gains of `steps` samples from the belief before the first; no measurement changes them.
 
         Ends early where P[k|k−1] meets the Riccati solution to 1e-9 of its standard deviations: from there on the
         gain is constant. `seen` (steps, p; bool) says which measurements arrive; with it nothing is constant.
         """
-        spread, every = self.spread(self._fitting(start)), np.ones(len(self.C), dtype=bool)
+        as_covariance(self._fitting(start).covariance, "P", self.n)
+        spread, every = self.spread(start), np.ones(len(self.C), dtype=bool)
+        if seen is not None and seen.shape != (steps, len(self.C)):
+            raise ShapeError("{name} must be {value}×{columns}, one row a sample; its shape is {array_shape}.",
+                             name="seen", value=steps, columns=len(self.C), array_shape=seen.shape)
         goal = self._goal() if seen is None else None
         n, p = self.n, len(self.C)
         room, k = min(steps, FIRST_ROOM), -1
@@ -132,6 +149,7 @@ class LinearFilter(ABC):
             spread = self.forward(spread)
         return Schedule(steps, *(part[:k + 1].copy() for part in stored))
 
+    @gated(start=_BELIEF, y=RECORD, schedule=optional(instance(Schedule)))
     def run(self, start: Belief, y: object, u: object | None = None, *, schedule: Schedule | None = None) -> Track:
         """A record y (n_t, p) with the inputs u (n_t, m) filtered; `start` is the belief before the first measurement.
 
@@ -174,7 +192,7 @@ class LinearFilter(ABC):
         return belief
 
     def _vector(self, value: object, name: str, size: int) -> np.ndarray:
-        vector = np.asarray(value, dtype=float).reshape(-1)
+        vector = as_numbers(value, name, missing=True, infinite=True).reshape(-1)
         if vector.size != size:
             raise ShapeError("{name} must hold {size} numbers; it holds {vector_size}.",
                              name=name, size=size, vector_size=vector.size)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..systems.errors import EngineError, ShapeError
 from ..systems.flow import Flow
+from ..systems.gates import FUNCTION, NAME, Gate, array, count, covariance, instance, items, matrix, optional, pair, passed, vector
 from ..systems.jacobian import Map
 from ..systems.noise import root
 from .belief import Beliefs, Corrections
@@ -20,6 +21,15 @@ __all__ = ["Experiment", "Sample", "Steering", "errors_squared", "simulate_filte
 FAR = 1e12  # a state, an estimate or a variance beyond this is given up
 
 
+def _named(value: object, name: str, sizes: dict[str, int]) -> object:
+    if not isinstance(value, Mapping) or not all(isinstance(f, NonlinearFilter) for f in value.values()):
+        raise EngineError("{name} must map names to filters of nonlinear plants.", name=name)
+    return value
+
+
+_FILTERS: Gate = _named
+
+
 @dataclass(frozen=True, eq=False)
 class Steering:
     """u = reference − K x̂, x̂ the estimate of the filter named `by`, clipped to ±u_max (m,)."""
@@ -27,6 +37,9 @@ class Steering:
     by: str
     gain: np.ndarray
     u_max: np.ndarray
+
+    def __post_init__(self) -> None:
+        passed(self, by=NAME, gain=matrix("m n"), u_max=array("m", infinite=True))
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +60,12 @@ class Experiment:
     filters: Mapping[str, NonlinearFilter]
     steering: Steering | None = None
     kicks: tuple[tuple[int, np.ndarray], ...] = ()
+
+    def __post_init__(self) -> None:
+        passed(self, flow=FUNCTION, output=FUNCTION, x0=array("n N"), start=instance(Beliefs), inputs=array("k m"), Q=covariance("n"),
+               R=covariance(), filters=_FILTERS, steering=optional(instance(Steering)), kicks=items(pair(count(), vector("n"))))
+        if self.steering is not None and self.steering.by not in self.filters:
+            raise EngineError("There is no filter called {name} to steer by.", name=self.steering.by)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +176,11 @@ def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
 
     States are brought to unit variance first, so that units do not matter.
     """
-    P = np.broadcast_to(P, (*e.shape, e.shape[-1]))
+    try:
+        P = np.broadcast_to(P, (*e.shape, e.shape[-1]))
+    except ValueError as problem:
+        raise ShapeError("{name} must be {size}×{size}, or one such matrix a sample; its shape is {array_shape}.",
+                         name="P", size=e.shape[-1], array_shape=P.shape) from problem
     spread = np.sqrt(np.maximum(np.diagonal(P, axis1=-2, axis2=-1), 1e-300))
     correlation = P / (spread[..., :, None] * spread[..., None, :])
     scaled = (e / spread)[..., None]

@@ -9,8 +9,9 @@ from typing import TypeVar, overload
 
 import numpy as np
 
-from ..systems.arrays import as_covariance
+from ..systems.arrays import as_covariance, as_numbers
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import FUNCTION, RECORD, array, covariance, gated, instance, passed
 from ..systems.jacobian import Map, values_of
 from .belief import Belief, Beliefs, Correction, Corrections
 from .kalman import gain_of
@@ -18,6 +19,7 @@ from .track import Schedule, Track, as_record
 
 __all__ = ["Expected", "NonlinearFilter"]
 
+_BELIEF, _INPUT = instance(Belief, Beliefs), array()
 B = TypeVar("B", Belief, Beliefs)
 
 
@@ -47,9 +49,7 @@ class NonlinearFilter(ABC):
     R: np.ndarray
 
     def __post_init__(self) -> None:
-        for name in ("Q", "R"):
-            size = len(np.atleast_2d(np.asarray(getattr(self, name), dtype=float)))
-            object.__setattr__(self, name, as_covariance(getattr(self, name), name, size))
+        passed(self, f=FUNCTION, h=FUNCTION, Q=covariance(), R=covariance())
 
     @property
     def n(self) -> int:
@@ -79,6 +79,7 @@ class NonlinearFilter(ABC):
         raise EngineError("{name} needs more than the images of points; call predict.", name=type(self).__name__)
 
     # --- one step ------------------------------------------------------------------------------------------------------
+    @gated(belief=_BELIEF, u=_INPUT)
     def predict(self, belief: B, u: object = ()) -> B:
         """The belief one step later, before its measurement."""
         self._check(belief)
@@ -93,8 +94,8 @@ class NonlinearFilter(ABC):
     def correct(self, belief: Beliefs, y: object, u: object = ()) -> Corrections: ...
     def correct(self, belief: Belief | Beliefs, y: object, u: object = ()) -> Correction | Corrections:
         """The measurement y taken in: x̂ + M (y − ŷ), M = P_xy S⁻¹."""
+        belief, y, u = _BELIEF(belief, "belief", {}), RECORD(y, "y", {}), _INPUT(u, "u", {})
         self._check(belief)
-        y = np.asarray(y, dtype=float)
         y = y.reshape(-1) if isinstance(belief, Belief) else y
         expected = self.expected(belief, _column(belief, u))
         self._check_measurement(belief, y, expected.mean)
@@ -112,8 +113,9 @@ class NonlinearFilter(ABC):
     # --- a record ------------------------------------------------------------------------------------------------------
     def run(self, start: Belief, y: object, u: object | None = None) -> Track:
         """A record y (n_t, p) with the inputs u (n_t, m) filtered; `start` is the belief before the first measurement."""
-        y = as_record(y, "y", self.p)
-        inputs = np.zeros((len(y), 0)) if u is None else np.asarray(u, dtype=float)
+        _checked(start)
+        y = as_record(RECORD(y, "y", {}), "y", self.p)
+        inputs = np.zeros((len(y), 0)) if u is None else as_numbers(u, "u")
         if u is not None:
             inputs = as_record(inputs, "u", inputs.shape[1] if inputs.ndim == 2 else 1, rows=len(y))
         prior, rows = start, []
@@ -149,6 +151,11 @@ class NonlinearFilter(ABC):
                              rows=expected.shape[0], columns=expected.shape[1], y_shape=y.shape, count=self.p)
         if np.isinf(y).any():
             raise EngineError("A measurement is infinite; give NaN where none arrived.")
+
+
+def _checked(start: Belief) -> None:
+    """What begins a record is a covariance; rounding and lesser algorithms may spoil it only later."""
+    as_covariance(instance(Belief)(start, "start", {}).covariance, "P", start.mean.size)
 
 
 def _column(belief: Belief | Beliefs, u: object) -> np.ndarray:

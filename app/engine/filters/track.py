@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.errors import EngineError, ShapeError
+from ..systems.arrays import as_numbers
+from ..systems.errors import ShapeError
 from ..systems.scan import affine_scan
 from .belief import Belief
 
@@ -99,17 +100,12 @@ def as_record(value: object, name: str, columns: int, *, rows: int | None = None
     """
     if value is None:
         return np.zeros((rows or 0, columns))
-    try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError) as problem:
-        raise EngineError("{name} must be an array of real numbers.", name=name) from problem
+    array = np.array(as_numbers(value, name, missing=True), dtype=float)
     if array.ndim == 1 and columns == 1:
         array = array[:, None]
     if array.ndim != 2 or array.shape[1] != columns or len(array) == 0 or len(array) != (rows or len(array)):
         raise ShapeError("{name} must be {value}×{columns}, one row a sample; its shape is {array_shape}.",
                          name=name, value=rows or "n_t", columns=columns, array_shape=array.shape)
-    if np.isinf(array).any():
-        raise EngineError("{name} holds infinity; cut the record where it diverged.", name=name)
     return array
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ..systems.arrays import symmetric
+from ..systems.gates import number, passed
 from .belief import Belief, Beliefs
 from .nonlinear import Expected, NonlinearFilter
 from .sigma_points import centred, check_spread, roots, sigma_points, sigma_weights
@@ -37,6 +38,7 @@ class UnscentedKalmanFilter(NonlinearFilter):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        passed(self, alpha=number(), beta=number(), kappa=number())
         check_spread(self.n, self.alpha, self.beta, self.kappa)
 
     @cached_property

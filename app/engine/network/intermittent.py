@@ -17,6 +17,7 @@ from scipy.linalg import schur, solve_discrete_lyapunov
 
 from ..systems.arrays import as_covariance, symmetric
 from ..systems.errors import EngineError, RiccatiError, ShapeError
+from ..systems.gates import SHARE, gated
 from ..systems.plant import as_matrix
 
 __all__ = [
@@ -56,6 +57,7 @@ class CriticalLoss:
         """Whether the two bounds agree."""
         return self.lost - self.safe <= 1e-12
 
+    @gated(loss=SHARE)
     def bounded(self, loss: float) -> bool | None:
         """Whether the mean covariance stays bounded at this loss, None where neither the bounds nor theory decides."""
         edge = self.safe if self.critical is None else self.critical

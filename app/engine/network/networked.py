@@ -12,6 +12,7 @@ import numpy as np
 
 from ..systems.arrays import as_covariance, symmetric
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import SEED, choice, count, covariance, instance, matrix, optional, passed
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from .intermittent import measured, riccati_step
@@ -58,20 +59,15 @@ class NetworkScenario:
     seed: int = 0
 
     def __post_init__(self) -> None:
+        passed(self, plant=instance(Plant), K=matrix(), Q=covariance("n"), R=covariance("p"), P0=covariance("n"), x0=matrix(),
+               steps=count(1, 1_000_000, beside="n n"), sensor=instance(Link), actuator=instance(Link), on_loss=choice("hold", "zero"),
+               told=choice("asked", "applied"), order=choice("stamped", "arrival"), ahead=count(), jumps=optional(matrix()), seed=SEED)
         plant = self.plant
         if not plant.dt or np.any(plant.D):
             raise EngineError("A loop over packets needs a sampled plant (dt > 0) without direct feedthrough D.")
-        if any(not isinstance(count, (int, np.integer)) for count in (self.steps, self.ahead)) or self.steps < 1 or self.ahead < 0:
-            raise EngineError("A run needs a whole number of samples, at least one, and the controller cannot "
-                              "look back.")
         if self.ahead > self.actuator.latest:
             raise EngineError("The controller cannot predict farther than the delay, where no input asked for is "
                               "under way; predict less far.")
-        for name, value, allowed in (("on_loss", self.on_loss, ("hold", "zero")), ("told", self.told, ("asked", "applied")),
-                                     ("order", self.order, ("stamped", "arrival"))):
-            if value not in allowed:
-                raise EngineError("{name} must be \"{allowed}\" or \"{allowed2}\".",
-                                  name=name, allowed=allowed[0], allowed2=allowed[1])
         n, m = plant.n, plant.m
         K = as_matrix(self.K, "K")
         x0 = as_matrix(self.x0, "x0").ravel()
@@ -182,6 +178,9 @@ def network_meter(run: NetworkRun, *, promised: np.ndarray | None = None) -> flo
     `promised` (N, n) is that of `promised_error`, if it is already there.
     """
     promised = promised_error(run) if promised is None else promised
+    if promised.shape != run.e.shape:
+        raise ShapeError("{name} must be {must}; it is {it_is}.", name="promised", must="×".join(map(str, run.e.shape)),
+                         it_is="×".join(map(str, promised.shape)))
     gap, size, state = (float(np.linalg.norm(v, axis=1).max()) for v in (run.e - promised, promised, run.x))
     if gap <= ROUNDING * state:
         return 0.0

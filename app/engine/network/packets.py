@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..systems.errors import EngineError
+from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import GENERATOR, SHARE, count, gated, passed
 
 __all__ = ["Link"]
 
@@ -29,9 +30,8 @@ class Link:
     jitter: int = 0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.loss <= 1:
-            raise EngineError("A loss is a probability: choose it within 0 … 1.")
-        if not all(isinstance(late, (int, np.integer)) and late >= 0 for late in (self.delay, self.jitter)) or self.latest > LATEST:
+        passed(self, loss=SHARE, delay=count(), jitter=count())
+        if self.latest > LATEST:
             raise EngineError("Delay and jitter are whole numbers of samples ≥ 0, together at most {latest}.",
                               latest=LATEST)
 
@@ -40,6 +40,7 @@ class Link:
         """The longest delay in samples."""
         return self.delay + self.jitter
 
+    @gated(steps=count(0, 10_000_000), rng=GENERATOR)
     def draw(self, steps: int, rng: np.random.Generator) -> np.ndarray:
         """The sample at which each packet arrives (steps,), −1 if it is lost.
 
@@ -52,6 +53,8 @@ class Link:
 
 def age_of(arrivals: np.ndarray) -> np.ndarray:
     """How many samples old the newest packet is that has arrived by each sample (N,); k + 1 where none has."""
+    if arrivals.ndim != 1:
+        raise ShapeError("{name} must have one dimension, not {ndim}.", name="arrivals", ndim=arrivals.ndim)
     newest = np.full(len(arrivals), LOST)
     for j, k in enumerate(arrivals):
         if LOST < k < len(arrivals):

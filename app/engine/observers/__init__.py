@@ -1,29 +1,40 @@
 """Observers beyond Luenberger's: functional, robust, bilinear, with unknown inputs, banks for faults."""
 
-from .bilinear import BilinearForm, BilinearObserver, BilinearPlant, bilinear_functional_observer
-from .bilinear_run import BilinearRun, simulate_bilinear
-from .fault_bank import FaultBank, ResidualGenerator, isolate, residual_generator
-from .functional import FunctionalObserver, functional_observer
-from .functional_loop import (
-    FunctionalRun,
+from .bilinear import BilinearForm, BilinearObserver, BilinearPlant
+from .bilinear_run import BilinearRun
+from .door import (
+    alarm_probability,
+    bilinear_functional_observer,
+    binomial_band,
+    criterion,
+    decoupling,
     error_index,
     error_transfer,
-    peak_gain,
-    perturbed_loop,
-    simulate_functional,
-    worst_error_gain,
-)
-from .perturbation import Norm, Perturbations, criterion, every_entry, perturbations, vertices
-from .residual_threshold import (
-    alarm_probability,
-    binomial_band,
+    every_entry,
+    functional_observer,
+    isolate,
     needed_noncentrality,
+    peak_gain,
+    perturbations,
+    perturbed_loop,
+    residual_generator,
     residual_threshold,
+    rlo,
+    rlo_steps,
+    simulate_bilinear,
+    simulate_functional,
+    unknown_input_observer,
+    vertices,
     window_energy,
     window_mean,
+    worst_error_gain,
 )
-from .rlo import Attempt, Region, RobustObserver, rlo, rlo_steps
-from .unknown_input import Decoupling, UnknownInputObserver, decoupling, unknown_input_observer
+from .fault_bank import FaultBank, ResidualGenerator
+from .functional import FunctionalObserver
+from .functional_loop import FunctionalRun
+from .perturbation import Norm, Perturbations
+from .rlo import Attempt, Region, RobustObserver
+from .unknown_input import Decoupling, UnknownInputObserver
 
 __all__ = [
     "Attempt",

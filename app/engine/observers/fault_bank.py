@@ -16,6 +16,7 @@ from ..structure.decomposition import unobservable_subspace
 from ..systems.arrays import symmetric
 from ..systems.balance import balance, without_dust
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import COMPLEX, GENERATOR, RECORD, array, gated, optional
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
@@ -150,6 +151,7 @@ class FaultBank:
         direct = np.vstack([m.whiten @ np.hstack([-m.M, m.N]) for m in self.members])
         return Plant(F, enter, read, direct, self.model.dt or 1.0)
 
+    @gated(x0=array(), rng=optional(GENERATOR))
     def start(self, x0: object, rng: np.random.Generator | None = None) -> np.ndarray:
         """States of the block system for the true state x0 (n,): exact, or with errors drawn from each steady covariance.
 
@@ -162,6 +164,7 @@ class FaultBank:
         xi = np.zeros(self.model.n) if rng is None else rng.standard_normal(self.model.n)
         return np.concatenate([m.project @ x - root(m.P) @ xi[:m.size] for m in self.members])
 
+    @gated(y=RECORD, u=array(), start=array())
     def run(self, y: object, u: object, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residuals (n_t, members, q) and states (n_t, N) for records y (n_t, p), u (n_t, m).
 
@@ -169,12 +172,14 @@ class FaultBank:
         """
         s, y = self.system, as_record(y, "y", len(self.model.C))
         known = np.hstack([as_record(u, "u", self.model.B.shape[1], rows=len(y)), y])
+        start = np.ravel(start)
         if np.size(start) != s.n:
             raise ShapeError("The start must have {n} entries; it has {start}.", n=s.n, start=np.size(start))
         states = held_scan(s.A, s.B, known[:-1], start)
         residuals = states @ s.C.T + known @ np.asarray(s.D).T
         return residuals.reshape(len(known), len(self.members), self.dof), states
 
+    @gated(z=COMPLEX)
     def response(self, z: complex) -> np.ndarray:
         """What a fault zᵏ adds to the residuals, (members, q, p + m): of each sensor, then of each input (missing part).
 

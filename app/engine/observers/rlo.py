@@ -10,6 +10,7 @@ import numpy as np
 
 from ..structure.coprime import CoprimeFactors, coprime_factors
 from ..systems.errors import EngineError, PoleError
+from ..systems.gates import number, passed, real
 from ..systems.plant import Plant
 from .directions import seen_rows
 from .family import Family
@@ -30,6 +31,10 @@ class Region:
     re_high: float
     im_low: float = 0.0
     im_high: float = 0.0
+
+    def __post_init__(self) -> None:
+        bound = number(infinite=True)
+        passed(self, re_low=bound, re_high=bound, im_low=bound, im_high=bound)
 
 
 @dataclass(frozen=True)
@@ -177,7 +182,7 @@ class _Task:
         def value(theta: np.ndarray) -> float:
             point = self.inside(family, theta, low, high)
             J = family.J(point)
-            return J if self.measure is None or not np.isfinite(J) else self.measure(self.observer(family, point))
+            return J if self.measure is None or not np.isfinite(J) else real(self.measure(self.observer(family, point)), "measure")
 
         if family.size == 1 and not family.thin:
             at, best = kinked_line(value, low[0], high[0])

@@ -11,6 +11,7 @@ from ..design.placement import observer_gain
 from ..systems.arrays import definite, frozen, solve_even, symmetric
 from ..systems.balance import UNLIKE, balance, without_dust
 from ..systems.errors import EngineError, Phrase, PoleError, ShapeError, phrase
+from ..systems.gates import gated, instance, matrix
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
 from ..systems.zeros import invariant_zeros
@@ -65,6 +66,7 @@ class UnknownInputObserver:
     conditions: Decoupling
     plant: Plant
 
+    @gated(plant=instance(Plant), E=matrix("n d"))
     def residuals(self, plant: Plant, E: object) -> tuple[float, float, float]:
         """How far the three conditions are missed, relative to their terms: T + H C = I, T E = 0, T A = F T + K C.
 

@@ -1,12 +1,27 @@
 """Loops with sampled controllers and real hardware, one run or many."""
 
-from .hardware import Hardware, coil_driver
-from .lqg_sampled import SampledLqg, SampledRun, sampled_cost, sampled_lqg
-from .monte_carlo import MonteCarlo, simulate_trials, welch_expectation
-from .sampled_control import SampledController, recursive_controller, sampled_controller
-from .sampled_loop import SampledLoop, sampled_loop, thin_root
-from .sampled_spectrum import MechanicsResponse, loop_density, mechanics_response
-from .trial import ResponseMeasures, Trial, response_measures, simulate_trial
+from .door import (
+    coil_driver,
+    loop_density,
+    mechanics_response,
+    recursive_controller,
+    response_measures,
+    sampled_controller,
+    sampled_cost,
+    sampled_loop,
+    sampled_lqg,
+    simulate_trial,
+    simulate_trials,
+    thin_root,
+    welch_expectation,
+)
+from .hardware import Hardware
+from .lqg_sampled import SampledLqg, SampledRun
+from .monte_carlo import MonteCarlo
+from .sampled_control import SampledController
+from .sampled_loop import SampledLoop
+from .sampled_spectrum import MechanicsResponse
+from .trial import ResponseMeasures, Trial
 
 __all__ = [
     "Hardware",

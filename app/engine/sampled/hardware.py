@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..systems.errors import EngineError
+from ..systems.gates import number, passed
 from ..systems.plant import Plant
 
 __all__ = ["Hardware", "coil_driver"]
@@ -31,8 +32,8 @@ class Hardware:
     delay: float = 0.0
 
     def __post_init__(self) -> None:
-        if any(np.isnan(getattr(self, field.name)) for field in fields(self)):
-            raise EngineError("A size of the hardware is NaN; give a number, or leave it out.")
+        size = number(infinite=True)
+        passed(self, limit=size, bandwidth=size, order=size, walk=size, ramp=size, step=size, delay=size)
         if not self.limit > 0 or not self.bandwidth > 0:
             raise EngineError("A coil needs a limit above 0 N and its driver a bandwidth above 0 Hz.")
         if self.order not in (1, 2):

@@ -15,6 +15,7 @@ from ..filters.kalman import KalmanFilter
 from ..filters.track import Schedule
 from ..systems.arrays import as_covariance
 from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import SEED, array, count, gated, instance, matrix, optional
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.scan import affine_scan
@@ -62,13 +63,17 @@ class SampledLqg:
         """
         return compensator(self.plant, self.K, self.filter.steady.predictor_gain)
 
+    @gated(M=matrix())
     def controller_with(self, M: np.ndarray) -> Plant:
         """The compensator with a filter gain M (n×p) frozen at one instant of the recursive filter."""
         p, K = self.plant, self.K
+        if M.shape != (p.n, p.p):
+            raise ShapeError("{name} must be {must}; it is {it_is}.", name="M", must=f"{p.n}×{p.p}", it_is=f"{M.shape[0]}×{M.shape[1]}")
         keep, step = np.eye(p.n) - M @ p.C, p.A - p.B @ K
         return Plant(step @ keep, step @ M, -K @ keep, -K @ M, p.dt, tuple(f"{s}_hat" for s in p.state_names),
                      p.output_names, p.input_names, name=f"sampled compensator of {p.name}".strip())
 
+    @gated(process=matrix(), readings=matrix())
     def loop(self, *, process: object | None = None, readings: object | None = None) -> NoisyLoop:
         """The loop with the steady filter under white noise: covariances of a step (n×n) and of a reading (p×p).
 
@@ -78,10 +83,12 @@ class SampledLqg:
                           self.filter.Q if process is None else process,
                           V=self.filter.R if readings is None else readings)
 
+    @gated(steps=count(1, 1_000_000))
     def schedule(self, P0: object, steps: int) -> Schedule:
         """Gains of the recursive filter (Joseph's form) over `steps` samples, from the covariance P0 of x̂⁻[0]."""
         return self.filter.schedule(Belief(np.zeros(self.plant.n), as_covariance(P0, "P0", self.plant.n)), steps)
 
+    @gated(steps=count(0, 1_000_000), seed=SEED)
     def draw(self, steps: int, seed: int, *, process: object | None = None,
              readings: object | None = None) -> tuple[np.ndarray, np.ndarray]:
         """White noise of a seed: jumps of the state (steps, n) and noise of the readings (steps, p).
@@ -93,6 +100,7 @@ class SampledLqg:
         v = self.filter.R if readings is None else as_covariance(readings, "readings", self.plant.p)
         return (for_w.standard_normal((steps, len(w))) @ root(w).T, for_v.standard_normal((steps, len(v))) @ root(v).T)
 
+    @gated(x0=array(), w=matrix(), v=matrix(), gains=optional(instance(Schedule)), xhat0=array(), truth=instance(Plant))
     def run(self, x0: object, w: np.ndarray, v: np.ndarray, *, gains: Schedule | None = None,
             xhat0: object | None = None, truth: Plant | None = None) -> SampledRun:
         """The loop from x0 and the prediction xhat0 (default zero) under jumps w (n_t, n) and reading noise v (n_t, p).

@@ -64,6 +64,8 @@ def simulate_trials(loop: SampledLoop, runs: int, seconds: float, seed: int, *, 
         raise EngineError("A Monte-Carlo needs at least one run, and a segment of 8 samples that is not longer "
                           "than a run.")
     signals = len(loop.outputs) + loop.U.shape[1]
+    if steps * signals > MOST:
+        raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
     if min(together, runs) * steps * signals > MOST:
         together = max(1, MOST // (steps * signals))
     start, sums, done = thin_root(loop.covariance), _Sums(length // 2 + 1, signals), 0

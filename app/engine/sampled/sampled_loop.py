@@ -11,8 +11,9 @@ import numpy as np
 from scipy.linalg import solve_discrete_lyapunov
 
 from ..feedback.loop_spectrum import NoisyLoop
-from ..systems.arrays import as_covariance, frozen, symmetric
+from ..systems.arrays import LARGEST, as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates import count, gated
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.scan import step_matrices
@@ -67,8 +68,11 @@ class SampledLoop:
         """Samples for which the controller still changes."""
         return len(self.F) - 1
 
+    @gated(k=count(-LARGEST))
     def closed(self, k: int = -1) -> np.ndarray:
         """The step w⁺ = F_c w of the loop as long as nothing clips or rounds, N×N; at sample k, by default the last."""
+        if not -len(self.F) <= k < len(self.F):
+            k = -1
         return self.F[k] + self.F_m[k] @ self.Y + self.F_s[k] @ (self.U[k] + self.T[k] @ self.Y)
 
     @cached_property
@@ -222,6 +226,8 @@ class _Mechanics:
 
 def thin_root(Q: np.ndarray) -> np.ndarray:
     """R (N×r) with R Rᵀ = Q to rounding and no more columns than it takes, for covariances of unequal units."""
+    if not len(Q):
+        return np.zeros((0, 0))
     spread = np.sqrt(np.maximum(np.diag(Q), 0.0))
     divisor = np.where(spread > 0, spread, 1.0)
     values, vectors = np.linalg.eigh(Q / np.outer(divisor, divisor))

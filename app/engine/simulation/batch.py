@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from ..systems.errors import ShapeError, phrase
 from .disturbance import disturbances
 from .loop import Loop, ramped
 from .saturation import ROUNDING, TERMS, Mode, Switcher, bounds
@@ -24,6 +25,9 @@ def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarr
     array belongs to the caller; a row set to zero by the caller runs on from zero.
     """
     s = scenario
+    if starts.shape[1] != s.plant.n + s.model.n:
+        raise ShapeError("{name} must have {length} entries; it has {vector_size}.",
+                         name=phrase("A start"), length=s.plant.n + s.model.n, vector_size=starts.shape[1])
     loop = loop_of(s)
     d = disturbances(s, loop)
     Z = starts + (d.z0 - np.concatenate([s.x0, s.xhat0]))  # impulses at t = 0

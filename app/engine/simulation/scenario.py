@@ -7,14 +7,18 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..systems.arrays import as_covariance, frozen
+from ..systems.arrays import as_covariance, as_numbers, frozen
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.gates import ANY, BOOLEAN, MOST_NUMBERS, SEED, choice, gated, instance, items, matrix, number, optional, pair, passed, real
 from ..systems.plant import Plant, as_matrix
 
 __all__ = ["Run", "Scenario"]
 
 Given = Any  # an array after construction, whatever was given
-MOST_NUMBERS = 40_000_000  # state numbers in one run; 320 MB
+_MAYBE = optional(matrix())
+GATES = {"plant": instance(Plant), "K": _MAYBE, "L": _MAYBE, "model": optional(instance(Plant)), "x0": _MAYBE, "xhat0": _MAYBE,
+         "sampled": BOOLEAN, "reference": _MAYBE, "state_feedback": BOOLEAN, "fed": choice("applied", "commanded"), "W": _MAYBE,
+         "V": _MAYBE, "G": _MAYBE, "seed": SEED, "impulses": items(pair(ANY, matrix()))}
 
 
 def _matrix(value: object, name: str, shape: tuple[int, int], what: str) -> np.ndarray:
@@ -36,19 +40,16 @@ def _vector(value: object, name: str, length: int) -> np.ndarray:
 
 def _limit(value: Any, name: str, m: int, none: float) -> np.ndarray:
     try:
-        limit = np.array(np.broadcast_to(np.asarray(none if value is None else value, dtype=float), (m,)))
-    except (TypeError, ValueError) as problem:
+        limit = np.array(np.broadcast_to(as_numbers(none if value is None else value, name, infinite=True), (m,)))
+    except ValueError as problem:
+        if isinstance(problem, EngineError):
+            raise
         raise ShapeError("{name} must be one number or {m} numbers, one for each input.", name=name, m=m) from problem
-    if np.any(np.isnan(limit)):
-        raise EngineError("{name} holds NaN; give a number, or leave the limit out.", name=name)
     return frozen(limit)
 
 
 def _positive(value: Any, name: str, zero_allowed: bool = False) -> float:
-    try:
-        number = float(value)
-    except (TypeError, ValueError) as problem:
-        raise EngineError("{name} must be a number of seconds.", name=name) from problem
+    number = real(value, name)
     if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
         if zero_allowed:
             raise EngineError("{name} must be a non-negative number of seconds.", name=name)
@@ -100,6 +101,7 @@ class Scenario:
     n_t: int = field(init=False, default=0)
 
     def __post_init__(self) -> None:
+        passed(self, **GATES)
         plant = self.plant
         model = plant if self.model is None else self.model
         if (model.m, model.p) != (plant.m, plant.p):
@@ -118,18 +120,23 @@ class Scenario:
         if horizon / dt * (plant.n + model.n) > MOST_NUMBERS:
             raise EngineError("{horizon:.3g} steps are too many for one run; lengthen dt or shorten the horizon.",
                               horizon=horizon / dt)
-        if self.fed not in ("applied", "commanded"):
-            raise EngineError("fed must be \"applied\" or \"commanded\".")
         if self.state_feedback and model.n != plant.n:
             raise ShapeError("State feedback needs a gain for the plant's own states: model and plant differ in "
                              "order.")
+        delay = _positive(self.delay, phrase("The delay"), zero_allowed=True)
+        if delay > horizon:
+            raise EngineError("The delay ({delay:g} s) is longer than the horizon ({horizon:g} s); shorten it.",
+                              delay=delay, horizon=horizon)
+        if abs(delay / dt - round(delay / dt)) > 1e-6 * max(1.0, delay / dt):
+            raise EngineError("The delay must be a whole number of steps; choose {near:.6g} s instead of {delay:.6g} s.",
+                              near=dt * round(delay / dt), delay=delay)
         n_t = round(horizon / dt) + 1
         u_min, u_max = _limit(self.u_min, "u_min", plant.m, -np.inf), _limit(self.u_max, "u_max", plant.m, np.inf)
         if np.any(u_min >= u_max):
             raise EngineError("u_min must lie below u_max for every input.")
         values = {
             "model": model, "horizon": horizon, "dt": dt, "n_t": n_t, "u_min": u_min, "u_max": u_max,
-            "delay": _positive(self.delay, phrase("The delay"), zero_allowed=True),
+            "delay": delay,
             "K": _matrix(np.zeros((plant.m, model.n)) if self.K is None else self.K, "K", (plant.m, model.n), "m×n"),
             "L": _matrix(np.zeros((model.n, plant.p)) if self.L is None else self.L, "L", (model.n, plant.p), "n×p"),
             "x0": _vector(self.x0, "x0", plant.n), "xhat0": _vector(self.xhat0, "xhat0", model.n),
@@ -213,6 +220,7 @@ class Run:
     diverged_at: float | None
     saturated: bool
 
+    @gated(time=number(-1e9, 1e9))
     def index(self, time: float) -> int:
         """The grid point at or just before `time`, kept inside the run."""
         return int(np.clip(np.floor(time / self.scenario.dt + 1e-9), 0, len(self.t) - 1))

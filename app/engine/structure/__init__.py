@@ -1,27 +1,34 @@
 """What a plant is made of: observability, controllability, decomposition, Gramians, dominance."""
 
-from .analysis import Controllability, Mode, Observability, controllability, observability
-from .canonise import Canonisation, canonise, canonise_right
-from .coprime import CoprimeFactors, coprime_factors
-from .decomposition import (
-    KalmanDecomposition,
-    kalman_decomposition,
-    reachable_subspace,
-    unobservable_subspace,
-)
-from .dominance import Dominance, dominance, dominance_of, relative_gains
-from .gramian import (
-    Gramians,
-    StableSplit,
-    Truncation,
+from .analysis import Controllability, Mode, Observability
+from .canonise import Canonisation
+from .coprime import CoprimeFactors
+from .decomposition import KalmanDecomposition
+from .dominance import Dominance
+from .door import (
     balanced_truncation,
+    best_mixing,
+    canonise,
+    canonise_right,
+    controllability,
+    coprime_factors,
+    coupling,
+    dominance,
+    dominance_of,
     gramians,
     hankel_singular_values,
+    kalman_decomposition,
+    mixing_matrix,
+    observability,
     observability_gramian,
     reachability_gramian,
+    reachable_subspace,
+    relative_gains,
     split_stable,
+    unobservable_subspace,
 )
-from .mixing import Coupling, Mixing, best_mixing, coupling, mixing_matrix
+from .gramian import Gramians, StableSplit, Truncation
+from .mixing import Coupling, Mixing
 
 __all__ = [
     "Canonisation",

@@ -87,7 +87,7 @@ def relative_gains(response: object) -> np.ndarray:
     where G is singular. Source: Bristol, "On a new measure of interaction for multivariable process control" (1966).
     """
     G = np.asarray(response)
-    if G.ndim < 2 or G.shape[-1] != G.shape[-2]:
+    if G.ndim < 2 or G.shape[-1] != G.shape[-2] or not G.size:
         raise ShapeError("Relative gains are defined for square matrices; take as many inputs as outputs.")
     if not np.isfinite(G).all():
         raise EngineError("The response is not finite; leave out frequencies that lie on a pole.")

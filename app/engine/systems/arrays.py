@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sized
+from numbers import Real
+
 import numpy as np
 
 from .errors import EngineError, ShapeError
 
-__all__ = ["as_covariance", "as_definite", "as_matrix", "as_weight", "correlations", "definite", "frozen",
+__all__ = ["as_covariance", "as_definite", "as_matrix", "as_numbers", "as_weight", "correlations", "definite", "frozen",
            "solve_even", "symmetric"]
 
 ASYMMETRY = 1e-9  # beside the roots of the diagonal entries; below ROUNDING of the largest entry nothing is said of it
@@ -15,30 +18,68 @@ NEGATIVE = 1e-9  # how far below zero rounding may push an eigenvalue of the cor
 LARGEST = 10_000_000  # entries of one matrix
 
 
+def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bool = False,
+               infinite: bool = False) -> np.ndarray:
+    """Numbers in an array of any shape, floats or complex; finite, but NaN where a value is `missing` if that may be.
+
+    Masked entries are missing ones. Raises EngineError with `name` in it for text, dates, ragged lists, imaginary parts
+    (unless `imaginary`), masked or NaN entries (unless `missing`) and infinity (unless `infinite`), ShapeError for more entries than memory
+    should hold.
+    """
+    if isinstance(value, np.ma.MaskedArray):
+        value = _unmasked(value, name, missing)
+    count = value.size if isinstance(value, np.ndarray) else len(value) if isinstance(value, Sized) else 1
+    if count > LARGEST:
+        raise ShapeError("{name} has more than {largest:.0e} entries; give a smaller matrix.", name=name, largest=LARGEST)
+    array = _plain(value, name)
+    if array.dtype.kind == "c" and not imaginary:
+        if array.imag.any():
+            raise EngineError("{name} has imaginary parts; every entry must be a real number.", name=name)
+        array = array.real
+    if imaginary:
+        array = array.astype(complex, copy=False)
+    elif array.dtype.kind != "f":  # floats keep their precision
+        array = array.astype(float)
+    fine = ~np.isnan(array) if infinite else np.isfinite(array)
+    if not (fine | np.isnan(array) if missing else fine).all():
+        if missing:
+            raise EngineError("{name} holds infinity; cut the record where it diverged.", name=name)
+        raise EngineError("{name} holds NaN or infinity; every entry must be a finite number.", name=name)
+    return array
+
+
+def _unmasked(value: np.ma.MaskedArray, name: str, missing: bool) -> np.ndarray:
+    if not np.ma.is_masked(value):
+        return value.data
+    if not missing or value.dtype.kind not in "fiub":
+        raise EngineError("{name} has masked entries; every entry must be a finite number.", name=name)
+    return value.astype(float).filled(np.nan)
+
+
+def _plain(value: object, name: str) -> np.ndarray:
+    """The array that a value is, of booleans, integers, floats or complex numbers."""
+    if isinstance(value, np.ndarray) and value.dtype.kind in "fiubc":
+        return value
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind == "O" and all(isinstance(v, Real) for v in array.flat):  # fractions, integers beyond 64 bits
+            array = array.astype(float)
+    except (TypeError, ValueError, OverflowError) as problem:
+        raise EngineError("{name} must be a matrix of real numbers.", name=name) from problem
+    if array.dtype.kind not in "fiubc":
+        raise EngineError("{name} must be a matrix of real numbers.", name=name)
+    return array
+
+
 def as_matrix(value: object, name: str) -> np.ndarray:
     """A finite, read-only, two-dimensional float array; `name` is used in the error sentence.
 
     Raises EngineError for text, ragged lists, imaginary parts, masked, NaN or infinite entries; ShapeError for others
     than two dimensions.
     """
-    if np.ma.is_masked(value):
-        raise EngineError("{name} has masked entries; every entry must be a finite number.", name=name)
-    if np.size(value) > LARGEST if isinstance(value, np.ndarray) else False:
-        raise ShapeError("{name} has more than {largest:.0e} entries; give a smaller matrix.",
-                         name=name, largest=LARGEST)
-    try:
-        if isinstance(value, np.ndarray) and value.dtype.kind == "c":
-            value = value if np.any(value.imag) else value.real
-            value = value.tolist()  # NumPy drops the imaginary parts of an array, but not those of a list
-        if (isinstance(value, np.ndarray) and value.dtype.kind in "SUmM") or isinstance(value, str | bytes):
-            raise TypeError
-        matrix = np.array(value, dtype=float, ndmin=2)
-    except (TypeError, ValueError, OverflowError) as problem:
-        raise EngineError("{name} must be a matrix of real numbers.", name=name) from problem
+    matrix = np.array(as_numbers(value, name), dtype=float, ndmin=2)
     if matrix.ndim != 2:
         raise ShapeError("{name} must have two dimensions, not {ndim}.", name=name, ndim=matrix.ndim)
-    if not np.all(np.isfinite(matrix)):
-        raise EngineError("{name} holds NaN or infinity; every entry must be a finite number.", name=name)
     matrix.setflags(write=False)  # the layout stays: a plant and its dual are rounded alike
     return matrix
 

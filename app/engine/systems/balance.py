@@ -14,6 +14,7 @@ import numpy as np
 from scipy.linalg import eig, matrix_balance
 
 from .arrays import frozen
+from .errors import ShapeError
 
 __all__ = ["SLOWEST", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "stable_poles", "state_scale", "without_dust"]
 
@@ -68,6 +69,9 @@ def balance(A: np.ndarray, B: np.ndarray | None = None, C: np.ndarray | None = N
     B = np.zeros((n, 0)) if B is None else B
     C = np.zeros((0, n)) if C is None else C
     D = np.zeros((len(C), B.shape[1])) if D is None else D
+    if D.shape != (len(C), B.shape[1]):
+        raise ShapeError("D must be {rows}×{columns}; it is {rows2}×{columns2}.",
+                         rows=len(C), columns=B.shape[1], rows2=D.shape[0], columns2=D.shape[1])
     parts = tuple(np.ascontiguousarray(M, dtype=float) for M in (A, B, C, D))
     return _balance(*(part.tobytes() for part in parts), n, B.shape[1], len(C))
 

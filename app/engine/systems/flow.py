@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .errors import EngineError
+from .gates import FUNCTION, NAME, SECONDS, count, optional, passed
 from .jacobian import Map, slopes
 from .plant import Plant
 
@@ -27,8 +27,7 @@ class Flow:
     slope: Map | None = None
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.step) and self.step > 0 and self.parts >= 1):
-            raise EngineError("A flow needs a step longer than zero and at least one part.")
+        passed(self, rhs=FUNCTION, step=SECONDS, parts=count(1, 100_000), slope=optional(FUNCTION))
 
     def __call__(self, x: np.ndarray, u: np.ndarray) -> np.ndarray:
         """The states one step later, (n, N)."""
@@ -92,6 +91,9 @@ class NonlinearPlant:
     output: Map
     output_slope: Map
     name: str = ""
+
+    def __post_init__(self) -> None:
+        passed(self, n=count(), m=count(), p=count(), rhs=FUNCTION, slope=FUNCTION, output=FUNCTION, output_slope=FUNCTION, name=NAME)
 
     def flow(self, step: float, parts: int = 1) -> Flow:
         """The plant over one sampling step in s."""

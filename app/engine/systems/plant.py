@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,12 +16,25 @@ __all__ = ["Plant", "as_matrix"]
 
 
 def _names(given: Sequence[str] | None, letter: str, count: int, what: str) -> tuple[str, ...]:
+    if isinstance(given, str) or (given is not None and not isinstance(given, Iterable)):
+        raise EngineError("{name} must be a list.", name=phrase("Names"))
+    given = None if given is None else tuple(given)
+    if given and (isinstance(given, set) or not all(isinstance(word, str) for word in given)):
+        raise EngineError("The names must be a list of texts.")
     if not given:
         return tuple(f"{letter}{i + 1}" for i in range(count))
     if len(given) != count:
         raise ShapeError("There are {count} {what}s but {count2} {what} names; give one name each.",
                          count=count, what=what, count2=len(given))
     return tuple(str(name) for name in given)
+
+
+def _units(given: object) -> tuple[tuple[str, str], ...]:
+    pairs = given.items() if isinstance(given, Mapping) else given
+    listed = tuple(pairs) if isinstance(pairs, Iterable) and not isinstance(pairs, str) else (None,)
+    if any(not isinstance(pair, tuple | list) or len(pair) != 2 for pair in listed):
+        raise EngineError("The units must be pairs of a signal's name and its unit.")
+    return tuple((str(name), str(unit)) for name, unit in listed)  # type: ignore[misc]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,13 +80,15 @@ class Plant:
             dt = np.nan
         if not np.isfinite(dt) or dt < 0:
             raise EngineError("dt must be 0 (continuous time) or a positive sampling period in seconds.")
-        units = self.units.items() if isinstance(self.units, dict) else self.units
+        units = _units(self.units)
+        if not isinstance(self.name, str):
+            raise EngineError("{name} must be text.", name="name")
         for key, value in {
             "A": A, "B": B, "C": C, "D": D, "dt": dt,
             "state_names": _names(self.state_names, "x", n, phrase("state")),
             "input_names": _names(self.input_names, "u", B.shape[1], phrase("input")),
             "output_names": _names(self.output_names, "y", C.shape[0], phrase("output")),
-            "units": tuple((str(k), str(v)) for k, v in units),
+            "units": units,
         }.items():
             object.__setattr__(self, key, value)
 

@@ -249,7 +249,7 @@ def test_platform_lqg_has_named_margins_and_a_loop_stable_to_them():
     (lambda: loop_margins(DOYLE, np.zeros((2, 2))), "1 inputs and 1 outputs"),
     (lambda: loop_margins(DOYLE, Plant([[0.5]], [[1]], [[1]], dt=0.1)), "sampling period"),
     (lambda: loop_margins(Plant([[-1]], [[1]], [[1]], [[2]]), [[0.5]]), "ill-posed"),
-    (lambda: recover(DOYLE, [[4, 4]], 1, 1, -1), "not negative"),
+    (lambda: recover(DOYLE, [[4, 4]], 1, 1, -1), "at least 0"),
     (lambda: recover(discretise(DOYLE, 0.1), [[4, 4]], 1, 1, 1), "continuous"),
     (lambda: recover(DOYLE, [[4, 4]], 1, 1, 1, G=[[1]]), "G must have 2 rows"),
 ])

@@ -199,7 +199,7 @@ def test_the_critical_loss_is_known_where_modes_of_one_modulus_are_seen_apart(A:
 
 def test_a_loss_is_a_probability() -> None:
     for loss in (-0.1, 1.1, np.nan):
-        with pytest.raises(EngineError, match="probability"):
+        with pytest.raises(EngineError, match=r"loss|probability"):
             mean_bounds(*TWO, np.eye(2), loss, 3)
 
 
@@ -220,5 +220,5 @@ def test_a_blind_sensor_leaves_the_growth_of_the_plant() -> None:
 
 def test_a_record_of_packets_is_zeros_and_ones() -> None:
     for heard in ([0.0, np.nan], [2.0], 1.0):
-        with pytest.raises(EngineError, match="record of packets"):
+        with pytest.raises(EngineError, match=r"record of packets|heard"):
             intermittent_covariances(*TWO, np.eye(2), heard)

@@ -124,7 +124,7 @@ def test_a_very_fine_converter_is_not_taken_for_a_run_away() -> None:
 
 def test_lengths_without_sense_are_refused() -> None:
     for seconds, together in ((np.nan, 5), (np.inf, 5), (1.0, 0)):
-        with pytest.raises(EngineError, match="at least one run"):
+        with pytest.raises(EngineError, match=r"at least one run|finite number|from 1|above 0|at most"):
             next(simulate_trials(loop_of(), 3, seconds, 0, together=together))
-    with pytest.raises(EngineError, match="two samples"):
+    with pytest.raises(EngineError, match="from 2 to"):
         welch_expectation(loop_of(), 1)

@@ -192,7 +192,7 @@ def test_starts_kicks_and_rows_must_fit_and_be_finite() -> None:
         simulate_trial(loop, 9, disturbance=np.full((9, loop.Gamma.shape[1]), np.nan))
     for t, y, u in ((np.zeros(0), np.zeros(0), np.zeros((0, 1))), (np.arange(3.0), np.array([1, np.nan, 0]), np.zeros((3, 1))),
                     (np.arange(3.0), np.zeros(3), np.zeros(3))):
-        with pytest.raises(ShapeError, match="at least one sample"):
+        with pytest.raises(EngineError, match=r"at least one sample|NaN or infinity"):
             response_measures(t, y, u, 0.1)
 
 
@@ -200,5 +200,5 @@ def test_a_controller_pole_that_tustin_cannot_map_is_named() -> None:
     with pytest.raises(EngineError, match="2/dt = 40 rad/s"):
         sampled_controller(Plant([[40.0]], [[1.0]], [[1.0]]), 0.05)
     kf = KalmanFilter([[0.9]], [[1.0]], [[1.0]], 1.0, 1.0, dt=0.1)
-    with pytest.raises(EngineError, match="at least one sample"):
+    with pytest.raises(EngineError, match="from 1 to"):
         recursive_controller(kf, [[0.1]], Belief([0.0], [[1.0]]), 0)

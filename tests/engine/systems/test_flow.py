@@ -115,7 +115,7 @@ def test_the_pole_keeps_its_energy_without_friction():
 
 
 @pytest.mark.parametrize("call, sentence", [
-    (lambda: Flow(lambda x, u: x, 0.0), "longer than zero"),
+    (lambda: Flow(lambda x, u: x, 0.0), "above 0"),
     (lambda: slopes(lambda x, u: np.abs(x), np.ones((2, 1)), np.zeros((0, 1))), "give its slope"),
     (lambda: slopes(lambda x, u: x[:, :1], np.ones((2, 3)), np.zeros((0, 1))), "a column for each"),
 ])

@@ -1,0 +1,37 @@
+"""The door of this room: what each of its calls takes from outside."""
+
+from __future__ import annotations
+
+from ..systems.gates import FINITE, NAME, POLES, POSITIVE, count, gated, instance, items, matrix, optional, vector
+from ..systems.plant import Plant
+from . import diophantine as _diophantine
+from . import optimal, placement, siso, starting
+
+_PLANT = instance(Plant)
+_PAIR, _SEEN = {"A": matrix(), "B": matrix()}, {"A": matrix(), "C": matrix()}
+_REGULATOR = {**_PAIR, "Q": matrix(), "R": matrix(), "N": matrix()}
+_ESTIMATOR = {**_SEEN, "G": matrix(), "W": matrix(), "V": matrix()}
+_SHIFT = {"before": POLES, "after": POLES}
+
+lqr = gated(**_REGULATOR)(optimal.lqr)
+dlqr = gated(**_REGULATOR)(optimal.dlqr)
+lqe = gated(**_ESTIMATOR)(optimal.lqe)
+dlqe = gated(**_ESTIMATOR)(optimal.dlqe)
+place = gated(**_PAIR, poles=POLES)(placement.place)
+observer_gain = gated(**_SEEN, poles=POLES)(placement.observer_gain)
+shift_poles = gated(A=matrix("n n"), B=matrix("n m"), K=matrix("m n"), **_SHIFT)(starting.shift_poles)
+shift_observer = gated(A=matrix("n n"), C=matrix("p n"), L=matrix("n p"), **_SHIFT)(starting.shift_observer)
+starting_feedback = gated(plant=_PLANT, eager=POSITIVE)(starting.starting_feedback)
+starting_observer = gated(plant=_PLANT, eager=POSITIVE)(starting.starting_observer)
+in_natural_units = gated(plant=_PLANT)(starting.in_natural_units)
+typical_rate = gated(plant=_PLANT)(starting.typical_rate)
+diophantine = gated(A=vector(), B=vector(), desired=vector())(_diophantine.diophantine)
+sylvester = gated(A=vector(), B=vector(), degree=count(0, 2000))(_diophantine.sylvester)
+polynomial_roots = gated(polynomial=vector())(siso.polynomial_roots)
+rational = gated(numerator=vector(), denominator=vector())(siso.rational)
+realise = gated(zeros=POLES, poles=POLES, gain=FINITE)(siso.realise)
+loop_shaped = gated(shape=instance(siso.LoopShape))(siso.loop_shaped)
+negated = gated(plant=_PLANT)(siso.negated)
+series = gated(last=_PLANT, first=instance(Plant))(siso.series)
+diagonal_controller = gated(channels=items(optional(instance(Plant)), 1000), outputs=matrix(), inputs=matrix(), name=NAME)(
+    siso.diagonal_controller)

@@ -1,0 +1,57 @@
+"""The door of this room: what each of its calls takes from outside."""
+
+from __future__ import annotations
+
+from ..systems.gates import (
+    GENERATOR,
+    LEVEL,
+    MOST_NUMBERS,
+    NAME,
+    POSITIVE,
+    RECORD,
+    SECONDS,
+    SEED,
+    SERIES,
+    array,
+    count,
+    covariance,
+    gated,
+    instance,
+    matrix,
+    number,
+    optional,
+    pair,
+    vector,
+)
+from ..systems.plant import Plant
+from . import adc, consistency, filter_trial, kalman, many_runs, sigma_points, squared_error, track, trade_off
+from .linear_filter import LinearFilter
+
+_PLANT = instance(Plant)
+_NOISE = {"G": matrix("n q"), "W": covariance("q"), "V": covariance("p")}
+_SAMPLES = count(1, 1_000_000)
+
+as_record = gated(value=optional(RECORD), name=NAME, columns=count(), rows=optional(count(0, MOST_NUMBERS)))(track.as_record)
+chi2_band = gated(dof=number(0, 1e9), count=number(0, 1e12), level=LEVEL)(squared_error.chi2_band)
+correct = gated(C=matrix("p n"), R=matrix("p p"), mean=vector("n"), P=matrix("n n"), y=vector("p"))(kalman.correct)
+predict = gated(A=matrix("n n"), Q=matrix("n n"), mean=vector("n"), P=matrix("n n"))(kalman.predict)
+joseph = gated(P=array("… n n"), C=array("… p n"), R=array("… p p"), M=array("… n p"))(kalman.joseph)
+short_form = gated(P=array("… n n"), C=array("… p n"), M=array("… n p"))(kalman.short_form)
+error_parts = gated(plant=_PLANT, L=matrix("n p"), **_NOISE)(trade_off.error_parts)
+noise_ladder = gated(plant=_PLANT, **_NOISE, ratio=SERIES)(trade_off.noise_ladder)
+growing_error = gated(plant=_PLANT, L=matrix("n p"), parts=instance(trade_off.ErrorParts), V=covariance("p"), dt=SECONDS,
+                      rows=matrix("k n"), steps=_SAMPLES)(trade_off.growing_error)
+errors_squared = gated(e=array("… n"), P=array("… n n"))(many_runs.errors_squared)
+independent_errors = gated(Phi=matrix(), P=matrix(), steps=_SAMPLES, T=matrix())(squared_error.independent_errors)
+innovation_test = gated(innovations=RECORD, S=array(), lags=count(1, 10_000), level=LEVEL)(consistency.innovation_test)
+whiteness = gated(innovations=RECORD, lags=count(1, 10_000), level=LEVEL)(consistency.whiteness)
+nees = gated(x=array(), xhat=array(), P=array(), level=LEVEL, independent=optional(POSITIVE))(squared_error.nees)
+nis = gated(innovations=RECORD, S=array(), level=LEVEL)(squared_error.nis)
+means_along = gated(A=matrix("n n"), C=matrix("p n"), schedule=instance(track.Schedule), start=vector("n"),
+                    known=array("k p", missing=True), push=optional(array("k n")))(track.means_along)
+sigma_weights = gated(n=count(1, 1000), alpha=number(), beta=number(), kappa=number())(sigma_points.sigma_weights)
+simulate_filter = gated(plant=_PLANT, **_NOISE, step=SECONDS, samples=count(1, MOST_NUMBERS // 8, beside="n n"),
+                        believed=pair(number(0), number(0)), seed=SEED,
+                        kick=optional(pair(number(0, 1e9), vector())))(filter_trial.simulate_filter)
+simulate_filters = gated(e=instance(many_runs.Experiment), rng=GENERATOR)(many_runs.simulate_filters)
+with_coloured_noise = gated(plain=instance(LinearFilter), noise=instance(adc.AdcNoise))(adc.with_coloured_noise)
