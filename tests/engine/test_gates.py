@@ -74,5 +74,11 @@ def test_a_start_that_is_no_covariance_is_refused(P: list[list[float]]) -> None:
 
 
 def test_numbers_that_overflow_are_a_sentence_and_not_a_warning() -> None:
-    with pytest.raises(EngineError, match="other units"):
+    with pytest.raises(EngineError, match="units"):
         engine.lqr(np.diag([1e200, -1e200]), [[1.0], [1e-200]], np.eye(2) * 1e200, [[1e-200]])
+
+
+def test_what_comes_step_by_step_comes_whole_through_its_gate() -> None:
+    scenario = Scenario(Plant([[-1.0]], [[1]], [[1]]), x0=[1.0], horizon=0.2)
+    steps = list(engine.simulation.simulate_starts(scenario, np.ones((2, 2))))
+    assert [z.shape for z in steps] == [(2, 2)] * scenario.n_t

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from ..systems.gates import FINITE, NAME, POLES, POSITIVE, count, gated, instance, items, matrix, optional, vector
 from ..systems.plant import Plant
 from . import diophantine as _diophantine
 from . import optimal, placement, siso, starting
 
 _PLANT = instance(Plant)
-_PAIR, _SEEN = {"A": matrix(), "B": matrix()}, {"A": matrix(), "C": matrix()}
-_REGULATOR = {**_PAIR, "Q": matrix(), "R": matrix(), "N": matrix()}
-_ESTIMATOR = {**_SEEN, "G": matrix(), "W": matrix(), "V": matrix()}
-_SHIFT = {"before": POLES, "after": POLES}
+_PAIR, _SEEN = MappingProxyType({"A": matrix(), "B": matrix()}), MappingProxyType({"A": matrix(), "C": matrix()})
+_REGULATOR = MappingProxyType({**_PAIR, "Q": matrix(), "R": matrix(), "N": matrix()})
+_ESTIMATOR = MappingProxyType({**_SEEN, "G": matrix(), "W": matrix(), "V": matrix()})
+_SHIFT = MappingProxyType({"before": POLES, "after": POLES})
 
 lqr = gated(**_REGULATOR)(optimal.lqr)
 dlqr = gated(**_REGULATOR)(optimal.dlqr)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from ..systems.gates import (
     GENERATOR,
     LEVEL,
@@ -28,7 +30,7 @@ from . import adc, consistency, filter_trial, kalman, many_runs, sigma_points, s
 from .linear_filter import LinearFilter
 
 _PLANT = instance(Plant)
-_NOISE = {"G": matrix("n q"), "W": covariance("q"), "V": covariance("p")}
+_NOISE = MappingProxyType({"G": matrix("n q"), "W": covariance("q"), "V": covariance("p")})
 _SAMPLES = count(1, 1_000_000)
 
 as_record = gated(value=optional(RECORD), name=NAME, columns=count(), rows=optional(count(0, MOST_NUMBERS)))(track.as_record)
@@ -49,7 +51,7 @@ nees = gated(x=array(), xhat=array(), P=array(), level=LEVEL, independent=option
 nis = gated(innovations=RECORD, S=array(), level=LEVEL)(squared_error.nis)
 means_along = gated(A=matrix("n n"), C=matrix("p n"), schedule=instance(track.Schedule), start=vector("n"),
                     known=array("k p", missing=True), push=optional(array("k n")))(track.means_along)
-sigma_weights = gated(n=count(1, 1000), alpha=number(), beta=number(), kappa=number())(sigma_points.sigma_weights)
+sigma_weights = gated(n=count(1, 1000), alpha=number(high=1e6, above=0), beta=number(), kappa=number())(sigma_points.sigma_weights)
 simulate_filter = gated(plant=_PLANT, **_NOISE, step=SECONDS, samples=count(1, MOST_NUMBERS // 8, beside="n n"),
                         believed=pair(number(0), number(0)), seed=SEED,
                         kick=optional(pair(number(0, 1e9), vector())))(filter_trial.simulate_filter)

@@ -22,8 +22,9 @@ def check_spread(n: int, alpha: float, beta: float, kappa: float) -> None:
 
 def sigma_weights(n: int, alpha: float, beta: float, kappa: float) -> tuple[float, np.ndarray, np.ndarray]:
     """√(n+λ) and the weights of means and of covariances (2n + 1,), λ = α²(n+κ) − n."""
-    check_spread(n, alpha, beta, kappa)
     reach = alpha**2 * (n + kappa)
+    if not reach > 0:
+        raise EngineError("β and κ must be finite numbers, and κ larger than −n.")
     mean = np.full(2 * n + 1, 0.5 / reach)
     mean[0] = 1 - n / reach
     covariance = mean.copy()

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from ..systems.gates import SHARE, WHOLE, array, choice, count, covariance, gated, instance, matrix, optional
 from ..systems.plant import Plant
 from . import intermittent, network_loop, networked, packets
 
 _PLANT = instance(Plant)
-_MODEL = {"A": matrix(), "C": matrix(), "Q": covariance(), "R": covariance()}
-_START = {**_MODEL, "P0": covariance()}
+_MODEL = MappingProxyType({"A": matrix(), "C": matrix(), "Q": covariance(), "R": covariance()})
+_START = MappingProxyType({**_MODEL, "P0": covariance()})
 _RUN = instance(networked.NetworkRun)
 
 age_of = gated(arrivals=WHOLE)(packets.age_of)

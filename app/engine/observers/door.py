@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from ..filters.linear_filter import LinearFilter
 from ..systems.gates import (
     FUNCTION,
@@ -33,11 +35,12 @@ from . import rlo as search
 _PLANT, _OBSERVER = instance(Plant), instance(functional.FunctionalObserver)
 _WRONG, _NORM = instance(perturbation.Perturbations), choice(1, 2, "inf")
 _MATRIX, _MAYBE = matrix(), optional(matrix())
-_ERRORS = {"dA": _MAYBE, "dB": _MAYBE, "dC": _MAYBE}
+_ERRORS = MappingProxyType({"dA": _MAYBE, "dB": _MAYBE, "dC": _MAYBE})
 _INDICES = items(count(), 1000)
 _DOF, _WINDOW = number(0, 1e6), count(1)
-_SEARCH = {"plant": _PLANT, "K": _MATRIX, "wrong": _WRONG, "norm": _NORM, "max_order": optional(count(1, 1000)), "measure": FUNCTION,
-           "region": optional(either(search.Region, items(instance(search.Region), 1000))), "seed": SEED, "worst_condition": number(1)}
+_SEARCH = MappingProxyType({"plant": _PLANT, "K": _MATRIX, "wrong": _WRONG, "norm": _NORM, "max_order": optional(count(1, 1000)),
+                            "measure": FUNCTION, "region": optional(either(search.Region, items(instance(search.Region), 1000))),
+                            "seed": SEED, "worst_condition": number(1)})
 
 bilinear_functional_observer = gated(A=_MATRIX, B=_MATRIX, F=_MATRIX, C=_MATRIX, K=_MATRIX, pole=POLES)(
     bilinear.bilinear_functional_observer)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 from ..systems.gates import SECONDS, SERIES, array, count, gated, instance, matrix, number, optional
 from ..systems.plant import Plant
 from . import batch, loop, recovery
@@ -10,7 +12,7 @@ from .scenario import Run, Scenario
 
 _SCENARIO, _RUN = instance(Scenario), instance(Run)
 _SIZE = number(above=0, high=1e100)
-_GRID = {"x_index": count(-1000), "x_values": SERIES, "e_index": count(-1000), "e_values": SERIES}
+_GRID = MappingProxyType({"x_index": count(-1000), "x_values": SERIES, "e_index": count(-1000), "e_values": SERIES})
 
 simulate = gated(scenario=_SCENARIO)(_simulate.simulate)
 autonomous_error = gated(run=_RUN)(_simulate.autonomous_error)

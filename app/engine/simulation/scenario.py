@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any, Literal
 
 import numpy as np
@@ -16,9 +17,9 @@ __all__ = ["Run", "Scenario"]
 
 Given = Any  # an array after construction, whatever was given
 _MAYBE = optional(matrix())
-GATES = {"plant": instance(Plant), "K": _MAYBE, "L": _MAYBE, "model": optional(instance(Plant)), "x0": _MAYBE, "xhat0": _MAYBE,
-         "sampled": BOOLEAN, "reference": _MAYBE, "state_feedback": BOOLEAN, "fed": choice("applied", "commanded"), "W": _MAYBE,
-         "V": _MAYBE, "G": _MAYBE, "seed": SEED, "impulses": items(pair(ANY, matrix()))}
+GATES = MappingProxyType({"plant": instance(Plant), "K": _MAYBE, "L": _MAYBE, "model": optional(instance(Plant)), "x0": _MAYBE,
+                          "xhat0": _MAYBE, "sampled": BOOLEAN, "reference": _MAYBE, "state_feedback": BOOLEAN, "W": _MAYBE, "V": _MAYBE,
+                          "fed": choice("applied", "commanded"), "G": _MAYBE, "seed": SEED, "impulses": items(pair(ANY, matrix()))})
 
 
 def _matrix(value: object, name: str, shape: tuple[int, int], what: str) -> np.ndarray:

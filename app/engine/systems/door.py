@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from types import MappingProxyType
 
 from . import arrays, convert, jacobian, lyapunov, noise, pole_sets, sampling, scan, spectrum, zeros
 from . import balance as scales
@@ -34,9 +35,9 @@ from .gates import (
 from .plant import Plant
 
 _PLANT = instance(Plant)
-_SYSTEM = {"A": matrix("n n"), "B": matrix("n m"), "C": matrix("p n"), "D": matrix("p m")}
-_PARTS = {name: optional(gate) if name != "A" else gate for name, gate in _SYSTEM.items()}
-_THREE = {name: gate for name, gate in _PARTS.items() if name != "D"}
+_SYSTEM = MappingProxyType({"A": matrix("n n"), "B": matrix("n m"), "C": matrix("p n"), "D": matrix("p m")})
+_PARTS = MappingProxyType({name: optional(gate) if name != "A" else gate for name, gate in _SYSTEM.items()})
+_THREE = MappingProxyType({name: gate for name, gate in _PARTS.items() if name != "D"})
 
 
 def _target(value: object, name: str, sizes: dict[str, int]) -> object:

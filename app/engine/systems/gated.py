@@ -62,8 +62,9 @@ def _within_range(call: Callable[..., R], given: list[Any], named: dict[str, Any
 
 
 def _steps_within_range(steps: Generator[Any]) -> Generator[Any]:
+    end: Any = object()
     try:
-        while (step := _within_range(lambda: next(steps, steps), [], {})) is not steps:
+        while (step := _within_range(next, [steps, end], {})) is not end:
             yield step
     finally:
         steps.close()
