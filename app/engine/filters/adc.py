@@ -77,7 +77,7 @@ class AdcNoise:
         flicker = (each * (1 - a**2) / np.abs(turn - a) ** 2).sum(axis=-1)
         return 2 * self.dt * (self.sigma**2 + self.step**2 / 12 + flicker)
 
-    @gated(steps=count(0, MOST_NUMBERS), channels=count(1, 10_000), rng=GENERATOR)
+    @gated(steps=count(0, MOST_NUMBERS // 20), channels=count(1, 10_000), rng=GENERATOR)
     def draw(self, steps: int, channels: int, rng: np.random.Generator) -> np.ndarray:
         """Independent noise for each channel, stationary from the start, (steps, channels); without quantisation."""
         if steps * channels > MOST_NUMBERS:

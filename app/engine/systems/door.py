@@ -70,7 +70,7 @@ stable_poles = gated(A=matrix("n n"), dt=PERIOD)(scales.stable_poles)
 settled_covariance = gated(A=matrix("n n"), G=matrix("n q"), dt=PERIOD)(lyapunov.settled_covariance)
 step_covariance = gated(A=matrix("n n"), intensity=covariance("n"), duration=number(0, 1e9))(noise.step_covariance)
 process_noise = gated(M=matrix("N N"), G=matrix("N q"), W=covariance("q"), duration=SECONDS,
-                      steps=count(0, MOST_NUMBERS, beside="N"), rng=GENERATOR)(noise.process_noise)
+                      steps=count(0, MOST_NUMBERS // 20, beside="N"), rng=GENERATOR)(noise.process_noise)
 root = gated(covariance=matrix("n n"))(noise.root)
 continuous_of = gated(plant=_PLANT)(sampling.continuous_of)
 discretise = gated(plant=_PLANT, dt=SECONDS)(sampling.discretise)
