@@ -224,6 +224,11 @@ def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
     _run(client, "tab", title=title, figure=figure)
 
 
+def values_under_the_pointer(client: viser.ClientHandle) -> None:
+    """Say what the curves of a chart are where the pointer is; viser hands no function to its charts that could."""
+    _run(client, "reading")
+
+
 def pulse_once(client: viser.ClientHandle, ending: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
     """Let the nodes whose name ends so swell in colour when a pointer first comes over the stage: they can be dragged."""
     _run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)

@@ -18,8 +18,8 @@ from ..text import Text
 from . import quirks
 from .boards import BoardView
 from .charts import Chart
-from .grips import FAINT, GRIPS
 from .help import Help
+from .manners import teach
 from .mapboard import MapBoard
 from .mark import Mark
 from .panel import Panel
@@ -81,13 +81,7 @@ class Screen:
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             if not self._looked:
-                quirks.frugal_frames(self._client)
-                quirks.folders_by_key(self._client)
-                quirks.one_meaning_per_key(self._client)
-                quirks.sentences_to_press(self._client)
-                quirks.one_part_at_a_time(self._client)
-                quirks.stay_above_the_floor(self._client)
-                quirks.pulse_once(self._client, GRIPS, FAINT)
+                teach(self._client)
                 self._stage.look(picture.state.camera)
                 self._stage.follow_window()
                 self._fit_grips()

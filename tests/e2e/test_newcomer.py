@@ -29,3 +29,24 @@ def test_a_lesson_opens_in_motion_where_motion_is_welcome(new_tab: Callable[...,
 def test_a_lesson_stands_still_where_calm_is_asked_for(tab: Tab) -> None:
     assert tab.page.evaluate(CLOCK) == 0.0
     assert tab.clock() == 0.0
+
+
+def test_a_pointer_over_a_chart_reads_its_curves(new_tab: Callable[..., Tab]) -> None:
+    """The value beside the pointer is the one of the data there; before the prediction nothing is told."""
+    tab = new_tab(1280, 760)
+    words = "() => { const note = document.querySelector('.ol-reading'); return note.hidden ? '' : note.textContent; }"
+
+    def point() -> str:
+        box = tab.page.locator(".u-over").first.bounding_box()
+        assert box is not None
+        tab.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+        return tab.page.evaluate(words)
+    assert point() == ""
+    tab.choose_lesson(LESSONS["error-dynamics"].words["en"].title, LESSONS["error-dynamics"].words["en"].question)
+    tab.predict("skip")
+    said = eventually(point, bool, "the reading")
+    t, *curves = tab.curves()[0][1]
+    at = min(range(len(t)), key=lambda i: abs(t[i] - t[-1] / 2))
+    read = [float(word.replace("−", "-")) for word in said.replace("▬", " ").split() if word.replace("−", "-").lstrip("-")[0].isdigit()]
+    assert read[0] == pytest.approx(t[at], abs=0.01 * t[-1])
+    assert read[1] == pytest.approx(curves[0][at], rel=0.2, abs=1e-3)
