@@ -37,8 +37,7 @@ def page_of_our_own(language: str) -> str:
     Until a lesson stands it shows our name in `language`, or in the one that the tab spoke before, instead of viser's form
     for an address; while the server does not answer, a sentence stands above what was last shown.
 
-    Without a graphics card the view is drawn without multisampling, which doubles the price of a frame there; a scene at
-    rest is drawn finer instead (`frugal_frames`).
+    Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead (`frugal_frames`).
     """
     theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
