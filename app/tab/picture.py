@@ -40,7 +40,7 @@ class State:
     """What belongs to the tab and not to the design.
 
     `playing` is the whole run, `loop` a part of it under the hand; `stopped` says that the person has chosen the moment
-    that stands, which then stays while the design changes.
+    that stands, which then stays while the design changes; `calm`, that nobody sees the page or that nothing is to move by itself.
     """
 
     language: str = "en"
@@ -51,6 +51,7 @@ class State:
     playing: bool = False
     loop: Loop | None = None
     stopped: bool = False
+    calm: bool = False
     t: float = 0.0
     speed: float = 1.0
     predicted: int | None = None  # index of the option; −1 when skipped

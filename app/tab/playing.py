@@ -77,10 +77,10 @@ def tick(show: Presenter, now: float) -> None:
 def under_the_hand(show: Presenter) -> None:
     """A knob has been moved: the part of the run in which the error lives plays, until a round after the last move.
 
-    Not before the prediction, and not where the person has stopped the run at a moment.
+    Not before the prediction, not where the person has stopped the run at a moment, and not where the browser asks for calm.
     """
     state = show.state
-    if state.predicted is None or state.stopped or not show.estimates:
+    if state.predicted is None or state.stopped or state.calm or not show.estimates:
         return
     if state.loop is not None:
         show.state = replace(state, loop=replace(state.loop, rounds=HAND_ROUNDS, rest=state.loop.part.end))
@@ -107,6 +107,7 @@ def _go_round(show: Presenter, rounds: int) -> None:
 
 def _watched(show: Presenter, seen: bool) -> None:
     """The page is seen: a run that has not been touched is shown in motion, a few rounds long. It is hidden: that ends."""
+    show.state = replace(show.state, calm=not seen)
     if not seen and show.state.loop is not None:
         show.change(replace(show.state, loop=None))
     elif seen and not show.state.moving and not show.state.stopped and show.state.t == 0.0 and show.estimates:

@@ -230,7 +230,7 @@ class Screen:
 
     def _watch(self) -> None:
         """Ask the page whether anybody sees it; then a run that has not begun is shown in motion."""
-        seen = self._client.gui.add_number("", 0.0, visible=False)
+        seen = self._client.gui.add_number("", -1.0, visible=False)  # neither answer, so that either is heard
 
         @seen.on_update
         async def _(event: viser.GuiEvent) -> None:

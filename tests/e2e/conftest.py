@@ -20,6 +20,7 @@ from tab import FLAGS, Tab
 
 ROOT = Path(__file__).parents[2]
 ARTEFACTS = ROOT / "artefacts"
+SCALE = 0.5  # of the pixels each way: the processor draws, and what is tested stands in layout, not in pixels
 START = 60.0  # s until a server must have printed its address
 SERVE = "from app.cli import main; raise SystemExit(main())"
 

@@ -92,6 +92,18 @@ def test_a_page_that_is_hidden_stands_still() -> None:
     assert not tab.view.calls
 
 
+def test_where_the_browser_asks_for_calm_a_moved_knob_moves_nothing_else() -> None:
+    tab = opened()
+    tab.do(Watched(0))
+    tab.view.clear()
+    tab.set(gain=2.0)
+    tab.run_for(5.0)
+    assert not tab.picture.state.moving and set(tab.view.of("pose")) <= {tab.picture.state.t}
+    tab.do(Watched(1))
+    tab.set(gain=2.5)
+    assert tab.picture.state.moving
+
+
 @pytest.mark.parametrize("seen", [float("nan"), "yes", None])
 def test_nonsense_about_being_seen_costs_one_sentence(seen: object) -> None:
     tab = opened(predicted=False)
