@@ -74,7 +74,7 @@ def rate_of_error(run: Run) -> float:
     rate = float(np.log(max(np.max(np.abs(poles)), 1e-300)) if model.dt else np.max(np.real(poles)))
     if model is s.plant and not s.delay and (s.fed == "applied" or not run.saturated):
         return rate
-    if s.K is None:
+    if s.K is None or not np.any(s.K):
         return np.inf  # whatever pushes the plant pushes the error too
     size = np.linalg.norm(run.x, axis=1)
     late = float(size[-max(len(size) // 10, 1):].max())
