@@ -62,5 +62,5 @@ def exam(seed: int) -> ExamItem:
 TASKS = (
     Task("published", _published, {"method": BY_POLES, "poles": (-1 + 0j, -1 + 0j), "sensor": 0.0}),
     Task("ratio", _ratio, {"method": BY_WEIGHTS, "mirror": False, "w": 40.0, "v": 10.0}),
-    Task("mirror", _mirror_image, {"sensor": 90.0}),
+    Task("mirror", _mirror_image, {"sensor": 90.0}, easy="the sensor belongs where the force acts, which is its stop"),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.typed import Typed
 from app.text import text
 
 from .knobs import NUMBERS, POLES, PRINTED, QUIET
@@ -85,5 +86,5 @@ TASKS = (
     Task("double-pole", double_pole, {"method": POLES, "observer_poles": (-1.0, -1.0)}),
     Task("first-slip", first_slip, {"method": NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST}),
     Task("mixed-matrix", mixed_matrix, {"method": NUMBERS, "l1": 2.5, "l2": -0.75, "line": "matrix"}),
-    Task("confused", confused, {"method": PRINTED, "input": "step"}),
+    Task("confused", confused, {"method": PRINTED, "input": "step"}, Typed(lambda _: 2 / 3)),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.typed import Typed
 from app.text import text
 
 from .knobs import Case
@@ -74,8 +75,10 @@ def exam(seed: int) -> ExamItem:
 
 
 TASKS = (
-    Task("slow-but-fine", _slow_but_fine, {"plant": "unseen-stable"}),
-    Task("twin", _twin, {"plant": "unmoved-unstable"}),
+    Task("slow-but-fine", _slow_but_fine, {"plant": "unseen-stable"},
+         Typed(lambda o: np.log(100) / -o.metrics["hidden_rate"], tolerance=0.01)),
+    Task("twin", _twin, {"plant": "unmoved-unstable"},
+         Typed(lambda o: np.log(10) / o.metrics["hidden_rate"], tolerance=0.01)),
     Task("silence", _silence, {"plant": "unseen-unstable", "centre": 0.0}),
     Task("cure", _cure, {"plant": "visible", "controller_all": (-1.4 - 1.2j, -1.4 + 1.2j, -1.8 - 3j, -1.8 + 3j)}),
 )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.typed import Typed
 from app.text import text
 
 from .cases import CART, SCALAR, TWO
@@ -78,6 +79,6 @@ def exam(seed: int) -> ExamItem:
 TASKS = (
     Task("edge", _edge, {"a": 1.4, "loss": 0.5}),
     Task("faster", _faster, {"case": CART, "loss": 0.8, "stretch": 0.6}),
-    Task("gap", _gap, {"case": TWO, "loss": 0.58}),
+    Task("gap", _gap, {"case": TWO, "loss": 0.58}, Typed(lambda o: 1 / o.metrics["safe"])),
     Task("wall", _wall, {"case": CART, "delay": 2.0, "told": AHEAD}),
 )

@@ -34,8 +34,8 @@ def _small(o: Outcome[Study]) -> Verdict:
     m = o.metrics
     said = text("NEES per state: KF {nees_kf:.3g}, EKF {nees_ekf:.3g}",
                 nees_kf=m["nees_kf"], nees_ekf=m["nees_ekf"])
-    if o.design["case"] != PLATFORM or o.design["hardening"] < 0.5:
-        return _no(text("The platform is wanted, with a hardening of at least 0.5."))
+    if o.design["case"] != PLATFORM or o.design["hardening"] < 0.6:
+        return _no(text("The platform is wanted, with a hardening of at least 0.6."))
     if o.design["size"] > WELL_KNOWN:
         return _no(text("{said}; a few runs may flatter it. Make the start better known: 0.6 or less.", said=said))
     if not 0.6 <= m["nees_ekf"] <= 1.5:
@@ -85,6 +85,6 @@ def exam(seed: int) -> ExamItem:
 TASKS = (
     Task("linear", _linear, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0}),
     Task("small", _small, {"case": PLATFORM, "hardening": 0.6, "size": 0.3}),
-    Task("deceived", _deceived, {"size": 0.5}),
+    Task("deceived", _deceived, {"size": 0.5}, easy="the best start that can be had does not help the EKF"),
     Task("report", _report, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0, "redraw": False, "line": REDRAW}),
 )

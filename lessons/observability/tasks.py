@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.typed import Typed
 from app.text import text
 
 from .criteria import DET, GRAMIAN
 from .study import Study
 
-CLEARLY = 0.05  # distance of the weakest mode asked of one sensor
+CLEARLY, MOST = 0.05, 0.053  # distance of the weakest mode asked of one sensor
 BLIND = 0.002  # distance below which a direction of the notes' sensor counts as blind
 FINE = 1e-12  # tolerance above which a rank is cut by choice and not by rounding
-PAPER = 1e-4  # distance below which full rank is only on paper
+PAPER = 1e-5  # distance at which full rank is only on paper
 
 
 def _one_sensor(outcome: Outcome[Study]) -> Verdict:
@@ -30,6 +31,9 @@ def _one_sensor(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("Every mode is seen, but the weakest is only {d:.2g} from hidden; reach "
                                    "{clearly:g}.",
                                    d=d, clearly=CLEARLY))
+    if d > MOST:
+        return Verdict(False, text("The weakest mode is {d:.3g} from hidden, more than is wanted: {clearly:g} to {most:g}.", d=d,
+                                   clearly=CLEARLY, most=MOST))
     return Verdict(True, text("One sensor sees all three modes; the weakest is {d:.2g} from hidden.", d=d))
 
 
@@ -57,9 +61,8 @@ def _on_paper(outcome: Outcome[Study]) -> Verdict:
     if rank < n:
         return Verdict(False, text("rank(O) = {rank} of {n}; the task wants full rank at this tolerance.",
                                    rank=rank, n=n))
-    if m["hidden"] > 0 or d > PAPER:
-        return Verdict(False, text("Full rank, and the weakest mode is {d:.2g} from hidden; bring it below "
-                                   "{paper:g}.",
+    if m["hidden"] > 0 or not 0.9 * PAPER <= d <= 1.1 * PAPER:
+        return Verdict(False, text("Full rank, and the weakest mode is {d:.2g} from hidden; bring it to {paper:g} within 10 %.",
                                    d=d, paper=PAPER))
     return Verdict(True, text("rank(O) = {n}, and a change of {d:.1g} in the plant would hide a mode.", n=n, d=d))
 
@@ -82,10 +85,10 @@ def _low_rank(outcome: Outcome[Study]) -> Verdict:
 
 
 TASKS = (
-    Task("one-sensor", _one_sensor, {"left": -0.15}),
+    Task("one-sensor", _one_sensor, {"left": -0.115}),
     Task("find-the-error", _wrong_sentence, {"plant": "notes", "criterion": GRAMIAN, "angle": 55.5}),
-    Task("on-paper", _on_paper, {"plant": "pair", "gap": 1e-5}),
-    Task("low-rank", _low_rank, {"plant": "many", "count": 20}),
+    Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),
+    Task("low-rank", _low_rank, {"plant": "many", "count": 20}, Typed(lambda o: o.design["count"] ** (o.design["count"] - 1))),
 )
 
 

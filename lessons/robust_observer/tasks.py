@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.typed import Typed
 from app.text import text
 
 from .knobs import COLUMNS, LINES, ONE, REMARKS, TWO
@@ -78,7 +79,10 @@ def exam(seed: int) -> ExamItem:
 
 TASKS = (
     Task("kink", _kink, {"pole": (complex(BEST),)}),
-    Task("one-observer", _one_observer, {"example": TWO, "w12": 1.2, "carried": True}),
-    Task("remark-3", _remark, {"example": TWO, "remark": "similar"}),
-    Task("sizes", _sizes, {"example": TWO, "line": "LC", "columns": "mp"}),
+    Task("one-observer", _one_observer, {"example": TWO, "w12": 1.2, "carried": True},
+         Typed("a + w*b", ("a", "b", "w"), (("a", text("That is the old start; W moves the first entry too.")),))),
+    Task("remark-3", _remark, {"example": TWO, "remark": "similar"}, Typed("n/r", ("n", "r"), (
+        ("n*r", text("With that, N′T′ is r² N T; the product is to stay.")),))),
+    Task("sizes", _sizes, {"example": TWO, "line": "LC", "columns": "mp"},
+         Typed("m + p - r", ("m", "p", "r"))),
 )
