@@ -106,6 +106,8 @@ def mutated(token: str, chance: random.Random) -> str:
     """A token with letters changed, lost, doubled or cut off."""
     letters = list(token)
     for _ in range(chance.randint(1, 3)):
+        if not letters:
+            break
         place = chance.randrange(len(letters))
         match chance.randrange(4):
             case 0:
