@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from laws import each
 
@@ -103,6 +103,7 @@ PIECES = st.lists(st.sampled_from(["127.0.0.1", "localhost", "evil.example", "[:
                   max_size=4).map("".join)
 
 
+@example("127.0.0.1", "127.0.0.1/")  # an origin has no path
 @given(PIECES, PIECES)
 def test_whatever_passes_comes_from_loopback_under_its_own_name(host: str, origin: str) -> None:
     """And the policy that the page is given then holds that name and no other word."""

@@ -91,7 +91,7 @@ class Gate:
             return False
         usual = dict(PORTS).get(scheme)
         name, port = _split(authority)
-        if usual is None or not name:
+        if usual is None or not name or origin.lower() != f"{scheme}://{authority}".lower():  # an origin has no path
             return False
         mine, my_port = _split(host)
         return name in self.given or (name, port or usual) == (mine, my_port or usual)

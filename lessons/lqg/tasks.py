@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.typed import Typed
 from app.plants.doyle import gains
 from app.text import text
 
@@ -95,5 +96,5 @@ TASKS = (
     Task("vanish", _vanish, {"case": DOYLE, "q": 1000.0, "sigma": 1000.0}),
     Task("recover", _recover, {"case": DOYLE, "q": 1000.0, "sigma": 1000.0, "recovery": 6.0}),
     Task("twenty", _twenty, {"beta_r": 1e8}),
-    Task("rule", _rule, {"rule": SENSOR}),
+    Task("rule", _rule, {"rule": SENSOR}, Typed(lambda _: 0.1, slips=(("10", text("The other way round: W is to fall as V rises.")),))),
 )

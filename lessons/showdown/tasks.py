@@ -18,6 +18,7 @@ BEST_SENSOR = 1e-11  # (m/s)² s: the quietest that can be bought in the first t
 AHEAD = 10.0  # dB by which the optimum is to be beaten
 STEP = 0.2  # ms within which the least delay is to be found
 KEPT = 12.0  # dB that the full LQG is to keep while the SISO pair is lost
+ERRORS = ("stiffness", "damping", "placement")  # of the model
 CHANNELS = ("vertical", "rotation", "horizontal")
 
 
@@ -35,6 +36,9 @@ def _twenty(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("V₀ = {sensor:.1e}: no better sensors than 1e-11 are for sale, and the ground "
                                    "is white.",
                                    sensor=d["sensor"]))
+    if any(d[error] for error in ERRORS):
+        return Verdict(False, text("The plant must be what its designer believes: leave the errors of stiffness, damping "
+                                   "and placement at 0."))
     if not m["lqe_stable"] or min(got) < WANTED:
         return Verdict(False, text("Vertical, rotation, horizontal: {got} dB; {wanted:g} dB are wanted in each.",
                                    got=_words(got), wanted=WANTED))

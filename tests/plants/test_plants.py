@@ -181,6 +181,6 @@ def test_model_estimate_converges_in_view_with_natural_inputs(m):
 
 def test_imaginary_parts_of_a_matrix_are_not_dropped_in_silence():
     """NumPy drops them with a warning; the gain of a complex K was that of its real part."""
-    with pytest.raises(EngineError, match="K must be a matrix of real numbers"):
+    with pytest.raises(EngineError, match="K has imaginary parts"):
         as_matrix(np.array([[1 + 2j]]), "K")
     assert as_matrix(np.array([[1 + 0j]]), "K").dtype == float
