@@ -86,8 +86,12 @@ class Case:
 
     @cached_property
     def recovery_unit(self) -> float:
-        """μ₀² = tr(G W Gᵀ)/tr(B Bᵀ): fictitious noise on the inputs that weighs as much as the disturbances."""
-        return float(np.trace(self.G @ self.W @ self.G.T) / np.trace(self.plant.B @ self.plant.B.T))
+        """μ₀² = tr(G W Gᵀ)/tr(B Bᵀ): fictitious noise on the inputs that weighs as much as the disturbances.
+
+        0 where the inputs move nothing.
+        """
+        inputs = float(np.trace(self.plant.B @ self.plant.B.T))
+        return float(np.trace(self.G @ self.W @ self.G.T)) / inputs if inputs > 0 else 0.0
 
 
 def _grid(plant: Plant, low: float, high: float, count: int) -> np.ndarray:

@@ -142,8 +142,9 @@ def _cost(outcome: Outcome[Study]) -> TableFigure:
     if not np.isfinite(c.total):
         said = text("An unstable loop costs without bound.")
     else:
-        said = claim(text("No other controller is cheaper on average under this noise."), c.total / c.least, below=1 + 1e-6,
-                     otherwise=text("{total} times the least: the filter believes in another noise.", total=words(c.total / c.least)))
+        more = c.total / c.least if c.least > 0 else 1.0 if c.total == 0 else np.inf
+        said = claim(text("No other controller is cheaper on average under this noise."), more, below=1 + 1e-6,
+                     otherwise=text("{total} times the least: the filter believes in another noise.", total=words(more)))
     return TableFigure("cost", text("average of xᵀQx + uᵀRu"), (text("part"), same("J")), rows,
                        said, COST_TAB)
 

@@ -15,7 +15,7 @@ CLOCK = "() => Number(getComputedStyle(document.documentElement).getPropertyValu
 
 @pytest.mark.parametrize("lesson", ["error-dynamics", "saturation"])
 def test_the_first_drag_moves_the_ghost(new_tab: Callable[..., Tab], lesson: str) -> None:
-    what, moved = play(new_tab(1366, 768), LESSONS[lesson])
+    what, moved = play(new_tab(1366, 768, motion=True), LESSONS[lesson])
     assert moved > WANTED, f"{what} moved the ghost by {moved:.0f} px"
 
 

@@ -38,7 +38,7 @@ class LoopShape:
 
     def __post_init__(self) -> None:
         corners = optional(pair(number(), number()))
-        passed(self, gain=number(), lag=corners, lead=corners, roll_off=optional(number()), order=count(-1000))
+        passed(self, gain=number(), lag=corners, lead=corners, roll_off=optional(number()), order=count(1, 6))
 
 
 def loop_shaped(shape: LoopShape) -> Plant:
@@ -57,8 +57,6 @@ def loop_shaped(shape: LoopShape) -> Plant:
         poles.append(-pole)
         gain *= pole / zero
     if shape.roll_off is not None:
-        if shape.order not in range(1, 7):
-            raise EngineError("The order of the roll-off must be 1 to 6; it is {order}.", order=shape.order)
         corner = _corner(shape.roll_off)
         poles += [-corner] * int(shape.order)
         gain *= corner**shape.order

@@ -18,6 +18,7 @@ from ..systems.gates import (
     count,
     covariance,
     gated,
+    gated_runs,
     instance,
     matrix,
     number,
@@ -43,7 +44,8 @@ error_parts = gated(plant=_PLANT, L=matrix("n p"), **_NOISE)(trade_off.error_par
 noise_ladder = gated(plant=_PLANT, **_NOISE, ratio=SERIES)(trade_off.noise_ladder)
 growing_error = gated(plant=_PLANT, L=matrix("n p"), parts=instance(trade_off.ErrorParts), V=covariance("p"), dt=SECONDS,
                       rows=matrix("k n"), steps=_SAMPLES)(trade_off.growing_error)
-errors_squared = gated(e=array("… n", missing=True), P=array("… n n", missing=True))(many_runs.errors_squared)
+errors_squared = gated_runs(e=array("… n", missing=True, infinite=True),
+                            P=array("… n n", missing=True, infinite=True))(many_runs.errors_squared)
 independent_errors = gated(Phi=matrix(), P=matrix(), steps=_SAMPLES, T=matrix())(squared_error.independent_errors)
 innovation_test = gated(innovations=RECORD, S=array(), lags=count(1, 10_000), level=LEVEL)(consistency.innovation_test)
 whiteness = gated(innovations=RECORD, lags=count(1, 10_000), level=LEVEL)(consistency.whiteness)

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..systems.arrays import as_covariance, as_numbers
 from ..systems.errors import EngineError, ShapeError
-from ..systems.gates import FUNCTION, RECORD, array, covariance, gated, instance, passed
+from ..systems.gates import FUNCTION, RECORD, array, covariance, gated_runs, instance, passed
 from ..systems.jacobian import Map, values_of
 from .belief import Belief, Beliefs, Correction, Corrections
 from .kalman import gain_of
@@ -79,7 +79,7 @@ class NonlinearFilter(ABC):
         raise EngineError("{name} needs more than the images of points; call predict.", name=type(self).__name__)
 
     # --- one step ------------------------------------------------------------------------------------------------------
-    @gated(belief=_BELIEF, u=_INPUT)
+    @gated_runs(belief=_BELIEF, u=_INPUT)
     def predict(self, belief: B, u: object = ()) -> B:
         """The belief one step later, before its measurement."""
         self._check(belief)

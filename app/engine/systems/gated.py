@@ -12,7 +12,7 @@ import numpy as np
 
 from .errors import EngineError
 
-__all__ = ["Gate", "Sizes", "gated", "passed"]
+__all__ = ["Gate", "Sizes", "gated", "gated_runs", "passed"]
 
 Sizes = dict[str, int]
 Gate = Callable[[Any, str, Sizes], Any]
@@ -21,6 +21,15 @@ P, R = ParamSpec("P"), TypeVar("R")
 
 def gated(**gates: Gate) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """A call whose arguments pass their gates first; one that is its own default passes as it is."""
+    return _through(gates, _within_range)
+
+
+def gated_runs(**gates: Gate) -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """The same for a step of many runs, some of which may go astray: what is then not finite is the caller's to judge."""
+    return _through(gates, _as_it_comes)
+
+
+def _through(gates: dict[str, Gate], answer: Callable[..., Any]) -> Callable[[Callable[P, R]], Callable[P, R]]:
     def wrap(call: Callable[P, R]) -> Callable[P, R]:
         parameters = inspect.signature(call).parameters
         order = tuple((place, name, gates.get(name), parameter.default) for place, (name, parameter) in enumerate(parameters.items()))
@@ -37,9 +46,14 @@ def gated(**gates: Gate) -> Callable[[Callable[P, R]], Callable[P, R]]:
                         given[place] = gate(given[place], name, sizes)
                 elif name in named and named[name] is not default:
                     named[name] = gate(named[name], name, sizes)
-            return _within_range(call, given, named)
+            return answer(call, given, named)
         return checked
     return wrap
+
+
+def _as_it_comes(call: Callable[..., R], given: list[Any], named: dict[str, Any]) -> R:
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        return call(*given, **named)
 
 
 def _within_range(call: Callable[..., R], given: list[Any], named: dict[str, Any]) -> R:

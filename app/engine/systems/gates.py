@@ -15,7 +15,7 @@ import numpy as np
 from .array_gates import POLES, RECORD, SERIES, WHOLE, array, covariance, matrix, vector
 from .arrays import LARGEST
 from .errors import EngineError
-from .gated import Gate, Sizes, gated, passed
+from .gated import Gate, Sizes, gated, gated_runs, passed
 
 __all__ = [
     "BOOLEAN",
@@ -43,6 +43,7 @@ __all__ = [
     "covariance",
     "either",
     "gated",
+    "gated_runs",
     "instance",
     "items",
     "matrix",

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pole_requests import random_pair, random_poles
 
-from app.engine import PoleError, place
+from app.engine import EngineError, PoleError, place
 from app.engine.systems import check_poles, move_pole
 
 
@@ -35,9 +35,10 @@ def test_fixed_poles_do_not_move():
     assert move_pole((-1 + 1j, -1 - 1j), 0, -3, axis_snap=0.1, fixed=(1,)) == (-1 + 1j, -1 - 1j)
 
 
-@pytest.mark.parametrize(("index", "to"), [(2, -1), (-1, -1), (0, np.nan), (0, complex(0, np.inf))])
-def test_senseless_moves_are_refused(index, to):
-    with pytest.raises(PoleError):
+@pytest.mark.parametrize(("index", "to", "refusal"), [
+    (2, -1, PoleError), (-1, -1, PoleError), (0, np.nan, EngineError), (0, complex(0, np.inf), PoleError)])
+def test_senseless_moves_are_refused(index, to, refusal):
+    with pytest.raises(refusal):
         move_pole((-1, -2), index, to, axis_snap=0.1)
 
 

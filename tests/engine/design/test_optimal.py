@@ -6,10 +6,10 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from mpmath import mp
-from scipy.linalg import solve_continuous_lyapunov, solve_discrete_lyapunov
+from scipy.linalg import solve_continuous_lyapunov
 
 from app.engine import EngineError, Plant, RiccatiError, ShapeError, dlqe, dlqr, lqe, lqr
 from app.engine.systems.noise import step_covariance
@@ -154,7 +154,16 @@ def test_the_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     assert optimal.residual < 1e-12
 
 
+def summed(M, stage):
+    """Σ (Mᵀ)ᵏ stage Mᵏ by doubling: SciPy's solution through a bilinear map loses six digits more on these loops (60-digit sums)."""
+    while np.linalg.norm(M) > 1e-30:
+        stage, M = stage + M.T @ stage @ M, M @ M
+    return stage
+
+
 @settings(max_examples=40, deadline=None)
+@example(seed=5778, n=6, m=1)  # gains of a hundred and a cost of 6e7
+@example(seed=188, n=7, m=1)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 7), m=st.integers(1, 3))
 def test_the_discrete_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     A, B = pair(seed, n, m)
@@ -164,7 +173,7 @@ def test_the_discrete_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     optimal = dlqr(A, B, Q, R, N=N)
     K, S = optimal.gain, optimal.solution
     stage = Q - N @ K - K.T @ N.T + K.T @ R @ K
-    cost = solve_discrete_lyapunov((A - B @ K).T, stage)
+    cost = summed(A - B @ K, stage)
     np.testing.assert_allclose(S, cost, rtol=0, atol=1e-7 * np.linalg.norm(S))
     np.testing.assert_allclose(np.linalg.eigvals(A - B @ K).astype(complex).sum(), optimal.poles.sum(), atol=1e-9)
 

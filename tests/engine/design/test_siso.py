@@ -134,7 +134,7 @@ def test_pairs_that_differ_in_rounding_are_still_pairs() -> None:
 
 
 def test_coefficients_must_be_finite_real_numbers() -> None:
-    for wrong in ([1.0, np.nan], "s + 1", np.array([1.0, 1j]), [[1.0], [2.0]]):
+    for wrong in ([1.0, np.nan], "s + 1", np.array([1.0, 1j]), [[1.0, 3.0], [2.0, 4.0]]):
         with pytest.raises(EngineError, match="polynomial"):
             polynomial_roots(wrong)
         with pytest.raises(EngineError, match="numerator"):

@@ -147,14 +147,16 @@ def test_steps_report_progress_and_end_with_the_result():
     ({"max_order": 1}, "higher order"),
     ({"region": Region(-5, 1)}, "stable"),
     ({"region": Region(-1, -5)}, "re_low"),
-    ({"region": Region(-5, float("nan"))}, "finite"),
+    ({"bounds": (-5, float("nan"))}, "finite"),
     ({"region": []}, "needed"),
     ({"max_order": 9}, "between 1 and 3"),
     ({"norm": "nuclear"}, "norm"),
 ])
 def test_requests_that_make_no_sense_get_one_sentence(more, word):
+    more = dict(more)
     with pytest.raises(EngineError, match=word):
-        rlo(E2.plant, E2.K, **({"region": Region(-8, -0.5)} | more))
+        region = Region(*more.pop("bounds", (-8, -0.5)))
+        rlo(E2.plant, E2.K, **({"region": region} | more))
 
 
 @pytest.mark.slow
