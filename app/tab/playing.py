@@ -132,6 +132,7 @@ def _seek(show: Presenter, t: object) -> None:
         show.redraw()
         return
     t = min(max(number(t), 0.0), show.picture.horizon)
+    show.resting, show.last_edit = False, show.clock()  # what a hand holds is not written over before it rests
     show.change(replace(show.state, t=t, loop=None, stopped=t > 0.0 and not show.state.playing))
     show.view.pose(show.state.t)
 

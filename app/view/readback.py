@@ -51,7 +51,7 @@ class ReadBack:
             same = _same(self._shown, value)
             if not self.may_write(picture) or (same and not (self._crossed and picture.resting)):
                 return
-            self._written, self._crossed = not same, False
+            self._written, self._crossed = True, False
             self._shown = value
             quirks.write(self._handle, value)
 

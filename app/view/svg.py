@@ -14,6 +14,7 @@ from .prose import with_minus
 from .ticks import ticks
 
 W, H = 360, 250
+LARGE = 14.6  # px, of usual words in large print
 LEFT, RIGHT, TOP, BOTTOM = 46, 12, 28, 36
 FRAME = Box(LEFT, TOP, W - RIGHT, H - BOTTOM)
 TALLEST_CELL, ROOM_FOR_ENTRY, SMALLEST = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px
@@ -68,7 +69,7 @@ class _Axes:
             out.append(f'<line x1="{LEFT}" x2="{W - RIGHT}" y1="{py:.1f}" y2="{py:.1f}" stroke="#e8ebf0"/>'
                        f'<text x="{LEFT - 5}" y="{py + 4:.1f}" text-anchor="end">{_number(v)}</text>')
         out.append(f'<text x="{(LEFT + W - RIGHT) / 2}" y="{H - 6}" text-anchor="middle">{html.escape(x_label)}</text>'
-                   f'<text transform="translate(12 {(TOP + H - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
+                   f'<text transform="translate(14 {(TOP + H - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
                    f"{html.escape(y_label)}</text>")
         return "".join(out)
 
@@ -155,11 +156,11 @@ def _matrix(figure: MatrixFigure, language: str) -> tuple[str, float]:
                 entry = f"{m[i, j] if depth else 0.0:.3g}".replace("-", "−")
                 ink = "#fff" if depth > 0.6 else "#1c2430" if depth else "#5a616c"
                 out.append(f'<text x="{x + wide / 2:.1f}" y="{y + high / 2 + 4:.1f}" text-anchor="middle" '
-                           f'font-size="{_fitting(entry, wide - 4):.1f}" fill="{ink}">{entry}</text>')
+                           f'{_sized(entry, wide - 4)} fill="{ink}">{entry}</text>')
     for i, name in enumerate(names):
         size = min(_fitting(name, left - 6), high * 0.7)
         out.append(f'<text x="{left - 4}" y="{top + (i + 0.5) * high + 0.35 * size:.1f}" text-anchor="end" '
-                   f'font-size="{size:.1f}">{html.escape(name)}</text>')
+                   f'{_sized(name, left - 6, high * 0.7)}>{html.escape(name)}</text>')
     for b in figure.blocks:
         x, y = left + b * wide, top + b * high
         out.append(f'<path d="M{x:.1f} {top:.1f}V{top + rows * high:.1f}M{left} {y:.1f}H{left + cols * wide:.1f}" '
@@ -173,15 +174,21 @@ def _heads(names: list[str], left: float, wide: float) -> tuple[str, float]:
         return "", 30.0
     if min(_fitting(name, wide - 2) for name in names) >= SMALLEST:
         return "".join(f'<text x="{left + (j + 0.5) * wide:.1f}" y="38" text-anchor="middle" '
-                       f'font-size="{_fitting(name, wide - 2):.1f}">{html.escape(name)}</text>' for j, name in enumerate(names)), 44.0
+                       f'{_sized(name, wide - 2)}>{html.escape(name)}</text>' for j, name in enumerate(names)), 44.0
     deep = 30 + max(width(name, 9.0) for name in names)
     return "".join(f'<text transform="translate({left + (j + 0.5) * wide + 3:.1f} {deep:.1f}) rotate(-90)" font-size="9">'
                    f"{html.escape(name)}</text>" for j, name in enumerate(names)), deep + 5
 
 
-def _fitting(words: str, room: float) -> float:
+def _fitting(words: str, room: float, most: float = 11.0) -> float:
     """The font size at which words take at most this room."""
-    return min(11.0, 11.0 * room / max(width(words, 11.0), 1.0))
+    return min(most, most * room / max(width(words, most), 1.0))
+
+
+def _sized(words: str, room: float, tallest: float = math.inf) -> str:
+    """Attributes of words that are to take at most this room: their size, and that in large print."""
+    usual, large = (min(_fitting(words, room, most), tallest) for most in (11.0, LARGE))
+    return f'font-size="{usual:.1f}" style="--large:{large:.1f}px"'
 
 
 def _blend(depth: float) -> str:

@@ -65,6 +65,23 @@ def test_a_quick_hand_on_a_slow_server_never_meets_an_older_value_of_its_own(ent
     assert tab.value(label) == pytest.approx(values[-1], abs=1e-3)
 
 
+def test_the_run_does_not_come_back_over_the_hand_that_seeks_it(enter: Any) -> None:
+    """The clock has written the slider; the hand's next value is not written back over it before the hand rests."""
+    tab = enter()
+    tab.press("skip")
+    tab.settle()
+    tab.press("‖ pause")
+    tab.settle()
+    uuid = tab.find("time t [s]")
+    for t in (0.1, 0.3, 0.2):
+        before = len(tab.messages)
+        tab.update("time t [s]", value=t)
+        tab.answered()
+        assert [m for m in tab.messages[before:] if m.get("uuid") == uuid and "value" in m.get("updates", {})] == []
+    tab.settle()
+    assert tab.value("time t [s]") == pytest.approx(0.2, abs=1e-3)
+
+
 def test_what_crosses_with_an_undo_is_shown_in_the_end(enter: Any, newest: Any) -> None:
     """A hand that goes on while an undo is under way: the widget and the design agree when all rests."""
     tab = enter()
