@@ -16,7 +16,8 @@ __all__ = ["Gate", "Sizes", "gated", "gated_runs", "passed"]
 
 Sizes = dict[str, int]
 Gate = Callable[[Any, str, Sizes], Any]
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
 
 
 def gated(**gates: Gate) -> Callable[[Callable[P, R]], Callable[P, R]]:
