@@ -50,7 +50,7 @@ def believed(error_percent: float) -> Plant:
 
 DECK = Setting(
     MODEL, lambda design: MODEL.plant, lambda design: believed(design["stiffness_error"]),
-    lambda design: design["delay"] / 1000,
+    lambda design: MODEL.dt * round(design["delay"] / 1000 / MODEL.dt),
     lambda design: None if design["noise"] == 0 else (design["noise"] / 1000) ** 2 * MODEL.dt,
     platform.deck_disturbance()[:, :1], MODEL.plant.C[:1],
     (text("from ground height to velocity VL"), "|VL/zg| [1/s]"), np.geomspace(0.1, 30.0, 300))

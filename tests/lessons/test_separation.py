@@ -43,6 +43,12 @@ def runs_as_its_matrix(o: Outcome[Study]) -> bool:
     return bool(np.abs(z[1:] - z[:-1] @ step.T).max() < 1e-6 * np.abs(z).max())
 
 
+@pytest.mark.parametrize("delay", [0.5, 2.9, 10.0, 59.9])
+def test_a_delay_between_two_steps_is_that_of_the_nearest_step(delay: float) -> None:
+    o, step = outcome(delay=delay), LESSON.knob("delay").step  # type: ignore[union-attr]
+    assert np.array_equal(o.run.x, outcome(delay=step * round(delay / step)).run.x)
+
+
 @pytest.mark.parametrize("changes", DESIGNS, ids=str)
 def test_poles_are_claimed_of_a_loop_that_has_them(changes: dict[str, Any]) -> None:
     o = outcome(**changes)

@@ -6,8 +6,9 @@ from types import MappingProxyType
 
 from ..systems.gates import FINITE, NAME, POLES, POSITIVE, count, gated, instance, items, matrix, optional, vector
 from ..systems.plant import Plant
-from . import diophantine as _diophantine
 from . import optimal, placement, siso, starting
+from .diophantine import diophantine as _diophantine
+from .diophantine import sylvester as _sylvester
 
 _PLANT = instance(Plant)
 _PAIR, _SEEN = MappingProxyType({"A": matrix(), "B": matrix()}), MappingProxyType({"A": matrix(), "C": matrix()})
@@ -27,8 +28,8 @@ starting_feedback = gated(plant=_PLANT, eager=POSITIVE)(starting.starting_feedba
 starting_observer = gated(plant=_PLANT, eager=POSITIVE)(starting.starting_observer)
 in_natural_units = gated(plant=_PLANT)(starting.in_natural_units)
 typical_rate = gated(plant=_PLANT)(starting.typical_rate)
-diophantine = gated(A=vector(), B=vector(), desired=vector())(_diophantine.diophantine)
-sylvester = gated(A=vector(), B=vector(), degree=count(0, 2000))(_diophantine.sylvester)
+diophantine = gated(A=vector(), B=vector(), desired=vector())(_diophantine)
+sylvester = gated(A=vector(), B=vector(), degree=count(0, 2000))(_sylvester)
 polynomial_roots = gated(polynomial=vector())(siso.polynomial_roots)
 rational = gated(numerator=vector(), denominator=vector())(siso.rational)
 realise = gated(zeros=POLES, poles=POLES, gain=FINITE)(siso.realise)

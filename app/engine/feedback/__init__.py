@@ -1,7 +1,10 @@
 """The loop closed: compensators, sensitivity, margins, spectra, LQG and its recovery."""
 
-from .compensator import ClosedLoop, TransferFunction
 from .door import (
+    ClosedLoop,
+    Lqg,
+    Sensitivity,
+    TransferFunction,
     closed_loop,
     compensator,
     loop_margins,
@@ -14,10 +17,8 @@ from .door import (
     to_tf,
 )
 from .loop_spectrum import NoisyLoop
-from .lqg import Lqg
 from .ltr import Recovered
 from .margins import ChannelMargins, DiskMargin, LoopMargins, MultiMargins
-from .sensitivity import Sensitivity
 
 __all__ = [
     "ChannelMargins",

@@ -98,9 +98,9 @@ class Beliefs:
     @classmethod
     def alike(cls, mean: object, covariance: object, runs: int) -> Beliefs:
         """The same belief, mean (n,) and covariance (n×n), in every run."""
-        mean, runs = vector()(mean, "mean", {}), count(1)(runs, "runs", {})
-        P = as_covariance(covariance, phrase("The covariance"), mean.size)
-        return cls(np.repeat(mean[:, None], runs, axis=1), np.repeat(P[None], runs, axis=0))
+        middle, runs = vector()(mean, "mean", {}), count(1)(runs, "runs", {})
+        P = as_covariance(covariance, phrase("The covariance"), middle.size)
+        return cls(np.repeat(middle[:, None], runs, axis=1), np.repeat(P[None], runs, axis=0))
 
 
 @dataclass(frozen=True, eq=False)

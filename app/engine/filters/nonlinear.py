@@ -94,14 +94,14 @@ class NonlinearFilter(ABC):
     def correct(self, belief: Beliefs, y: object, u: object = ()) -> Corrections: ...
     def correct(self, belief: Belief | Beliefs, y: object, u: object = ()) -> Correction | Corrections:
         """The measurement y taken in: x̂ + M (y − ŷ), M = P_xy S⁻¹."""
-        belief, y, u = _BELIEF(belief, "belief", {}), RECORD(y, "y", {}), _INPUT(u, "u", {})
+        belief, seen, u = _BELIEF(belief, "belief", {}), RECORD(y, "y", {}), _INPUT(u, "u", {})
         self._check(belief)
-        y = y.reshape(-1) if isinstance(belief, Belief) else y
+        seen = seen.reshape(-1) if isinstance(belief, Belief) else seen
         expected = self.expected(belief, _column(belief, u))
-        self._check_measurement(belief, y, expected.mean)
-        nu, S = y - expected.mean, expected.S
-        M = gain_of(*_answered(S, expected.across, ~np.isnan(y)))
-        mean, P = belief.mean + _moved(M, np.where(np.isnan(y), 0.0, nu)), expected.after(M)
+        self._check_measurement(belief, seen, expected.mean)
+        nu, S = seen - expected.mean, expected.S
+        M = gain_of(*_answered(S, expected.across, ~np.isnan(seen)))
+        mean, P = belief.mean + _moved(M, np.where(np.isnan(seen), 0.0, nu)), expected.after(M)
         if isinstance(belief, Belief):
             return Correction(Belief(mean, P), nu, S, M)
         return Corrections(Beliefs(mean, P), nu, S, M)

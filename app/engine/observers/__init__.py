@@ -3,6 +3,9 @@
 from .bilinear import BilinearForm, BilinearObserver, BilinearPlant
 from .bilinear_run import BilinearRun
 from .door import (
+    Attempt,
+    Region,
+    RobustObserver,
     alarm_probability,
     bilinear_functional_observer,
     binomial_band,
@@ -33,7 +36,6 @@ from .fault_bank import FaultBank, ResidualGenerator
 from .functional import FunctionalObserver
 from .functional_loop import FunctionalRun
 from .perturbation import Norm, Perturbations
-from .rlo import Attempt, Region, RobustObserver
 from .unknown_input import Decoupling, UnknownInputObserver
 
 __all__ = [

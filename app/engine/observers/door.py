@@ -29,8 +29,17 @@ from ..systems.gates import (
 )
 from ..systems.plant import Plant
 from . import bilinear, bilinear_run, fault_bank, functional, functional_loop, perturbation, unknown_input
-from . import residual_threshold as threshold
-from . import rlo as search
+from .residual_threshold import alarm_probability as _alarm_probability
+from .residual_threshold import binomial_band as _binomial_band
+from .residual_threshold import needed_noncentrality as _needed_noncentrality
+from .residual_threshold import residual_threshold as _residual_threshold
+from .residual_threshold import window_energy as _window_energy
+from .residual_threshold import window_mean as _window_mean
+from .rlo import Attempt as Attempt  # through the door: their module has the name of a call
+from .rlo import Region as Region
+from .rlo import RobustObserver as RobustObserver
+from .rlo import rlo as _rlo
+from .rlo import rlo_steps as _rlo_steps
 
 _PLANT, _OBSERVER = instance(Plant), instance(functional.FunctionalObserver)
 _WRONG, _NORM = instance(perturbation.Perturbations), choice(1, 2, "inf")
@@ -39,19 +48,19 @@ _ERRORS = MappingProxyType({"dA": _MAYBE, "dB": _MAYBE, "dC": _MAYBE})
 _INDICES = items(count(), 1000)
 _DOF, _WINDOW = number(0, 1e6), count(1)
 _SEARCH = MappingProxyType({"plant": _PLANT, "K": _MATRIX, "wrong": _WRONG, "norm": _NORM, "max_order": optional(count(1, 1000)),
-                            "measure": FUNCTION, "region": optional(either(search.Region, items(instance(search.Region), 1000))),
+                            "measure": FUNCTION, "region": optional(either(Region, items(instance(Region), 1000))),
                             "seed": SEED, "worst_condition": number(1)})
 
 bilinear_functional_observer = gated(A=_MATRIX, B=_MATRIX, F=_MATRIX, C=_MATRIX, K=_MATRIX, pole=POLES)(
     bilinear.bilinear_functional_observer)
 simulate_bilinear = gated(plant=instance(bilinear.BilinearPlant), form=instance(bilinear.BilinearForm), K=_MATRIX, u=FUNCTION, x0=_MATRIX,
                           z0=_MATRIX, horizon=SECONDS, dt=SECONDS)(bilinear_run.simulate_bilinear)
-alarm_probability = gated(noncentrality=array(), dof=_DOF, false_alarm=SHARE)(threshold.alarm_probability)
-binomial_band = gated(count=count(1, 10**9), rate=SHARE, level=LEVEL)(threshold.binomial_band)
-needed_noncentrality = gated(dof=_DOF, false_alarm=SHARE, power=SHARE)(threshold.needed_noncentrality)
-residual_threshold = gated(dof=_DOF, false_alarm=SHARE)(threshold.residual_threshold)
-window_energy = gated(residual=array(missing=True), window=_WINDOW)(threshold.window_energy)
-window_mean = gated(residual=array(missing=True), window=_WINDOW)(threshold.window_mean)
+alarm_probability = gated(noncentrality=array(), dof=_DOF, false_alarm=SHARE)(_alarm_probability)
+binomial_band = gated(count=count(1, 10**9), rate=SHARE, level=LEVEL)(_binomial_band)
+needed_noncentrality = gated(dof=_DOF, false_alarm=SHARE, power=SHARE)(_needed_noncentrality)
+residual_threshold = gated(dof=_DOF, false_alarm=SHARE)(_residual_threshold)
+window_energy = gated(residual=array(missing=True), window=_WINDOW)(_window_energy)
+window_mean = gated(residual=array(missing=True), window=_WINDOW)(_window_mean)
 criterion = gated(T=matrix("q n"), L=matrix("q p"), M=matrix("r p"), wrong=_WRONG, norm=_NORM)(perturbation.criterion)
 every_entry = gated(plant=_PLANT)(perturbation.every_entry)
 perturbations = gated(plant=_PLANT, A=array(), C=array(), alpha=vector(), beta=vector(), gamma=vector())(perturbation.perturbations)
@@ -69,5 +78,5 @@ functional_observer = gated(plant=_PLANT, K=_MATRIX, order=count(-1000), poles=P
                             free=_MATRIX, wrong=_WRONG, norm=_NORM)(functional.functional_observer)
 isolate = gated(alarms=array(), signature=array())(fault_bank.isolate)
 residual_generator = gated(model=instance(LinearFilter), name=NAME, outputs=_INDICES, E=_MATRIX)(fault_bank.residual_generator)
-rlo = gated(**_SEARCH)(search.rlo)
-rlo_steps = gated(**_SEARCH)(search.rlo_steps)
+rlo = gated(**_SEARCH)(_rlo)
+rlo_steps = gated(**_SEARCH)(_rlo_steps)

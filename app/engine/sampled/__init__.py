@@ -1,6 +1,7 @@
 """Loops with sampled controllers and real hardware, one run or many."""
 
 from .door import (
+    SampledLoop,
     coil_driver,
     loop_density,
     mechanics_response,
@@ -19,7 +20,6 @@ from .hardware import Hardware
 from .lqg_sampled import SampledLqg, SampledRun
 from .monte_carlo import MonteCarlo
 from .sampled_control import SampledController
-from .sampled_loop import SampledLoop
 from .sampled_spectrum import MechanicsResponse
 from .trial import ResponseMeasures, Trial
 

@@ -7,16 +7,18 @@ from types import MappingProxyType
 from ..systems.gates import SECONDS, SERIES, array, count, gated, instance, matrix, number, optional
 from ..systems.plant import Plant
 from . import batch, loop, recovery
-from . import simulate as _simulate
 from .scenario import Run, Scenario
+from .simulate import autonomous_error as _autonomous_error
+from .simulate import separation_meter as _separation_meter
+from .simulate import simulate as _simulate
 
 _SCENARIO, _RUN = instance(Scenario), instance(Run)
 _SIZE = number(above=0, high=1e100)
 _GRID = MappingProxyType({"x_index": count(-1000), "x_values": SERIES, "e_index": count(-1000), "e_values": SERIES})
 
-simulate = gated(scenario=_SCENARIO)(_simulate.simulate)
-autonomous_error = gated(run=_RUN)(_simulate.autonomous_error)
-separation_meter = gated(run=_RUN)(_simulate.separation_meter)
+simulate = gated(scenario=_SCENARIO)(_simulate)
+autonomous_error = gated(run=_RUN)(_autonomous_error)
+separation_meter = gated(run=_RUN)(_separation_meter)
 emulated_gain = gated(plant=instance(Plant), L=matrix("n p"), dt=SECONDS)(loop.emulated_gain)
 simulate_recovery = gated(scenario=_SCENARIO, **_GRID, threshold=optional(_SIZE), bound=optional(_SIZE), slice_seconds=number(0))(
     recovery.simulate_recovery)

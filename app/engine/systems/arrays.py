@@ -26,6 +26,8 @@ def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bo
     (unless `imaginary`), masked or NaN entries (unless `missing`) and infinity (unless `infinite`), ShapeError for more entries than memory
     should hold.
     """
+    if type(value) is np.ndarray and not imaginary and value.dtype == float and value.size <= LARGEST and np.isfinite(value).all():
+        return value
     if isinstance(value, np.ma.MaskedArray):
         value = _unmasked(value, name, missing)
     count = value.size if isinstance(value, np.ndarray) else len(value) if isinstance(value, Sized) else 1
@@ -33,9 +35,9 @@ def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bo
         raise ShapeError("{name} has more than {largest:.0e} entries; give a smaller matrix.", name=name, largest=LARGEST)
     array = _plain(value, name)
     if array.dtype.kind == "c" and not imaginary:
-        if array.imag.any():
+        if np.imag(array).any():
             raise EngineError("{name} has imaginary parts; every entry must be a real number.", name=name)
-        array = array.real
+        array = np.real(array)
     if imaginary:
         array = array.astype(complex, copy=False)
     elif array.dtype.kind != "f":  # floats keep their precision
@@ -53,7 +55,7 @@ def _unmasked(value: np.ma.MaskedArray, name: str, missing: bool) -> np.ndarray:
         return value.data
     if not missing or value.dtype.kind not in "fiub":
         raise EngineError("{name} has masked entries; every entry must be a finite number.", name=name)
-    return value.astype(float).filled(np.nan)
+    return np.ma.filled(value.astype(float), np.nan)
 
 
 def _plain(value: object, name: str) -> np.ndarray:

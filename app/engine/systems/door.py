@@ -6,7 +6,10 @@ import os
 from types import MappingProxyType
 
 from . import arrays, convert, jacobian, lyapunov, noise, pole_sets, sampling, scan, spectrum, zeros
-from . import balance as scales
+from .balance import balance as _balance
+from .balance import natural_scale as _natural_scale
+from .balance import stable_poles as _stable_poles
+from .balance import state_scale as _state_scale
 from .gates import (
     COMPLEX,
     COUNT,
@@ -63,10 +66,10 @@ psd = gated(series=array(), fs=POSITIVE, segment=optional(COUNT), window=choice(
 as_covariance = gated(size=count(), name=NAME)(arrays.as_covariance)
 as_matrix = gated(name=NAME)(arrays.as_matrix)
 symmetric = gated(matrix=array("… n n"))(arrays.symmetric)
-balance = gated(**_PARTS)(scales.balance)
-natural_scale = gated(**_THREE)(scales.natural_scale)
-state_scale = gated(**_THREE)(scales.state_scale)
-stable_poles = gated(A=matrix("n n"), dt=PERIOD)(scales.stable_poles)
+balance = gated(**_PARTS)(_balance)
+natural_scale = gated(**_THREE)(_natural_scale)
+state_scale = gated(**_THREE)(_state_scale)
+stable_poles = gated(A=matrix("n n"), dt=PERIOD)(_stable_poles)
 settled_covariance = gated(A=matrix("n n"), G=matrix("n q"), dt=PERIOD)(lyapunov.settled_covariance)
 step_covariance = gated(A=matrix("n n"), intensity=covariance("n"), duration=number(0, 1e9))(noise.step_covariance)
 process_noise = gated(M=matrix("N N"), G=matrix("N q"), W=covariance("q"), duration=SECONDS,

@@ -7,7 +7,8 @@ arguments, with those of its `plant` n, m, p. Each room's `door.py` has the tabl
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sized
+from collections.abc import Iterable
+from operator import length_hint
 from typing import Any
 
 import numpy as np
@@ -156,7 +157,7 @@ def items(one: Gate, most: int = LARGEST) -> Gate:
     """A tuple of things that pass a gate each."""
     def gate(value: Any, name: str, sizes: Sizes) -> tuple[Any, ...]:
         listed = isinstance(value, Iterable) and not isinstance(value, str | bytes | dict | set) and not np.ma.is_masked(value)
-        if not listed or (isinstance(value, Sized) and len(value) > most):
+        if not listed or length_hint(value) > most:
             raise EngineError("{name} must be a list.", name=name)
         return tuple(one(v, name, sizes) for v in value)
     return gate
