@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 DASHES = MappingProxyType({"solid": "", "dash": ' stroke-dasharray="7 4"', "dot": ' stroke-dasharray="2 3"'})
-SIZE = 11.0  # px of the words in a drawing
+SIZE, LARGE = 11.0, 14.6  # px of the words in a drawing, and in one of large print
 KEY_ROW = 16.0
 SAMPLE, GAP = 20.0, 14.0  # of an entry of the key: the length of its line, the room after its name
 
@@ -81,12 +81,14 @@ def key(entries: Sequence[tuple[str, str, str]], across: float, top: float, patc
         used += needs
     out = []
     for i, row in enumerate(rows if told else []):
-        x = (across - sum(SAMPLE + 5 + width(name) + GAP for name, _, _ in row) + GAP) / 2
+        signs, letters = len(row) * (SAMPLE + 5 + GAP) - GAP, sum(width(name) for name, _, _ in row)
+        large = min(LARGE / SIZE, max(1.0, (across - signs) / max(letters, 1.0)))  # room is kept for large print
+        x = (across - signs - large * letters) / 2
         y = top + KEY_ROW * (i + 0.5)
         for name, colour, dash in row:
             out.append(f'<rect x="{x + 5:.1f}" y="{y - 5:.1f}" width="10" height="10" fill="{colour}" fill-opacity="0.75"/>' if patches
                        else f'<line x1="{x:.1f}" x2="{x + SAMPLE:.1f}" y1="{y:.1f}" y2="{y:.1f}" stroke="{colour}" '
                             f'stroke-width="2.4"{DASHES[dash]}/>')
-            out.append(f'<text x="{x + SAMPLE + 5:.1f}" y="{y + 4:.1f}">{html.escape(name)}</text>')
-            x += SAMPLE + 5 + width(name) + GAP
+            out.append(f'<text x="{x + SAMPLE + 5:.1f}" y="{y + 4:.1f}" style="--large:{large * SIZE:.1f}px">{html.escape(name)}</text>')
+            x += SAMPLE + 5 + large * width(name) + GAP
     return "".join(out), KEY_ROW * len(rows) + 4 if told else 0.0

@@ -9,12 +9,11 @@ import numpy as np
 
 from ..lesson.figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ..text import symbol, wording
-from .lettering import DASHES, Box, beside, key, width
+from .lettering import DASHES, LARGE, SIZE, Box, beside, key, width
 from .prose import with_minus
 from .ticks import ticks
 
 W, H = 360, 250
-LARGE = 14.6  # px, of usual words in large print
 LEFT, RIGHT, TOP, BOTTOM = 46, 12, 28, 36
 FRAME = Box(LEFT, TOP, W - RIGHT, H - BOTTOM)
 TALLEST_CELL, ROOM_FOR_ENTRY, SMALLEST = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px
@@ -180,14 +179,14 @@ def _heads(names: list[str], left: float, wide: float) -> tuple[str, float]:
                    f"{html.escape(name)}</text>" for j, name in enumerate(names)), deep + 5
 
 
-def _fitting(words: str, room: float, most: float = 11.0) -> float:
+def _fitting(words: str, room: float, most: float = SIZE) -> float:
     """The font size at which words take at most this room."""
     return min(most, most * room / max(width(words, most), 1.0))
 
 
 def _sized(words: str, room: float, tallest: float = math.inf) -> str:
     """Attributes of words that are to take at most this room: their size, and that in large print."""
-    usual, large = (min(_fitting(words, room, most), tallest) for most in (11.0, LARGE))
+    usual, large = (min(_fitting(words, room, most), tallest) for most in (SIZE, LARGE))
     return f'font-size="{usual:.1f}" style="--large:{large:.1f}px"'
 
 
