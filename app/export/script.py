@@ -8,19 +8,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from importlib.resources import files
 from types import MappingProxyType
 
 import numpy as np
 
 from ..engine.simulation import Run, Scenario
 from ..lesson.lesson import Lesson, Outcome
+from .literals import array_text, complex_text, part_text
+from .told import told_parts
 
 __all__ = ["ScriptError", "notebook", "parts_of", "python_script"]
 
 INSTANTS = 6  # moments of the run that are asserted
 AGREED = 1e-6  # of the largest number: how near the script comes
-PARTS = files("app.export") / "parts"
 POLES: Mapping[str, str] = MappingProxyType({  # what a set of poles may be the eigenvalues of, under its name in the script
     "A - B K": "Am - Bm @ K", "A - L C": "Am - L @ Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm @ K - L @ (Cm - Dm @ K)",
     "A": "A", "the believed A": "Am"})
@@ -56,6 +56,9 @@ def _cell(kind: str, source: str, number: int) -> dict[str, object]:
 def parts_of(lesson: Lesson, outcome: Outcome, token: str) -> Iterator[tuple[str, str]]:
     """Title and code of every part, in order. Raises ScriptError where the lesson's run is of another kind."""
     run = outcome.run
+    if lesson.code is not None:
+        yield from told_parts(lesson, lesson.code(outcome), token)
+        return
     if run is None:
         raise ScriptError(f"The run of lesson {lesson.id} is of a kind that no script is written for yet; give --to json or csv.")
     s = run.scenario
@@ -64,42 +67,28 @@ def parts_of(lesson: Lesson, outcome: Outcome, token: str) -> Iterator[tuple[str
     yield "The plant: dx/dt = A x + B u + G w, y = C x + D u + v", "\n".join(_plant(s))
     yield "The gains: u = r - K xhat, dxhat/dt = Am xhat + Bm u + L (y - Cm xhat - Dm u)", "\n".join(_gains(s, outcome))
     yield "The run: its start, its grid, what acts on it", "\n".join(_given(s, run))
-    yield "The loop on z = (x, xhat), with the input left open", _part("loop")
-    yield "Noise of the seed", _part("noise")
-    yield "The trajectory", _part("sampled" if s.discrete else "bent" if s.limited or s.lag else "linear")
+    yield "The loop on z = (x, xhat), with the input left open", part_text("loop")
+    yield "Noise of the seed", part_text("noise")
+    yield "The trajectory", part_text("sampled" if s.discrete else "bent" if s.limited or s.lag else "linear")
     yield "What the page shows", "\n".join(_asserted(s, run, outcome))
-    yield "The curves", _part("plot")
-
-
-def _part(name: str) -> str:
-    return (PARTS / f"{name}.txt").read_text(encoding="utf-8").rstrip()
+    yield "The curves", part_text("plot")
 
 
 def _head(token: str) -> str:
     return (f"# Made by Observer Lab from the state {token}\n"
-            "# Every number stands in SI units. Signs: u = -K xhat, e = x - xhat, de/dt = (A - L C) e.\n" + _part("head"))
-
-
-def _array(name: str, value: object, note: str = "") -> str:
-    """An assignment that reads back exactly, a row of a matrix a line."""
-    array = np.asarray(value, dtype=float)
-    if array.ndim < 2 or not array.size:
-        body = f"np.zeros({array.shape})" if not array.size else repr(array.tolist())
-        return f"{name} = np.array({body})" + (f"  # {note}" if note else "") if array.size else f"{name} = {body}"
-    rows = f",\n{' ' * (len(name) + 13)}".join(repr(row) for row in array.tolist())
-    return (f"# {note}\n" if note else "") + f"{name} = np.array([{rows}])"
+            "# Every number stands in SI units. Signs: u = -K xhat, e = x - xhat, de/dt = (A - L C) e.\n" + part_text("head"))
 
 
 def _plant(s: Scenario) -> Iterator[str]:
     plant, model = s.plant, s.model
     yield f"# states {', '.join(plant.state_names)}; inputs {', '.join(plant.input_names)}; outputs {', '.join(plant.output_names)}"
     for name in "ABCD":
-        yield _array(name, getattr(plant, name))
+        yield array_text(name, getattr(plant, name))
     if model is plant:
         yield "Am, Bm, Cm, Dm = A, B, C, D  # the designer believes the truth"
         return
     for name in "ABCD":
-        yield _array(f"{name}m", getattr(model, name), "what the designer believes" if name == "A" else "")
+        yield array_text(f"{name}m", getattr(model, name), "what the designer believes" if name == "A" else "")
 
 
 def _gains(s: Scenario, outcome: Outcome) -> Iterator[str]:
@@ -122,15 +111,15 @@ def _gain(name: str, gain: np.ndarray, A: np.ndarray, B: np.ndarray, called: str
     placed = _placed(A, B, poles) if B.shape[1] == 1 else None
     if placed is not None and np.allclose(placed, plain, rtol=1e-8, atol=1e-9 * np.abs(plain).max()):
         yield f"# One {'output' if dual else 'input'}: the poles of {matrix} make {name} unique (Ackermann)."
-        yield f"{name.lower()}_poles = {_complex(poles)}"
+        yield f"{name.lower()}_poles = {complex_text(poles)}"
         yield f"{name} = np.asarray(control.acker({'Am.T, Cm.T' if dual else 'Am, Bm'}, {name.lower()}_poles)).reshape({plain.shape})" + (
             ".T" if dual else "")
-        yield _array(f"{name}_on_the_page", gain)
+        yield array_text(f"{name}_on_the_page", gain)
         yield f"assert agree({name}, {name}_on_the_page), '{name}'"
         return
     yield (f"# {name} stands as the page found it: many gains reach the same poles, or poles alone do not say it exactly enough; its "
            "poles are asserted below.")
-    yield _array(name, gain)
+    yield array_text(name, gain)
 
 
 def _placed(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray | None:
@@ -144,23 +133,19 @@ def _placed(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray | Non
         return None
 
 
-def _complex(poles: np.ndarray) -> str:
-    return "[" + ", ".join(repr(complex(p)) if p.imag else repr(float(p.real)) for p in poles) + "]"
-
-
 def _given(s: Scenario, run: Run) -> Iterator[str]:
     yield f"h, count = {s.dt!r}, {len(run.t)}  # s from one grid point to the next, and grid points" + (
         f"; the run is cut where it diverges, at {run.diverged_at:g} s" if run.diverged_at is not None else "")
     yield f"whole = {s.n_t}  # grid points of the run as it was planned: noise is drawn for all of them"
-    yield _array("x_start", s.x0)
-    yield _array("xhat_start", s.xhat0)
+    yield array_text("x_start", s.x0)
+    yield array_text("xhat_start", s.xhat0)
     held = s.reference
     if held is None:
         yield "r = np.zeros((whole, B.shape[1]))  # no reference"
     elif np.all(held == held[:1]):
         yield f"r = np.tile({held[0].tolist()!r}, (whole, 1))  # a constant reference"
     else:
-        yield _array("r", held, "the reference, held from one grid point to the next")
+        yield array_text("r", held, "the reference, held from one grid point to the next")
     yield f"u_min, u_max = np.array({_limits(s.u_min)}), np.array({_limits(s.u_max)})"
     yield f"told_clipped = {s.fed == 'applied'}  # whether the observer is told the clipped input, or the asked one"
     yield f"state_feedback = {bool(s.state_feedback)}  # whether u = r - K x instead of r - K xhat"
@@ -168,9 +153,9 @@ def _given(s: Scenario, run: Run) -> Iterator[str]:
     yield f"plant_is_sampled, hold_and_sample = {bool(s.plant.dt)}, {bool(s.discrete)}"
     yield f"impulses = {[(float(t), np.asarray(jump).tolist()) for t, jump in s.impulses]!r}  # (time in s, jump of x)"
     yield f"seed = {s.seed}"
-    yield _array("G", s.G, "the way of w into x") if s.G is not None else "G = None"
-    yield _array("W", s.W, "intensity of w") if s.W is not None else "W = None  # no process noise"
-    yield _array("V", s.V, "intensity of v") if s.V is not None else "V = None  # no measurement noise"
+    yield array_text("G", s.G, "the way of w into x") if s.G is not None else "G = None"
+    yield array_text("W", s.W, "intensity of w") if s.W is not None else "W = None  # no process noise"
+    yield array_text("V", s.V, "intensity of v") if s.V is not None else "V = None  # no measurement noise"
 
 
 def _limits(limit: np.ndarray) -> str:
@@ -181,7 +166,7 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
     at = np.unique(np.linspace(0, len(run.t) - 1, INSTANTS).astype(int))
     yield f"at = {at.tolist()}  # grid points that are compared"
     for name, values in (("x", run.x), ("xhat", run.xhat), ("u_asked", run.u_asked), ("u_applied", run.u_applied), ("y", run.y)):
-        yield _array(f"{name}_on_the_page", values[at])
+        yield array_text(f"{name}_on_the_page", values[at])
         yield f"largest = {float(np.abs(values).max())!r}"
         yield f"assert agree({name}[at], {name}_on_the_page, largest), '{name}'"
         yield f"assert agree(np.abs({name}).max(), largest), 'the largest of {name}'"
@@ -193,7 +178,7 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
             yield f"# The poles that the page calls '{name}' do not belong to this run's matrices; they are not computed here."
         else:
             yield f"# '{name}' on the page: the eigenvalues of {match}"
-            yield f"assert same_poles(np.linalg.eigvals({POLES[match]}), {_complex(poles)}), '{name}'"
+            yield f"assert same_poles(np.linalg.eigvals({POLES[match]}), {complex_text(poles)}), '{name}'"
     yield f"print('Observer Lab: the {len(at)} moments of the run, its largest values, gains and poles agree to {AGREED:g}.')"
 
 

@@ -15,6 +15,7 @@ from ..plants.body import Body
 from ..plants.model import Model
 from ..plants.own import own_model, plant_of, without_hold
 from ..text import NO_WORDS, Text, joined, text
+from .code import Code
 from .design import Design as Design
 from .figures import Figure
 from .knobs import Knob, KnobError
@@ -196,6 +197,7 @@ class Lesson(Generic[S]):
     on the lesson's map into changed knob values. `adapt(lesson, model)` makes the lesson for a person's own plant;
     `origin` is the lesson that it was made from. `answer` is the index of the right prediction, `answering` the id of
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more".
+    `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     """
 
     id: str
@@ -215,6 +217,7 @@ class Lesson(Generic[S]):
     pick: Callable[[Outcome[S], float, float], Mapping[str, Any]] | None = None
     adapt: Callable[[Lesson, Model], Lesson] | None = None
     universal: bool = False
+    code: Callable[[Outcome[S]], Code] | None = None
     plant: str = ""
     origin: Lesson | None = None
 

@@ -58,7 +58,7 @@ KINDS: MappingProxyType[str, Kind] = MappingProxyType({
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """A plant at its samples: Q of the process noise, R of the sensor at its normal noise, K, and what may be lost."""
+    """A plant at its samples: Q of the process noise, R of the sensor at its normal noise, K, what may be lost, and K's weights."""
 
     plant: Plant
     Q: np.ndarray
@@ -66,6 +66,8 @@ class Sampled:
     K: np.ndarray
     edge: CriticalLoss
     radius: float
+    state: np.ndarray
+    force: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +114,7 @@ def sampled(name: str, a: float, stretch: float) -> Sampled:
         kf, state, force = _from_model(name, h)
         plant, Q, R = Plant(kf.A, kf.B, kf.C, dt=h), kf.Q, kf.R
     K = dlqr(plant.A, plant.B, state, force).gain
-    return Sampled(plant, Q, R, K, critical_loss(plant.A, plant.C), spectral_radius(plant.A))
+    return Sampled(plant, Q, R, K, critical_loss(plant.A, plant.C), spectral_radius(plant.A), state, force)
 
 
 @lru_cache(maxsize=128)

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .code import code
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
@@ -17,4 +18,4 @@ LESSON = Lesson(
     "network", 18, KNOBS, compute, figures, answer=1, answering="means", tasks=TASKS, exam=exam,
     source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004; "
            "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
-    words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB)
+    words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB, code=code)

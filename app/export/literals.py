@@ -1,0 +1,32 @@
+"""Numbers as a script writes them: every one reads back exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.resources import files
+
+import numpy as np
+
+__all__ = ["array_text", "complex_text", "part_text"]
+
+PARTS = files("app.export") / "parts"
+
+
+def part_text(name: str) -> str:
+    """A part of the scripts as it stands in its file."""
+    return (PARTS / f"{name}.txt").read_text(encoding="utf-8").rstrip()
+
+
+def array_text(name: str, value: object, note: str = "") -> str:
+    """An assignment that reads back exactly, a row of a matrix a line."""
+    array = np.asarray(value, dtype=float)
+    if array.ndim < 2 or not array.size:
+        body = f"np.zeros({array.shape})" if not array.size else repr(array.tolist())
+        return f"{name} = np.array({body})" + (f"  # {note}" if note else "") if array.size else f"{name} = {body}"
+    rows = f",\n{' ' * (len(name) + 13)}".join(repr(row) for row in array.tolist())
+    return (f"# {note}\n" if note else "") + f"{name} = np.array([{rows}])"
+
+
+def complex_text(poles: Iterable[complex]) -> str:
+    """A set of poles."""
+    return "[" + ", ".join(repr(complex(p)) if p.imag else repr(float(p.real)) for p in poles) + "]"

@@ -1,0 +1,45 @@
+"""What a lesson whose run is no plain loop says of itself as code: numbers given, equations by name, numbers shown."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+__all__ = ["Code", "Given", "Shown"]
+
+Value: TypeAlias = "np.ndarray | Sequence[float] | Sequence[Sequence[float]] | float | int | bool | str"
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A number, matrix or word that the equations start from, under its name in the script."""
+
+    name: str
+    value: Value
+    note: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A number of the page that the script finds again under `name`, to 1e-6 of `size` (None: of its largest entry).
+
+    `poles`: a set without order, compared by its polynomial.
+    """
+
+    name: str
+    value: Value
+    size: float | None = None
+    poles: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Code:
+    """`part` names the equations that lead from what is `given` to what is `shown`; `unsaid` is what they leave out."""
+
+    part: str
+    given: tuple[Given, ...]
+    shown: tuple[Shown, ...]
+    unsaid: str = ""

@@ -1,0 +1,139 @@
+"""By hand: every lesson's exported code at its default and at random designs, each run in a process that knows nothing of us.
+
+`python tests/export_everything.py [--designs N] [--plants] [LESSON …]` prints a line a lesson and the sum.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+from hypothesis import HealthCheck, Phase, given, seed, settings
+from hypothesis import strategies as st
+
+from app.engine import EngineError
+from app.export.script import ScriptError, python_script
+from app.lesson.knobs import Choice, Knob, Number, Poles, Switch
+from app.lesson.lesson import Design, Lesson
+from app.plants.examples import EXAMPLES, example
+from lessons import LESSONS
+
+RUNNER = """
+import runpy, sys, traceback, warnings
+warnings.simplefilter('ignore')
+from matplotlib import pyplot as plt
+for name in sys.argv[1:]:
+    try:
+        runpy.run_path(name)
+        print('RIGHT', name)
+    except BaseException as problem:
+        last = traceback.extract_tb(problem.__traceback__)[-1]
+        print('WRONG', name, type(problem).__name__, str(problem)[:200].replace(chr(10), ' '), last.lineno, last.line)
+    plt.close('all')
+"""
+
+
+def some(knob: Knob) -> st.SearchStrategy[object]:
+    """Values of a knob that a person may turn to."""
+    if isinstance(knob, Number):
+        if knob.scale == "integer":
+            return st.integers(int(knob.low), int(knob.high)).map(float)
+        return st.floats(0, 1).map(lambda share: knob.low * (knob.high / knob.low) ** share if knob.scale == "log"
+                                   else knob.low + share * (knob.high - knob.low))
+    if isinstance(knob, Choice):
+        return st.sampled_from([value for value, _ in knob.options])
+    if isinstance(knob, Switch):
+        return st.booleans()
+    return st.floats(0.6, 1.6).map(lambda share: tuple(share * pole for pole in knob.default) if isinstance(knob, Poles)
+                                   else knob.default)
+
+
+def designs(lesson: Lesson, count: int) -> Iterator[Design]:
+    """The start, and `count` random designs, the same every time."""
+    yield lesson.start()
+    found: list[Design] = []
+    knobs = {knob.name: some(knob) for knob in lesson.knobs}
+
+    @seed(zlib.crc32((lesson.id + lesson.plant).encode()))
+    @settings(max_examples=4 * count, database=None, deadline=None, phases=[Phase.generate],
+              suppress_health_check=list(HealthCheck))
+    @given(st.fixed_dictionaries(knobs))
+    def draw(values: dict[str, object]) -> None:
+        try:
+            found.append(lesson.apply(lesson.start(), values))
+        except EngineError:
+            return
+    draw()
+    yield from found[-count:] if count else ()
+
+
+def scripts(lesson: Lesson, count: int) -> Iterator[tuple[Design, str]]:
+    """Every design that can be computed, with its script."""
+    for design in designs(lesson, count):
+        try:
+            outcome = lesson.compute(design)
+        except EngineError:
+            continue
+        yield design, python_script(lesson, outcome, "1.x")
+
+
+def judged(texts: list[str], folder: Path) -> list[str]:
+    """What a clean process says of each script."""
+    names = []
+    for k, text in enumerate(texts):
+        (folder / f"script_{k}.py").write_text(text, encoding="utf-8")
+        names.append(f"script_{k}.py")
+    env = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"MPLBACKEND": "agg"}
+    done = subprocess.run([sys.executable, "-I", "-c", RUNNER, *names], cwd=folder, env=env, capture_output=True, text=True)
+    said = [line for line in done.stdout.splitlines() if line.startswith(("RIGHT", "WRONG"))]
+    return said if len(said) == len(names) else [*said, f"WRONG {done.stderr[-500:]}"]
+
+
+def lessons(names: list[str], plants: bool) -> Iterator[tuple[str, Lesson]]:
+    """The lessons asked for, and those of them that take a person's plant with every example."""
+    for id in names or LESSONS:
+        yield id, LESSONS[id]
+        for name in EXAMPLES if plants and LESSONS[id].adapt is not None else ():
+            try:
+                yield f"{id} on {name}", LESSONS[id].fit(example(name))
+            except EngineError:
+                continue
+
+
+def main() -> int:
+    """Run all and print what came out."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("lessons", nargs="*")
+    parser.add_argument("--designs", type=int, default=3)
+    parser.add_argument("--plants", action="store_true", help="the example plants too")
+    parser.add_argument("--keep", help="a folder for the scripts")
+    options = parser.parse_args()
+    right = wrong = 0
+    for name, lesson in lessons(options.lessons, options.plants):
+        started = time.perf_counter()
+        try:
+            all_of = list(scripts(lesson, options.designs))
+        except ScriptError as problem:
+            print(f"{name:24} {problem}")
+            continue
+        with tempfile.TemporaryDirectory() as scratch:
+            folder = Path(options.keep or scratch)
+            found = judged([text for _, text in all_of], folder)
+        bad = [(line, design) for line, (design, _) in zip(found, all_of, strict=False) if not line.startswith("RIGHT")]
+        right, wrong = right + len(found) - len(bad), wrong + len(bad)
+        print(f"{name:24} {len(found) - len(bad)} of {len(found)} prove themselves, {time.perf_counter() - started:.1f} s", flush=True)
+        for line, design in bad:
+            print("   ", line, dict(design.values))
+    print(f"{right} scripts prove themselves, {wrong} do not.")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
