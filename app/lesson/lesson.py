@@ -16,6 +16,7 @@ from ..plants.model import Model
 from ..plants.own import own_model, plant_of, without_hold
 from ..text import NO_WORDS, Text, joined, text
 from .code import Code
+from .derivation import Value, no_numbers
 from .design import Design as Design
 from .figures import Figure
 from .knobs import Knob, KnobError
@@ -198,6 +199,7 @@ class Lesson(Generic[S]):
     `origin` is the lesson that it was made from. `answer` is the index of the right prediction, `answering` the id of
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
+    `derived` gives the numbers that stand now in the places of the derivation.
     """
 
     id: str
@@ -220,6 +222,7 @@ class Lesson(Generic[S]):
     code: Callable[[Outcome[S]], Code] | None = None
     plant: str = ""
     origin: Lesson | None = None
+    derived: Callable[[Outcome[S]], Mapping[str, Value]] = no_numbers
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""
@@ -270,7 +273,8 @@ def _fitted(origin: Lesson, text: str) -> Lesson:
     words = {language: replace(
         prose, introduction=f"{_whose(model, universal, bool(plant.dt))(language)}\n\n{prose.introduction}",
         tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
-    return replace(lesson, words=words, plant=text, origin=origin)
+    derived = no_numbers if lesson.derived is origin.derived else lesson.derived  # made for the lesson's own study
+    return replace(lesson, words=words, plant=text, origin=origin, derived=derived)
 
 
 def _whose(model: Model, universal: bool, sampled: bool) -> Text:

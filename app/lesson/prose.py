@@ -12,6 +12,13 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
     what is really so, shown after the prediction
     ## step first heading
     text
+    ## derive heading of a step of the derivation
+    $$equation$$
+    how it follows
+    ### why
+    why this step is taken
+    ### now
+    $$equation with [[places]] for the present numbers$$
     ## task id: title
     statement
     - hint
@@ -31,6 +38,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..text.languages import folder_of, languages
+from .derivation import Derived, derived_step
 
 
 class ProseError(ValueError):
@@ -61,6 +69,7 @@ class Prose:
     tasks: Mapping[str, TaskWords]
     exam: str
     source: str
+    derivation: tuple[Derived, ...] = ()
 
 
 def read_prose(folder: Path) -> dict[str, Prose]:
@@ -84,6 +93,7 @@ def parse_prose(text: str, name: str = "text") -> Prose:
     introduction = "\n".join(line for line in lines[1:] if not line.startswith("> ")).strip()
     predict, reveal, options, exam, source = "", "", (), "", ""
     steps: list[tuple[str, str]] = []
+    derivation: list[Derived] = []
     tasks: dict[str, TaskWords] = {}
     for section in sections:
         title, _, body = section.partition("\n")
@@ -93,6 +103,8 @@ def parse_prose(text: str, name: str = "text") -> Prose:
             predict, options = _bullets(body)
         elif kind == "step":
             steps.append((rest.strip(), body.strip()))
+        elif kind == "derive":
+            derivation.append(derived_step(rest, body))
         elif kind == "task":
             key, _, label = rest.partition(":")
             body, _, solution = body.partition("\n### solution")
@@ -103,9 +115,9 @@ def parse_prose(text: str, name: str = "text") -> Prose:
         elif kind == "source":
             source = body.strip()
         else:
-            raise ProseError(f"{name} has a section '## {title}'; use predict, step, task, exam or source.")
+            raise ProseError(f"{name} has a section '## {title}'; use predict, step, derive, task, exam or source.")
     prose = Prose(lines[0][2:].strip(), question, introduction, predict, options, reveal.strip(), tuple(steps), tasks,
-                  exam, source)
+                  exam, source, tuple(derivation))
     for field in ("question", "introduction", "predict", "reveal", "exam", "source"):
         if not getattr(prose, field):
             raise ProseError(f"{name} has no {field}.")

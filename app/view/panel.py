@@ -23,6 +23,7 @@ from ..tab.commands import (
 from ..tab.picture import Picture, TaskState
 from ..text import Text, joined, languages, name_of
 from . import phrases, quirks
+from .derivation import Derivation
 from .knobrows import KnobRows
 from .plants import PlantRow
 from .prose import mathml, render, with_minus
@@ -53,6 +54,7 @@ class Panel:
         self._part("why")
         self._numbers(picture)
         self._explain()
+        self._derivation = Derivation(gui, picture)
         self._part("tasks")
         self._make_tasks(picture)
         self._make_exam(picture)
@@ -171,6 +173,7 @@ class Panel:
             self._plants.show(picture)
         if picture.resting:
             self._show_numbers(picture)
+        self._derivation.show(picture)
         self._show_prediction(picture)
         for task_id in self._tasks:
             self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))

@@ -8,6 +8,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
@@ -17,4 +18,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "error-dynamics", 2, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=1, answering="error", tasks=TASKS, exam=exam,
     source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
-    words=read_prose(Path(__file__).parent), aside=("amplitude", "frequency", "seed", "line"), adapt=adapted)
+    words=read_prose(Path(__file__).parent), aside=("amplitude", "frequency", "seed", "line"), adapt=adapted,
+    derived=partial(derived, BLOCK))

@@ -16,6 +16,7 @@ from app.text import text
 
 from ..toolkit.gains import injection
 from ..toolkit.knobs import run_knobs
+from .derive import derived
 from .figures import figures
 from .knobs import KNOBS, POLES
 from .study import Setting, compute
@@ -58,4 +59,5 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     here = Setting(
         model, model.horizon, model.dt, lambda design: plant, lambda design: injection(plant, design["observer_poles"], model),
         lambda design: tuple(design["guess"] * v for v in model.x0), parts, text("the plant's own poles  eig(A)"))
-    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=())
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here), tasks=(),
+                   derived=partial(derived, here))

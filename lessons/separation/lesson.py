@@ -8,6 +8,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
@@ -17,4 +18,4 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1, answering="spectrum", tasks=TASKS, exam=exam,
     source="Tutorial (000), separation section, equations of the augmented loop",
-    words=read_prose(Path(__file__).parent), adapt=adapted)
+    words=read_prose(Path(__file__).parent), adapt=adapted, derived=partial(derived, DECK))

@@ -17,6 +17,7 @@ from app.text import text
 from ..toolkit.gains import sizes, sped
 from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
 from ..toolkit.tasks import fair
+from .derive import derived
 from .figures import figures
 from .study import Setting, compute
 from .tasks import fast_observer
@@ -64,4 +65,5 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     near = max((p.real for p in model.observer_poles), default=-1.0)
     quicker = tuple(complex(p.real + min(0.0, 3.2 * slow - near), p.imag) for p in model.observer_poles)
     return fair(replace(lesson, knobs=own_knobs(model), compute=partial(compute, here), figures=partial(figures, here),
+                        derived=partial(derived, here),
                         tasks=(Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": quicker}),)))

@@ -1,4 +1,4 @@
-"""Numbers, matrices, gains and poles as they stand in live formulas and sentences."""
+"""Gains and poles as they stand in live formulas and sentences."""
 
 from __future__ import annotations
 
@@ -6,20 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from app.lesson.latex import MOST_ENTRIES, matrix, number
 from app.text import raised
-
-MOST_ENTRIES = 24  # of a matrix that is written out
-
-
-def number(value: float, digits: int = 3) -> str:
-    """A number for a live formula: short, with a true minus sign, powers of ten only where they help."""
-    if value == 0 or not np.isfinite(value):
-        return "0" if value == 0 else r"\infty"
-    if abs(value) >= 1e5 or abs(value) < 10 ** (-digits):
-        mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
-        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
-    short = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e" in short else short
 
 
 def tiny(value: float) -> str:
@@ -27,15 +15,6 @@ def tiny(value: float) -> str:
     if value == 0 or not np.isfinite(value):
         return "0" if value == 0 else "∞"
     return "10" + raised(round(float(np.log10(abs(value)))))
-
-
-def matrix(M: np.ndarray, digits: int = 3, changed: Sequence[tuple[int, int]] = ()) -> str:
-    """A matrix as LaTeX with its present entries; `changed` ones stand out."""
-    def entry(i: int, j: int) -> str:
-        words = number(float(M[i, j]), digits)
-        return rf"\color{{#D55E00}}{{{words}}}" if (i, j) in changed else words
-    rows = r" \\ ".join(" & ".join(entry(i, j) for j in range(M.shape[1])) for i in range(M.shape[0]))
-    return rf"\begin{{bmatrix}} {rows} \end{{bmatrix}}"
 
 
 def gain_words(symbol: str, M: np.ndarray) -> str:

@@ -137,7 +137,7 @@ class Tab:
 
     def equations(self) -> list[str]:
         """The live equations of the left column as text."""
-        return self.page.locator(".ol-formula").all_inner_texts()
+        return self.page.locator(".ol-formula:not(.ol-derived)").all_inner_texts()
 
     def clock(self) -> float:
         """The time of the run."""

@@ -1,0 +1,58 @@
+"""The derivation in the left column: steps that are opened one by one, the present numbers put in."""
+
+from __future__ import annotations
+
+import viser
+
+from ..lesson.derivation import Derived, put_in
+from ..lesson.lesson import Outcome
+from ..tab.picture import Picture
+from . import phrases
+from .prose import mathml, render
+
+
+class Derivation:
+    """A folder with one for each step; not there until a prediction is made, since formulas would answer it.
+
+    The numbers stand in parts of their own, so that new ones leave open what was opened.
+    """
+
+    def __init__(self, gui: viser.GuiApi, picture: Picture) -> None:
+        self._lang = picture.state.language
+        self._steps: tuple[Derived, ...] = picture.lesson.words[self._lang].derivation
+        self._now: list[viser.GuiHtmlHandle] = []
+        self._folder: viser.GuiFolderHandle | None = None
+        self._shown: Outcome | None = None
+        if not self._steps:
+            return
+        self._folder = gui.add_folder(phrases.DERIVE(self._lang), expand_by_default=False, visible=picture.state.predicted is not None)
+        with self._folder:
+            for count, step in enumerate(self._steps, 1):
+                with gui.add_folder(f"{count} {step.heading}", expand_by_default=False):
+                    gui.add_html(self._told(step))
+                    self._now.append(gui.add_html(""))
+
+    def _told(self, step: Derived) -> str:
+        return (f'{_drawn(step.equation)}<p class="ol-note">{render(step.text)}</p>'
+                f'<details class="ol-note ol-why"><summary>{phrases.WHY(self._lang)}</summary>{render(step.why)}</details>')
+
+    def show(self, picture: Picture) -> None:
+        """The folder where a prediction was made, and the present numbers of a picture at rest."""
+        open_now = picture.state.predicted is not None
+        if self._folder is None or (not open_now and not self._folder.visible):
+            return
+        if self._folder.visible != open_now:
+            self._folder.visible = open_now
+        if not open_now or not picture.resting or self._shown is picture.outcome:
+            return
+        self._shown = picture.outcome
+        values = picture.lesson.derived(picture.outcome)
+        for handle, step in zip(self._now, self._steps, strict=True):
+            line = put_in(step, values)
+            content = "" if not line else f'<p class="ol-caption">{phrases.PUT_IN(self._lang)}</p>{_drawn(line)}'
+            if handle.content != content:
+                handle.content = content
+
+
+def _drawn(equation: str) -> str:
+    return '<div class="ol-formula ol-derived">' + "".join(mathml(line, True) for line in equation.split("\n")) + "</div>"

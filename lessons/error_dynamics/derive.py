@@ -1,0 +1,38 @@
+"""The numbers that stand now in the derivation of lesson 2: the error's matrix, its solution beside the run, its polynomial."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.linalg import expm
+
+from app.lesson.derivation import Value
+from app.lesson.lesson import Outcome
+
+from .knobs import PRINTED
+from .study import Setting, Study
+
+PART = 0.1  # of the run: when the solution is compared with it
+
+
+def derived(here: Setting, outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """Matrices, start and solution; the polynomial of a plant of two states with one output.
+
+    Nothing where the observer runs the matrix of the notes: there it copies another plant.
+    """
+    run, plant, L = outcome.run, here.model.plant, outcome.gains["L"]
+    if run is None or outcome.design["method"] == PRINTED:
+        return {}
+    F = plant.A - L @ plant.C
+    known: dict[str, Value] = {"A": plant.A, "C": plant.C, "L": L, "F": F, "x0": run.x[:1].T, "xhat0": run.xhat[:1].T, "e0": run.e[:1].T}
+    index = round(PART * here.horizon / here.dt)
+    if not run.scenario.impulses and index < len(run.t):
+        time = float(run.t[index])
+        known |= {"time": time, "Phi": expm(F * time), "e_run": run.e[index:index + 1].T}
+    if here.notes:
+        l1, l2 = (float(v) for v in L[:, 0])
+        poles = outcome.poles["observer"]
+        known |= {"l1": l1, "l2": l2, "c1": float(-np.trace(F)), "c0": float(np.linalg.det(F)),
+                  "sum": float(np.real(poles.sum())), "product": float(np.real(poles.prod()))}
+    return known

@@ -1,0 +1,120 @@
+"""Derivations: a step is short, both languages have the same equations and places, and the numbers put in obey the equation."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from attack import outcome_of, random_designs
+from laws import each
+from lesson_checks import CJK, check_markdown, check_mathml, every_lesson, without_math
+from put_in import Reader, sides
+
+from app.lesson.derivation import Derived, derived_step, put_in
+from app.lesson.lesson import Lesson, Outcome
+from app.text import languages
+from app.view.prose import mathml
+from lessons import LESSONS
+
+MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step with its why, in English and in Chinese
+LACKING = {name for name, lesson in LESSONS.items() if lesson.number not in (2, 4)}  # shrinks with every lesson that gets one
+HAVE = [pytest.param(lesson, id=name) for name, lesson in LESSONS.items() if name not in LACKING]
+every_derivation = pytest.mark.parametrize("lesson", HAVE)
+RANDOM = 6  # designs of a lesson tried here; `python tests/lessons/test_all_derivations.py` tries two hundred
+CLOSE = 1e-6  # relative to the largest number in the line
+
+
+@every_lesson
+def test_a_lesson_has_a_derivation_of_three_steps_or_is_named_as_lacking_one(lesson: Lesson) -> None:
+    steps = lesson.words["en"].derivation
+    assert (not steps) if lesson.id in LACKING else len(steps) >= 3
+
+
+@every_derivation
+def test_steps_are_whole_short_and_drawn(lesson: Lesson) -> None:
+    for language in languages():
+        for step in lesson.words[language].derivation:
+            said = f"{step.text} {step.why}"
+            assert step.equation and step.text and step.why and step.places, step.heading
+            for line in step.equation.split("\n"):
+                check_mathml(mathml(line, True), step.heading)
+            check_markdown(said, step.heading)
+            assert "$" not in step.heading and bool(CJK.search(f"{said}")) == (language == "zh")
+            if language == "en":
+                assert len(without_math(said).split()) <= MOST_WORDS, step.heading
+            else:
+                assert len(re.sub(r"\s", "", without_math(said))) <= MOST_CHARACTERS and CJK.search(step.heading), step.heading
+
+
+@every_derivation
+def test_both_languages_derive_the_same(lesson: Lesson) -> None:
+    en, zh = (lesson.words[language].derivation for language in languages())
+    assert [(s.equation, s.now) for s in en] == [(s.equation, s.now) for s in zh]
+
+
+def broken(lesson: Lesson, outcome: Outcome) -> Iterator[str]:
+    """The equations whose two sides differ with the numbers of this design put in."""
+    values = lesson.derived(outcome)
+    for step in lesson.words["en"].derivation:
+        if not put_in(step, values):
+            continue
+        for equation, found in sides(step.now, values):
+            scale = max(1e-9, *(float(np.max(np.abs(values[name]))) for name in re.findall(r"\[\[(\w+)\]\]", equation)))
+            if any(np.shape(v) != np.shape(found[0]) or not np.allclose(v, found[0], rtol=CLOSE, atol=CLOSE * scale) for v in found[1:]):
+                yield f"{step.heading}: {equation}: {found}"
+
+
+@every_derivation
+def test_the_numbers_put_in_obey_their_equations_at_the_start_and_at_random_knobs(lesson: Lesson) -> None:
+    start = lesson.compute(lesson.start())
+    values = lesson.derived(start)
+    for step in lesson.words["en"].derivation:
+        assert put_in(step, values), f"{step.heading}: no numbers at the start"
+        for line in put_in(step, values).split("\n"):
+            check_mathml(mathml(line, True), step.heading)
+    assert list(sides(lesson.words["en"].derivation[-1].now, values)), "the last line has no two sides to compare"
+    outcomes = (start, *(outcome_of(lesson, design) for design in random_designs(lesson, RANDOM)))
+    assert not [line for outcome in outcomes if outcome is not None for line in broken(lesson, outcome)]
+
+
+@every_derivation
+def test_every_number_has_its_place(lesson: Lesson) -> None:
+    places = {name for step in lesson.words["en"].derivation for name in step.places}
+    assert set(lesson.derived(lesson.compute(lesson.start()))) == places
+
+
+STEP = derived_step(" Two  ", "$$a=b$$\n$$=c$$\nHow.\n### why\nWhy.\n### now\n$$a=[[p]]\\cdot[[q]]=[[r]]$$\n")
+
+
+def test_a_step_is_read_in_its_parts() -> None:
+    assert Derived("Two", "a=b\n=c", "How.", "Why.", r"a=[[p]]\cdot[[q]]=[[r]]") == STEP and STEP.places == ("p", "q", "r")
+
+
+@each("values, line", [
+    ({"p": 2.0, "q": -3.0, "r": -6.0}, r"a=2\cdot(-3)=-6"),
+    ({"p": 2.0, "q": 3.0}, ""), ({"p": np.nan, "q": 1.0, "r": 1.0}, ""), ({"p": np.ones((5, 5)), "q": 1.0, "r": 1.0}, ""),
+    ({"p": np.array([[1.0, -2.0]]), "q": 1.0, "r": np.array([-1 + 2j, -1 - 2j, 3.0])},
+     r"a=\begin{bmatrix} 1 & -2 \end{bmatrix}\cdot1=-1 + 2\,j,\;-1 - 2\,j,\;3"),
+])
+def test_numbers_stand_in_their_places_or_the_line_is_not_there(values: dict, line: str) -> None:
+    assert put_in(STEP, values) == line
+
+
+@each("latex, value", [(r"-[[a]]\,([[b]] - 1)^2", -8.0), (r"\frac{[[a]]}{4}+\sqrt{[[c]]}", 3.5), (r"\det([[M]])\cdot[[a]]", -4.0),
+                       (r"[[M]]^{\mathsf{\top}}[[v]]", [[2.0], [4.0]]), ("[[M]]^{-1}[[v]]", [[-1.0], [1.0]]), ("[[a]]/[[c]]", 2 / 9)])
+def test_the_oracle_reads_the_arithmetic(latex: str, value: object) -> None:
+    values = {"a": 2.0, "b": 3.0, "c": 9.0, "M": np.array([[0.0, 1.0], [2.0, 3.0]]), "v": np.array([[1.0], [1.0]])}
+    assert np.allclose(Reader(latex, values).value(), value)
+
+
+if __name__ == "__main__":
+    import sys
+    for name in sys.argv[1:] or [p.id for p in HAVE]:
+        lesson, tried = LESSONS[name], 0
+        for found in map(lambda design, lesson=lesson: outcome_of(lesson, design), random_designs(lesson, 200)):
+            tried += found is not None
+            for line in broken(lesson, found) if found is not None else ():
+                print(f"{name}: {line}")
+        print(f"{name}: {tried} designs")
