@@ -17,7 +17,7 @@ LONG, INSTANTS = 40, 6  # rows from which on only some moments are asserted, and
 
 def told_parts(lesson: Lesson, code: Code, token: str) -> Iterator[tuple[str, str]]:
     """Title and code of every part, in order: head, numbers, equations, assertions, curves."""
-    imports, *equations = part_text(code.part).split("# %% ")
+    imports, *equations = "\n\n".join(map(part_text, code.parts)).split("# %% ")
     words = lesson.words["en"]
     yield f"{words.title}: {words.question}", "\n".join([
         f"# Made by Observer Lab from the state {token}",

@@ -37,9 +37,9 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Code:
-    """`part` names the equations that lead from what is `given` to what is `shown`; `unsaid` is what they leave out."""
+    """`parts` name the equations, in order, from what is `given` to what is `shown`; `unsaid` is what they leave out."""
 
-    part: str
+    parts: tuple[str, ...]
     given: tuple[Given, ...]
     shown: tuple[Shown, ...]
     unsaid: str = ""

@@ -10,6 +10,7 @@ from app.lesson.prose import read_prose
 from app.plants.model import Model
 
 from .cases import Case, case_of, doyle_case, report_case
+from .code import code
 from .figures import all_figures
 from .job import JOB
 from .knobs import knobs_for
@@ -24,7 +25,7 @@ def build(cases: tuple[Case, ...]) -> Lesson:
         tasks=TASKS, exam=exam,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
         words=read_prose(Path(__file__).parent), aside=("cut", "filter", "rule"),
-        job=JOB)
+        job=JOB, code=code)
 
 
 def adapt(lesson: Lesson, model: Model) -> Lesson:

@@ -13,7 +13,7 @@ def code(outcome: Outcome[Study]) -> Code:
     """The records of a design that its script starts from and finds again."""
     d, m, study = outcome.design, outcome.metrics, outcome.study
     s, scenario, run = study.watched.sampled, study.run.scenario, study.run
-    return Code("network", (
+    return Code(("network",), (
         Given("A", s.plant.A, "the plant at its samples: x[k+1] = A x + B u + w, y = C x + v"), Given("B", s.plant.B),
         Given("C", s.plant.C), Given("h", s.plant.dt, "s, sampling period"),
         Given("Q", s.Q, "covariance of w over a sample"), Given("R", study.watched.R, "covariance of v"),

@@ -32,7 +32,7 @@ def code(outcome: Outcome[Study]) -> Code:
         shown += [Shown("rank_built", m["rank_built"]), Shown("guess", built.guess)]
     else:
         unsaid += ", x(0) from derivatives, which rounding decides at this tolerance"
-    return Code("observability", (
+    return Code(("observability",), (
         Given("A", s.plant.A, "states and readings in typical sizes: dz/dt = A z, y = C z"), Given("C", s.plant.C),
         Given("z0", study.start), Given("blocks", built.rows, "block rows of O that are built"),
         Given("tolerance", d["tolerance"], "singular values at or below it times the largest count as zero"),
