@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from ..systems.arrays import frozen
-from ..systems.balance import UNLIKE, state_scale
+from ..systems.balance import UNLIKE, poles_within, state_scale
 from ..systems.errors import PoleError, ShapeError, phrase
+from ..systems.exact import exact_poles
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
@@ -18,6 +21,7 @@ from .robust import place_robustly
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
 
 SAME_POLE = 1e-5  # a fixed pole counts as requested within this distance, relative to its size
+MOST_STATES = 30  # whose poles are told in whole numbers
 POOR_EIGENVECTORS = 1e9  # above this condition number deflation is tried as well
 
 
@@ -25,22 +29,49 @@ POOR_EIGENVECTORS = 1e9  # above this condition number deflation is tried as wel
 class Placement:
     """A gain and what it achieves.
 
-    gain is K (m×n) from `place` and L (n×p) from `observer_gain`. reached[i] is the eigenvalue matched to asked[i], in
-    the order of the request. error = max |asked − reached|. condition is the 2-norm condition number of the closed-loop
-    eigenvectors of unit length, infinite if they are not independent. fixed holds the poles no gain can move.
+    gain is K (m×n) from `place` and L (n×p) from `observer_gain`. condition is the 2-norm condition number of the
+    closed-loop eigenvectors of unit length, infinite if they are not independent. fixed holds the poles no gain can move.
     """
 
     gain: np.ndarray
     asked: Poles
-    reached: Poles
-    error: float
     condition: float
     fixed: Poles
+    _pair: tuple[np.ndarray, np.ndarray, np.ndarray] = field(repr=False)  # A, B and K; of an observer the dual
+
+    @cached_property
+    def _told(self) -> tuple[Poles, float]:
+        A, B, K = self._pair
+        scale = state_scale(A, B)
+        if len(A) > MOST_STATES:
+            return _upper_bound(A - B @ K, self.asked)
+        found = exact_poles(A, B, K, self.asked, scale)
+        away = found.distances(self.asked)
+        rows, order = linear_sum_assignment(away)
+        return frozen(found.values[order]), float(away[rows, order].max())
+
+    @property
+    def reached(self) -> Poles:
+        """eig(A − BK) of the gain as it stands, to rounding: reached[i] belongs to asked[i]."""
+        return self._told[0]
+
+    @property
+    def error(self) -> float:
+        """max |asked − reached|, of the eigenvalues that A − BK has, not of those that double precision finds. Copies of
+        a multiple pole are apart where the rounding of the gain parts them. Beyond thirty states an upper bound."""
+        return self._told[1]
 
     @property
     def poles(self) -> Poles:
         """The poles reached, sorted by (real, imag)."""
         return np.sort_complex(self.reached)
+
+
+def _upper_bound(closed: np.ndarray, asked: Poles) -> tuple[Poles, float]:
+    """Eigenvalues in double precision, and the error with all that rounding may have added to it."""
+    found, slack = poles_within(closed)
+    order = match_poles(asked, found)[0]
+    return frozen(found[order]), float((np.abs(asked - found[order]) + slack[order]).max())
 
 
 def place(A: object, B: object, poles: Iterable[complex]) -> Placement:
@@ -69,7 +100,7 @@ def observer_gain(A: object, C: object, poles: Iterable[complex]) -> Placement:
     C = as_matrix(C, "C")
     A_dual, C_dual = _checked_pair(as_matrix(A, "A").T, C.T, "Aᵀ", "Cᵀ")
     dual = _place(A_dual, C_dual, poles, _Wording(phrase("unobservable"), "L"))
-    return Placement(frozen(dual.gain.T), dual.asked, dual.reached, dual.error, dual.condition, dual.fixed)
+    return Placement(frozen(dual.gain.T), dual.asked, dual.condition, dual.fixed, dual._pair)
 
 
 @dataclass(frozen=True)
@@ -157,13 +188,7 @@ def _judge(
     if not np.all(np.isfinite(K)):
         raise PoleError("No finite gain reaches these poles: the plant is nearly uncontrollable; ask for poles "
                         "nearer to its own.")
-    closed = A - B @ K
     if condition is None:
-        reached, X = np.linalg.eig(closed)
-        s = np.linalg.svd(X, compute_uv=False)
+        s = np.linalg.svd(np.linalg.eig(A - B @ K)[1], compute_uv=False)
         condition = float(s[0] / s[-1]) if s[-1] > asked.size * np.finfo(float).eps * s[0] else np.inf
-    else:
-        reached = np.linalg.eigvals(closed)
-    order, error = match_poles(asked, reached)
-    reached = reached.astype(complex)[order]
-    return Placement(frozen(K), frozen(asked), frozen(reached), error, condition, frozen(fixed))
+    return Placement(frozen(K), frozen(asked), condition, frozen(fixed), (A, B, frozen(K)))

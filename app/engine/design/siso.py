@@ -9,16 +9,17 @@ import numpy as np
 from scipy.linalg import block_diag
 
 from ..systems.errors import EngineError, ShapeError, phrase
+from ..systems.exact import exact_roots
 from ..systems.gates import count, number, optional, pair, passed
 from ..systems.plant import Plant, as_matrix
 from ..systems.pole_sets import Poles, match_poles
+from ..systems.repeated import repeated
 from ..systems.spectrum import frequency_response
 
 __all__ = ["LoopShape", "diagonal_controller", "loop_shaped", "negated", "polynomial_roots", "rational",
            "realise", "series"]
 
 EXACT = 1e-10  # relative error of partial fractions beyond which sections in a row are used
-POLISH = 6  # sweeps of Aberth's iteration on the roots
 
 
 @dataclass(frozen=True)
@@ -81,48 +82,19 @@ def coefficients(value: object, name: str) -> np.ndarray:
 
 
 def polynomial_roots(polynomial: object) -> Poles:
-    """Roots of a polynomial, coefficients from the highest power down, complex ones in exact pairs.
+    """Roots of a polynomial, coefficients from the highest power down, complex ones in exact pairs, sorted by (real, imag).
 
-    Eigenvalues of the companion matrix lose the small roots of a badly scaled polynomial; Aberth's iteration on the
-    polynomial itself finds them again. Of a multiple root it would scatter the copies, each by itself, so the two sets are
-    multiplied out and the one nearer to the coefficients is kept. Raises EngineError for coefficients that are no finite real numbers.
+    They are those of the very coefficients given, to rounding; but where k roots lie so near each other that one of
+    multiplicity k gives the same coefficients to rounding, it is one root k times: multiplicity is read from the data,
+    the scatter of its copies is not. Raises EngineError for coefficients that are no finite real numbers.
     """
     p = coefficients(polynomial, phrase("The polynomial"))
-    roots = np.roots(p).astype(complex)
-    if not len(roots):
-        return roots
-    first, slope = _in_pairs(roots), np.polyder(p)
-    for _ in range(POLISH):
-        with np.errstate(all="ignore"):
-            newton = np.polyval(p, roots) / np.polyval(slope, roots)
-            apart = roots[:, None] - roots[None]
-            np.fill_diagonal(apart, np.inf)
-            step = newton / (1 - newton * (1 / apart).sum(axis=1))
-        step = np.where(np.isfinite(step) & (np.abs(step) < 0.1 * np.abs(roots)), step, 0.0)
-        roots = roots - step
-        if np.all(np.abs(step) <= 4e-16 * np.abs(roots)):
-            break
-    polished = _in_pairs(roots)
-    return polished if _coefficient_error(polished, p) <= _coefficient_error(first, p) else first
-
-
-def _in_pairs(roots: Poles) -> Poles:
-    """The roots of a real polynomial, sorted, each complex one beside its exact conjugate."""
-    upper = roots.copy()
-    upper[np.abs(np.imag(upper)) <= 1e-14 * np.abs(upper)] = np.real(upper[np.abs(np.imag(upper)) <= 1e-14 * np.abs(upper)])
-    above, below = upper[np.imag(upper) > 0], upper[np.imag(upper) < 0].conj()
-    if len(above) != len(below):  # the iteration took one of a pair elsewhere: no set of a real polynomial
-        return np.full(len(roots), np.nan + 0j)
-    middle = (above + below[match_poles(above, below)[0]]) / 2
-    return np.sort_complex(np.concatenate([upper[np.imag(upper) == 0], middle, middle.conj()]))
-
-
-def _coefficient_error(roots: Poles, p: np.ndarray) -> float:
-    """Largest relative error of a coefficient of the product of the roots; ∞ where it is no number."""
-    with np.errstate(all="ignore"):
-        own = p[0] * np.poly(roots)
-        error = float(np.abs(np.where(p != 0, own / p - 1, np.abs(own) > 1e-12 * np.abs(p).max())).max())
-    return error if np.isfinite(error) else np.inf
+    whole = np.trim_zeros(p, "b")
+    zeros = np.zeros(len(p) - len(whole), dtype=complex)
+    if len(whole) < 2:
+        return zeros
+    near = np.roots(whole).astype(complex)
+    return np.sort_complex(np.concatenate([zeros, repeated(whole, exact_roots(whole, near).values)]))
 
 
 def rational(numerator: object, denominator: object) -> Plant:

@@ -16,7 +16,8 @@ from scipy.linalg import eig, matrix_balance
 from .arrays import frozen
 from .errors import ShapeError
 
-__all__ = ["SLOWEST", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "stable_poles", "state_scale", "without_dust"]
+__all__ = ["SLOWEST", "UNLIKE", "Balance", "balance", "natural_scale", "plain_scale", "poles_within", "stable_poles",
+           "state_scale", "without_dust"]
 
 DUST = 1e-15  # an entry this small beside its row and its column is rounding: it must not steer the scales
 UNLIKE = 2.0**12  # states whose natural units are further apart than this are not in like units
@@ -153,7 +154,13 @@ def without_dust(M: np.ndarray, states: np.ndarray) -> np.ndarray:
 
 
 def stable_poles(A: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """eig(A) (n,) and which of them are stable by more than rounding can move them: Re s < 0, |z| < 1 where dt > 0.
+    """eig(A) (n,) and which of them are stable by more than rounding can move them: Re s < 0, |z| < 1 where dt > 0."""
+    poles, slack = poles_within(A)
+    return poles, (np.abs(poles) < 1 - slack) if dt > 0 else (np.real(poles) < -slack)
+
+
+def poles_within(A: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """eig(A) (n,), and by how much rounding can have moved each.
 
     Rounding n·eps·‖A‖ in balanced states moves a simple pole by that over |wᴴv|, w and v its unit eigenvectors, and
     any pole by no more than the n-th root lets it. Source: Elsner, "An optimal bound for the spectral variation of
@@ -161,12 +168,11 @@ def stable_poles(A: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray
     """
     n = len(A)
     if not n:
-        return np.empty(0, dtype=complex), np.empty(0, dtype=bool)
+        return np.empty(0, dtype=complex), np.empty(0)
     scale = state_scale(A)
     balanced = A * scale / scale[:, None]
     poles, left, right = tuple(eig(balanced, left=True, right=True))
     size = float(np.linalg.norm(balanced, 2))
     dust = n * np.finfo(float).eps * size
     cosine = np.abs(np.sum(left.conj() * right, axis=0))
-    slack = np.minimum(dust / np.maximum(cosine, 1e-300), (2 * size) ** (1 - 1 / n) * dust ** (1 / n))
-    return poles, (np.abs(poles) < 1 - slack) if dt > 0 else (np.real(poles) < -slack)
+    return poles, np.minimum(dust / np.maximum(cosine, 1e-300), (2 * size) ** (1 - 1 / n) * dust ** (1 / n))

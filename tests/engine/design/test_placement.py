@@ -78,7 +78,8 @@ def test_the_poles_asked_for_are_reached(seed, n, m, pairs):
     np.testing.assert_array_equal(placed.asked, poles)
     backward = np.finfo(float).eps * (np.linalg.norm(A) + np.linalg.norm(B) * np.linalg.norm(placed.gain))
     assert placed.error < 100 * placed.condition * backward  # the bound of Bauer and Fike
-    assert np.abs(placed.reached - placed.asked).max() == placed.error  # matched by index, not sorted
+    rounding = np.finfo(float).eps * np.abs(poles).max()
+    assert abs(np.abs(placed.reached - placed.asked).max() - placed.error) <= rounding  # matched by index, not sorted
     same_polynomial(A - B @ placed.gain, poles, 1e-8)
 
 
