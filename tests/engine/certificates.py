@@ -153,7 +153,7 @@ def hidden(c: Case) -> Pairs:
 
 def roll_off(c: Case) -> Pairs:
     speeds = np.abs(c.plant.poles)
-    omega = np.geomspace(0.1 * speeds.min(), 1e4 * speeds.max(), 24)
+    omega = np.geomspace(0.1 * speeds.min(), 1e4 * speeds.max(), 12)
     p = c.plant
     found = systems.frequency_response(p.A, p.B, p.C, p.D, omega)
     true, peak = response(p, omega), 0.0
