@@ -61,10 +61,11 @@ def _assertion(shown: Shown) -> str:
     if array.ndim == 0:
         size = "" if shown.size is None else f", {shown.size!r}"
         return f"assert agree({name}, {_number(float(array))}{size}), {name!r}"
-    largest = (float(np.nanmax(np.abs(array), initial=0.0)) if shown.size is None else shown.size)
+    largest = float(np.abs(array).max(initial=0.0))
+    size = largest if shown.size is None else shown.size
     if len(array) < LONG:
-        return f"{array_text('page', array)}\nassert agree({name}, page, {largest!r}), {name!r}"
+        return f"{array_text('page', array)}\nassert agree({name}, page, {size!r}), {name!r}"
     at = np.unique(np.linspace(0, len(array) - 1, INSTANTS).astype(int))
     return (f"assert len({name}) == {len(array)}, {name!r}\n{array_text('page', array[at])}\n"
-            f"assert agree({name}[{at.tolist()}], page, {largest!r}), {name!r}\n"
-            f"assert agree(np.abs({name}).max(), {largest!r}), {f'the largest of {name}'!r}")
+            f"assert agree({name}[{at.tolist()}], page, {size!r}), {name!r}\n"
+            f"assert agree(np.abs({name}).max(), {largest!r}, {size!r}), {f'the largest of {name}'!r}")

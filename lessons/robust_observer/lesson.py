@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .code import code
 from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
@@ -17,4 +18,4 @@ from .tasks import TASKS, exam
 LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=1, answering="criterion", tasks=TASKS, exam=exam,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
                 words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "beta", "gamma", "remark", "line", "columns"), kick=False,
-                job=JOB, adapt=adapted)
+                job=JOB, adapt=adapted, code=code)

@@ -8,16 +8,18 @@ from functools import partial
 import numpy as np
 
 from app.engine.observers import FunctionalObserver
+from app.lesson.code import Code
 from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model
 from app.text import Text, joined, same, text
 
 from ..toolkit.boards import bolts
 from ..toolkit.latex import gain_words, number, pole_words
+from .code import own_code
 from .own_figures import all_figures
 from .own_job import key, search, shown
 from .own_knobs import own_knobs
-from .own_loop import Run, Story, errors, lengths, observer_of, run_of
+from .own_loop import Run, Story, errors, lengths, observer_of, run_of, wanted_of
 from .own_plant import Here, fitted
 from .study import MET
 
@@ -98,8 +100,14 @@ def _live(m: dict[str, float], poles: np.ndarray) -> Text:
     return joined(start, end)
 
 
+def _code(here: Here, outcome: Outcome[Story]) -> Code:
+    """What the script of a design starts from and finds again."""
+    return own_code(here.scaled, outcome, wanted_of(here, outcome.design)[0], *errors(here, outcome.design))
+
+
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where an observer of a part of its state exists; the tasks stay with the paper."""
     here = fitted(model)
     return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=all_figures, tasks=(),
+                   code=partial(_code, here),
                    job=Job(text("Run algorithm RLO"), partial(search, here), key, partial(shown, here), figure="found"))

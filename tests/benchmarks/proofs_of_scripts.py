@@ -17,7 +17,7 @@ from pathlib import Path
 
 from app.engine import EngineError
 from app.export.script import ScriptError, python_script
-from app.lesson.knobs import Choice, Knob, Number, Poles, Switch
+from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
 from app.lesson.lesson import Design, Lesson
 from app.plants.examples import EXAMPLES, example
 from lessons import LESSONS
@@ -60,7 +60,7 @@ def designs(lesson: Lesson, count: int) -> Iterator[Design]:
         try:
             yield lesson.apply(lesson.start(), changes)
             count -= 1
-        except EngineError:
+        except (EngineError, KnobError):
             continue
 
 
@@ -69,7 +69,7 @@ def scripts(lesson: Lesson, count: int) -> Iterator[tuple[Design, str]]:
     for design in designs(lesson, count):
         try:
             outcome = lesson.compute(design)
-        except EngineError:
+        except (EngineError, KnobError):
             continue
         yield design, python_script(lesson, outcome, "1.x")
 
@@ -93,7 +93,7 @@ def lessons(names: list[str], plants: bool) -> Iterator[tuple[str, Lesson]]:
         for name in EXAMPLES if plants and LESSONS[id].adapt is not None else ():
             try:
                 yield f"{id} on {name}", LESSONS[id].fit(example(name))
-            except EngineError:
+            except (EngineError, KnobError):
                 continue
 
 
