@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 from app.lesson.figures import TableFigure
-from app.plants.bilinear import PLANT, fitting_functional, with_sensors
+from app.plants.bilinear import PLANT, X0, fitting_functional, with_sensors
 from app.plants.bilinear import K as WANTED
 from lessons.bilinear_observer.lesson import KNOBS, LESSON
 from lessons.bilinear_observer.page import DOUBTED, FATAL, LINES, OPTIONS
@@ -237,3 +238,10 @@ def test_a_task_is_not_solved_by_a_click_or_a_stop(task: str, values: dict[str, 
 def test_the_first_chi_of_the_third_task_is_g_less_what_the_sensors_say() -> None:
     o = outcome(problem=TUNED, chi0=4.5)
     assert abs(o.metrics["first_error"]) < 0.05 and o.metrics["law_gap"] <= 1e-6
+
+
+def test_an_observer_that_runs_away_leaves_the_plants_motion_as_it_is() -> None:
+    run = outcome(problem=STUCK, input="none").study.run
+    assert np.abs(run.estimates).max() > 1e11
+    own = np.array([expm(PROBLEMS[STUCK].plant.A * t) @ X0 for t in run.t[::50]])
+    np.testing.assert_allclose(run.x[::50], own, rtol=0, atol=1e-9)
