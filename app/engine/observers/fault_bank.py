@@ -34,8 +34,8 @@ class ResidualGenerator:
     """z⁺ = F z + G u + K y, ρ = W (N y − C z − M u): white, of unit covariance, as long as nothing fails.
 
     F r×r, G r×m, K r×p, N q×p, C q×r, M q×m, W q×q. z estimates `project` x (r×n); P (r×r) is the covariance of
-    project x − z, S (q×q) that of the innovation ν = W⁻¹ρ. `hidden` are the modes left out because no output shows them:
-    the invariant zeros of (A, E, C).
+    project x − z, S (q×q) that of the innovation ν = W⁻¹ρ, the columns of `basis` (n×r) what z counts. `hidden` are the modes
+    left out because no output shows them: the invariant zeros of (A, E, C).
     """
 
     name: str
@@ -51,6 +51,7 @@ class ResidualGenerator:
     S: np.ndarray
     poles: Poles
     hidden: Poles
+    basis: np.ndarray
 
     @property
     def size(self) -> int:
@@ -103,7 +104,7 @@ def residual_generator(model: LinearFilter, *, name: str = "", outputs: Sequence
     L = steady.predictor_gain
     K, Ny = (let_in + L @ N.T) @ pick, N.T @ pick
     return ResidualGenerator(name, A - L @ Cs, V.T @ T @ model.B - K @ model.D, K, Cs, Ny, Ny @ model.D,
-                             np.linalg.inv(np.linalg.cholesky(S)), V.T @ T, steady.solution, S, steady.poles, hidden)
+                             np.linalg.inv(np.linalg.cholesky(S)), V.T @ T, steady.solution, S, steady.poles, hidden, V)
 
 
 def _seen(A: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, Poles]:

@@ -1,0 +1,45 @@
+"""The run with its fault, the bank of seven and its verdict as code."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.lesson.code import Code, Given, Shown
+from app.lesson.lesson import Outcome
+
+from .bank import COUNT, DT, MODEL, NAMES, Q_WEIGHT, SIGMA, guard, model, truth
+from .diagnosis import ENERGY, FADE, HOLD, POWER
+from .runs import OPEN, SWITCH, drawn
+from .study import Study
+
+
+def code(outcome: Outcome[Study]) -> Code:
+    """The records of a design that its script starts from and finds again."""
+    d, m, s = outcome.design, outcome.metrics, outcome.study
+    case, kf, bank = s.case, model(), guard().bank
+    A_true, B_true = truth(case.stiffer)
+    start = drawn(int(d["seed"])).bank
+    ignoring = np.array([member.basis @ start[part] for member, part in zip(bank.members, bank.slices, strict=True)][4:])
+    poles = [Shown(f"eigvals(members[{k}][0])", outcome.poles[name], poles=True) for k, name in enumerate(NAMES)]
+    return Code(("faults",), (
+        Given("A", kf.A, "the deck at its samples, as the bank believes it: x[k+1] = A x + B u + w, y = C x + v"), Given("B", kf.B),
+        Given("C", kf.C), Given("Q", kf.Q, "covariance of w"), Given("sigma", SIGMA, "m/s, noise of a reading"), Given("h", DT, "s"),
+        Given("count", COUNT), Given("A_true", A_true, "the deck as it is"), Given("B_true", B_true),
+        Given("weight", Q_WEIGHT, "of the outputs, against 1 for the inputs"),
+        Given("place", -1 if s.column is None else s.column, "what fails: sensor 0 ... 3, coil 4 ... 6, or -1: nothing"),
+        Given("kind", case.kind, "how a sensor lies"),
+        Given("size", case.size, "mm/s of a bias, mm/s^2 of a drift, share of a coil's force that is lost"),
+        Given("fails_at", case.start, "the first sample with the fault"), Given("force", case.force, "N"), Given("tone", case.tone, "Hz"),
+        Given("closed", case.loop != OPEN), Given("switches", case.loop == SWITCH, "the loop acts on the verdict"),
+        Given("kick_at", round(case.kick / DT) - 1 if case.kick >= 0 else -2, "the sample after which x jumps, -2: never"),
+        Given("kick", np.asarray(MODEL.kick)), Given("energy", s.test.statistic == ENERGY, "sum of squares, or square of the mean"),
+        Given("window", s.test.window), Given("rate", s.test.rate, "false-alarm rate of one window of one member"),
+        Given("hold", HOLD, "samples that one pattern of alarms must last"),
+        Given("fade", FADE, "samples in which the bank forgets a kick"), Given("power", POWER),
+        Given("seed", int(d["seed"])),
+        Given("first_errors", ignoring, "of the members that ignore a coil: drawn in a basis of which there are many, the page's"),
+    ), (
+        Shown("L", outcome.gains["L"]), *poles, Shown("x", s.record.x), Shown("xhat", s.record.xhat), Shown("y", s.record.y),
+        Shown("asked", s.record.asked), Shown("applied", s.record.applied), Shown("statistics", s.verdict.values),
+        *(Shown(name, m[name]) for name in ("threshold", "dof", "needed", "hourly", "accused", "right_verdict", "delay", "expected_delay",
+                                            "pitch"))), "Shares over many runs")
