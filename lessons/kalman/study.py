@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import solve_discrete_lyapunov
 from scipy.stats import chi2, ncx2
 
 from app.engine import chi2_band, innovation_test, nees, nis
 from app.engine.filters import InnovationTest, SquaredError, Track, with_coloured_noise
+from app.engine.systems import root, settled_covariance
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as SCALE_OF_STAGE
@@ -183,7 +183,7 @@ def expected(noise: str, q: float, r: float) -> Expected:
     D, keep = real.C - kf.C @ S, np.eye(k) - M @ kf.C
     A = np.block([[real.A, np.zeros((n, k))], [-kf.A @ M @ D, kf.A @ keep]])
     w, v = np.vstack([np.eye(n), S]), np.vstack([np.zeros((n, 4)), -kf.A @ M])
-    Z = solve_discrete_lyapunov(A, w @ real.Q @ w.T + v @ real.R @ v.T)
+    Z = settled_covariance(A, np.hstack([w @ root(real.Q), v @ root(real.R)]), 1.0)
     H, after = np.hstack([D, kf.C]), np.hstack([-M @ D, keep])
     seen = H @ Z @ H.T + real.R
     error = (after @ Z @ after.T + M @ real.R @ M.T)[:6, :6]

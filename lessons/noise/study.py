@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import expm, solve_discrete_lyapunov
+from scipy.linalg import expm
 
 from app.engine import Plant, Scenario, error_parts, lqe, observer_gain, simulate
 from app.engine.design import Optimal
 from app.engine.filters import ErrorParts
 from app.engine.simulation import Run
+from app.engine.systems import settled_covariance
 from app.lesson.claims import claim
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
@@ -197,7 +198,7 @@ def growing(plant: Plant, L: np.ndarray, parts: ErrorParts, V: float, dt: float,
     both: np.ndarray = expm(wide * dt)
     Phi: np.ndarray = both[:2, :2]
     push: np.ndarray = both[:2, 2:] @ L
-    limit = parts.process + solve_discrete_lyapunov(Phi, V / dt * push @ push.T)
+    limit = parts.process + settled_covariance(Phi, np.sqrt(V / dt) * push, 1.0)
     powers = np.empty((steps, 2, 2))
     powers[0], done = np.eye(2), 1
     jump: np.ndarray = Phi

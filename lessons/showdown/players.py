@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from scipy.linalg import solve_continuous_lyapunov
 
 from app.engine import Belief, KalmanFilter, Plant, balanced_truncation, compensator, lqe, lqr, sampled_lqg
 from app.engine.sampled import SampledController, SampledLqg, recursive_controller, sampled_controller
-from app.engine.systems import symmetric
+from app.engine.systems import root, settled_covariance, symmetric
 from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.platform_lqg import GROUND_UNIT, H_MAG, V_MAG, Weights, coils, ground
@@ -85,7 +84,7 @@ def first_belief(v: float) -> Belief:
     """What the recursive filter knows when it is switched on: the deck shakes as it does without control."""
     plant = reduced()
     G = ground(plant)
-    return Belief(np.zeros(plant.n), solve_continuous_lyapunov(plant.A, -G @ Weights(v0=v).W @ G.T))
+    return Belief(np.zeros(plant.n), settled_covariance(plant.A, G @ root(Weights(v0=v).W)))
 
 
 def _player(index: int, controller: Plant) -> Player:

@@ -26,14 +26,16 @@ from fifty_digits import (
     distance_to_hidden,
     eigenvalues,
     hankel_values,
-    regulator_residual,
     response,
+    riccati_residual,
     roots,
+    sampled_variances,
     union_gap,
     variances,
 )
 
 from app.engine import EngineError, Plant, design, feedback, structure, systems
+from app.engine.design.riccati import RiccatiProblem, in_balanced_units
 
 FACTOR = 10.0
 EPS = float(np.finfo(float).eps)
@@ -112,26 +114,67 @@ def observer(c: Case) -> Pairs:
     return [(found.error, true, 1e-19 * float(np.abs(found.asked).max()))]
 
 
+def balanced(A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The units of states and inputs in which a residual is meant: powers of two, so nothing is rounded."""
+    _, states, inputs = in_balanced_units(RiccatiProblem(A, B, Q, R, np.zeros(B.shape)))
+    return states, inputs
+
+
+def costs(c: Case, k: int) -> np.ndarray:
+    return np.diag(10 ** c.rng.uniform(-3, 3, k))
+
+
 def regulator(c: Case) -> Pairs:
-    A, B = c.plant.A, c.plant.B
-    Q, R = np.diag(10 ** c.rng.uniform(-3, 3, c.plant.n)), np.diag(10 ** c.rng.uniform(-3, 3, c.plant.m))
-    found = design.lqr(A, B, Q, R)
-    return [(found.residual, regulator_residual(A, B, Q, R, found.solution), 1e-19)]
+    p, Q, R = c.plant, costs(c, c.plant.n), costs(c, c.plant.m)
+    found = design.lqr(p.A, p.B, Q, R)
+    x, u = balanced(p.A, p.B, Q, R)
+    true = riccati_residual(p.A * x / x[:, None], p.B * u / x[:, None], Q * x * x[:, None], R * u * u[:, None],
+                            found.solution * x * x[:, None])
+    return [(found.residual, true, 1e-19)]
 
 
 def sampled_regulator(c: Case) -> Pairs:
-    plant = systems.discretise(c.plant, 0.1)
-    Q, R = np.diag(10 ** c.rng.uniform(-3, 3, c.plant.n)), np.diag(10 ** c.rng.uniform(-3, 3, c.plant.m))
-    found = design.dlqr(plant.A, plant.B, Q, R)
-    return [(found.residual, regulator_residual(plant.A, plant.B, Q, R, found.solution, sampled=True), 1e-19)]
+    p, Q, R = systems.discretise(c.plant, 0.1), costs(c, c.plant.n), costs(c, c.plant.m)
+    found = design.dlqr(p.A, p.B, Q, R)
+    x, u = balanced(p.A, p.B, Q, R)
+    true = riccati_residual(p.A * x / x[:, None], p.B * u / x[:, None], Q * x * x[:, None], R * u * u[:, None],
+                            found.solution * x * x[:, None], sampled=True)
+    return [(found.residual, true, 1e-19)]
 
 
-def lyapunov(c: Case) -> Pairs:
-    """Variances are right to what rounding of the plant may do to them: here their own law, a thousandth."""
-    found = np.diag(systems.settled_covariance(c.plant.A, c.plant.B))
-    true = variances(c.plant.A, c.plant.B)
-    slowest = float(-c.plant.poles.real.max())
-    return [(float(np.abs(found / true - 1).max()), 0.0, 1e3 * EPS * float(np.linalg.norm(c.plant.A)) / slowest * 1e3)]
+def estimator(c: Case) -> Pairs:
+    A, C, G, W, V = c.plant.A, c.plant.C, c.plant.B, costs(c, c.plant.m), costs(c, c.plant.p)
+    found = design.lqe(A, G, C, W, V)
+    x, y = balanced(A.T, C.T, G @ W @ G.T, V)
+    true = riccati_residual(A.T * x / x[:, None], C.T * y / x[:, None], (G * x[:, None], W), V * y * y[:, None],
+                            found.solution * x * x[:, None])
+    return [(found.residual, true, 1e-19)]
+
+
+def variances_settled(c: Case) -> Pairs:
+    """Variances are right to what rounding the plant may do to them."""
+    p = c.plant
+    return _variances(p.A, p.B, 0.0, variances)
+
+
+def loop_variances(c: Case) -> Pairs:
+    """Of sampled loops with gains of a hundred, which magnify rounding a million times and more."""
+    n = c.plant.n
+    turn = np.linalg.qr(c.rng.standard_normal((n, n)))[0]
+    A = turn @ (np.diag(c.rng.uniform(-0.95, 0.95, n)) + np.triu(100 * c.rng.standard_normal((n, n)), 1)) @ turn.T
+    return _variances(A, c.rng.standard_normal((n, 2)), 1.0, sampled_variances)
+
+
+def _variances(A: np.ndarray, G: np.ndarray, dt: float, oracle: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Pairs:
+    """The largest relative error beside that which changes of A by rounding make in the truth itself."""
+    signs = np.random.default_rng(0)
+    true = oracle(A, G)
+    moved = [oracle(A + EPS * np.linalg.norm(A, 2) / np.sqrt(len(A)) * signs.standard_normal(A.shape), G) for _ in range(2)]
+    if not all(np.all(np.abs(m - true) <= 0.1 * true) for m in moved):  # the plant as given says nothing of them
+        return []
+    allowed = max(float(np.abs(m / true - 1).max()) for m in moved)
+    found = np.diag(systems.settled_covariance(A, G, dt))
+    return [(float(np.abs(found / true - 1).max()), 0.0, 100 * allowed + 1e3 * EPS)]
 
 
 def truncation(c: Case) -> Pairs:
@@ -218,7 +261,11 @@ def diophantine(c: Case) -> Pairs:
 
 
 LAWS: dict[str, Callable[[Case], Pairs]] = {f.__name__: f for f in (
-    placement, observer, regulator, sampled_regulator, lyapunov, truncation, hidden, roll_off, polynomial, union, diophantine)}
+    placement, observer, regulator, sampled_regulator, estimator, variances_settled, loop_variances, truncation, hidden,
+    roll_off, polynomial, union, diophantine)}
+
+
+ANSWERED = ("placement", "roll_off", "polynomial", "variances_settled")  # laws to which no plant may be refused
 
 
 def breach(law: str, seed: tuple[int, ...]) -> str:
@@ -227,7 +274,7 @@ def breach(law: str, seed: tuple[int, ...]) -> str:
     try:
         told = LAWS[law](case)
     except EngineError as refusal:
-        answered = law in ("placement", "roll_off", "polynomial", "lyapunov") and "can move it" not in str(refusal)
+        answered = law in ANSWERED and "can move it" not in str(refusal)
         return f"refused: {refusal}" if answered else ""
     for said, true, nothing in told:
         low, high = min(said, true), max(said, true)

@@ -31,10 +31,12 @@ def away_from(points: np.ndarray, true: list[mpmath.mpc]) -> float:
     return float(away[rows, columns].max())
 
 
-def regulator_residual(A: np.ndarray, B: np.ndarray, Q: np.ndarray, R: np.ndarray, S: np.ndarray, sampled: bool = False) -> float:
-    """Norm of the Riccati residual relative to the sum of the norms of its terms."""
+def riccati_residual(A: np.ndarray, B: np.ndarray, Q: np.ndarray | tuple[np.ndarray, np.ndarray], R: np.ndarray, S: np.ndarray,
+                       sampled: bool = False) -> float:
+    """Norm of the Riccati residual relative to the sum of the norms of its terms; Q may be (G, W), which is G W Gᵀ."""
     with mp.workdps(DIGITS):
-        a, b, q, r, s = (matrix(M) for M in (A, B, Q, R, S))
+        a, b, r, s = (matrix(M) for M in (A, B, R, S))
+        q = matrix(Q[0]) * matrix(Q[1]) * matrix(Q[0]).T if isinstance(Q, tuple) else matrix(Q)
         if sampled:
             weight = r + b.T * s * b
             K = mp.inverse(weight) * (b.T * s * a)
@@ -62,8 +64,21 @@ def gramian(A: np.ndarray, G: np.ndarray) -> mpmath.matrix:
 
 
 def variances(A: np.ndarray, G: np.ndarray) -> np.ndarray:
+    """Diagonal of the solution of A P + P Aᵀ + G Gᵀ = 0."""
     with mp.workdps(DIGITS):
         P = gramian(A, G)
+        return np.array([float(P[i, i]) for i in range(len(A))])
+
+
+def sampled_variances(A: np.ndarray, G: np.ndarray) -> np.ndarray:
+    """Diagonal of the solution of A P Aᵀ − P + G Gᵀ = 0."""
+    with mp.workdps(2 * DIGITS):
+        power, P = matrix(A), matrix(G) * matrix(G).T
+        for _ in range(60):
+            more = power * P * power.T
+            P, power = P + more, power * power
+            if mp.mnorm(more, "f") <= mp.mpf(10) ** -30 * mp.mnorm(P, "f"):
+                break
         return np.array([float(P[i, i]) for i in range(len(A))])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 
 import numpy as np
 
@@ -136,7 +137,13 @@ def _shared(a: np.ndarray, b: np.ndarray) -> str:
 
 
 def _residual(a: np.ndarray, b: np.ndarray, E: np.ndarray, F: np.ndarray, phi: np.ndarray) -> float:
-    gap = np.polysub(np.polyadd(np.polymul(a, E), np.polymul(b, F)), phi)
-    terms = np.polyadd(np.polyadd(np.polymul(np.abs(a), np.abs(E)), np.polymul(np.abs(b), np.abs(F))), np.abs(phi))
-    gap = np.pad(gap, (len(terms) - len(gap), 0))
-    return float((np.abs(gap)[terms > 0] / terms[terms > 0]).max(initial=0.0))
+    """Largest coefficient of A E + B F − Φ beside the sum of the sizes of its terms, nothing rounded on the way."""
+    gap = [Fraction(-float(c)) for c in phi]
+    size = [abs(c) for c in gap]
+    for x, y in ((a, E), (b, F)):
+        first = len(phi) - (len(x) + len(y) - 1)
+        for i, j in np.ndindex(len(x), len(y)):
+            term = Fraction(float(x[i])) * Fraction(float(y[j]))
+            gap[first + i + j] += term
+            size[first + i + j] += abs(term)
+    return max((float(abs(g) / s) for g, s in zip(gap, size, strict=True) if s), default=0.0)

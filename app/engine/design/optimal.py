@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from ..systems.arrays import as_definite, as_matrix, as_weight, correlations, fr
 from ..systems.balance import SLOWEST
 from ..systems.errors import EngineError, RiccatiError, ShapeError, phrase
 from ..systems.pole_sets import Poles, pole_text, sorted_poles
+from .residual import Equation
 from .riccati import RiccatiProblem, in_balanced_units, solve_continuous, solve_discrete
 
 __all__ = ["DiscreteFilter", "Optimal", "dlqe", "dlqr", "lqe", "lqr"]
@@ -23,13 +25,18 @@ class Optimal:
     """An optimal gain with its certificate.
 
     gain: K (m×n) or L (n×p). solution: S or P (n×n), symmetric. poles: closed-loop eigenvalues, sorted by (real, imag).
-    residual: norm of the Riccati residual relative to the sum of the norms of its terms.
     """
 
     gain: np.ndarray
     solution: np.ndarray
     poles: Poles
-    residual: float
+    _equation: Equation = field(repr=False)
+
+    @cached_property
+    def residual(self) -> float:
+        """Frobenius norm of the Riccati residual of the solution as it stands, nothing rounded on the way, relative to the
+        sum of the norms of its terms, in balanced states."""
+        return self._equation.residual()
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,8 +91,9 @@ def lqe(A: object, G: object, C: object, W: object, V: object) -> Optimal:
     >>> np.round(lqe([[0, 1], [0, 0]], [[0], [1]], [[1, 0]], [[1]], [[1]]).gain.T, 4)
     array([[1.4142, 1.    ]])
     """
-    dual = _solved(_estimator(A, G, C, W, V), 0.0, _ESTIMATION)
-    return Optimal(frozen(dual.gain.T), dual.solution, dual.poles, dual.residual)
+    problem, noise = _estimator(A, G, C, W, V)
+    dual = _solved(problem, 0.0, _ESTIMATION)
+    return Optimal(frozen(dual.gain.T), dual.solution, dual.poles, replace(dual._equation, noise=noise))
 
 
 def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilter:
@@ -96,14 +104,14 @@ def dlqe(A: object, G: object, C: object, W: object, V: object) -> DiscreteFilte
     >>> np.round(dlqe([[1]], [[1]], [[1]], [[1]], [[1]]).gain, 4)
     array([[0.618]])
     """
-    problem = _estimator(A, G, C, W, V)
+    problem, noise = _estimator(A, G, C, W, V)
     dual = _solved(problem, 1.0, _ESTIMATION)
     P, C_, V_ = dual.solution, problem.B.T, problem.R
     M = np.linalg.solve(C_ @ P @ C_.T + V_, C_ @ P).T
     I_MC = np.eye(P.shape[0]) - M @ C_
     filtered = I_MC @ P @ I_MC.T + M @ V_ @ M.T
     return DiscreteFilter(
-        frozen(dual.gain.T), P, dual.poles, dual.residual, frozen(M), frozen(symmetric(filtered))
+        frozen(dual.gain.T), P, dual.poles, replace(dual._equation, noise=noise), frozen(M), frozen(symmetric(filtered))
     )
 
 
@@ -136,7 +144,7 @@ def _regulator(A: object, B: object, Q: object, R: object, N: object | None) -> 
     return RiccatiProblem(A, B, Q, R, cross)
 
 
-def _estimator(A: object, G: object, C: object, W: object, V: object) -> RiccatiProblem:
+def _estimator(A: object, G: object, C: object, W: object, V: object) -> tuple[RiccatiProblem, tuple[np.ndarray, np.ndarray]]:
     A, G, C = as_matrix(A, "A"), as_matrix(G, "G"), as_matrix(C, "C")
     n = _square(A, "A")
     if G.shape[0] != n:
@@ -147,7 +155,7 @@ def _estimator(A: object, G: object, C: object, W: object, V: object) -> Riccati
                          n=n, rows=C.shape[0], columns=C.shape[1])
     W, V = as_weight(W, "W", G.shape[1]), as_definite(V, "V", C.shape[0])
     noise = G @ W @ G.T
-    return RiccatiProblem(A.T, C.T, symmetric(noise), V, np.zeros((n, C.shape[0])))
+    return RiccatiProblem(A.T, C.T, symmetric(noise), V, np.zeros((n, C.shape[0]))), (G, W)
 
 
 def _square(A: np.ndarray, name: str) -> int:
@@ -176,7 +184,7 @@ def _solved(problem: RiccatiProblem, boundary: float, words: _Words) -> Optimal:
     poles = sorted_poles(problem.A - problem.B @ K)
     if np.any(_beyond(poles, boundary) >= 0):
         raise _diagnosis(problem, boundary, words)
-    return Optimal(frozen(K), frozen(S), frozen(poles), residual)
+    return Optimal(frozen(K), frozen(S), frozen(poles), Equation(problem, S, bool(boundary)))
 
 
 def _beyond(poles: Poles, boundary: float) -> np.ndarray:

@@ -13,26 +13,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import schur, solve_discrete_lyapunov
+from scipy.linalg import schur
 
 from ..systems.arrays import as_covariance, symmetric
 from ..systems.errors import EngineError, RiccatiError, ShapeError
 from ..systems.gates import SHARE, gated
+from ..systems.lyapunov import settled_covariance
+from ..systems.noise import root
 from ..systems.plant import as_matrix
 
-__all__ = [
-    "CriticalLoss",
-    "critical_loss",
-    "intermittent_covariances",
-    "intermittent_steps",
-    "lossy_growth",
-    "mare",
-    "mean_bounds",
-    "mean_lower_limit",
-    "measured",
-    "riccati_step",
-    "spectral_radius",
-]
+__all__ = ["CriticalLoss", "critical_loss", "intermittent_covariances", "intermittent_steps", "lossy_growth", "mare",
+           "mean_bounds", "mean_lower_limit", "measured", "riccati_step", "spectral_radius"]
 
 RANK = 1e-9  # relative singular value below which a sensor counts as blind
 SETTLED = 1e-13
@@ -145,7 +136,7 @@ def mean_lower_limit(A: object, Q: object, loss: float) -> np.ndarray:
     if p * spectral_radius(A) ** 2 >= 1:
         raise RiccatiError("More packets are lost than the critical share, so the mean covariance has no limit; "
                            "lose fewer packets.")
-    return symmetric(solve_discrete_lyapunov(np.sqrt(p) * A, as_covariance(Q, "Q", len(A))))
+    return symmetric(settled_covariance(np.sqrt(p) * A, root(as_covariance(Q, "Q", len(A))), 1.0))
 
 
 def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:

@@ -8,13 +8,13 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import solve_discrete_lyapunov
 
 from ..feedback.loop_spectrum import NoisyLoop
 from ..systems.arrays import LARGEST, as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.gates import count, gated
-from ..systems.noise import step_covariance
+from ..systems.lyapunov import settled_covariance
+from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.scan import step_matrices
 from .hardware import Hardware, coil_driver
@@ -110,9 +110,9 @@ class SampledLoop:
             raise EngineError("This loop is not stable, so it has no stationary covariance; stabilise it first.")
         keep = np.ones(self.n, dtype=bool)
         keep[self.bias] = False
-        push = self.jump @ self.jump.T + self.noise_in @ self.reading @ self.noise_in.T
+        push = np.hstack([self.jump, self.noise_in @ root(self.reading)])[keep]
         P = np.zeros((self.n, self.n))
-        P[np.ix_(keep, keep)] = solve_discrete_lyapunov(self._without_bias(self.closed()), push[np.ix_(keep, keep)])
+        P[np.ix_(keep, keep)] = settled_covariance(self._without_bias(self.closed()), push, 1.0)
         return frozen(symmetric(P))
 
     @cached_property

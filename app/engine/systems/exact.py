@@ -8,9 +8,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import frexp, ldexp, log2
+from math import log2
 
 import numpy as np
+
+from .whole import fixed, number, product, whole
 
 __all__ = ["ExactRoots", "exact_poles", "exact_roots"]
 
@@ -34,12 +36,12 @@ class ExactRoots:
     @property
     def values(self) -> np.ndarray:
         """The roots, rounded to complex doubles (n,)."""
-        return _number(self.re, self.im, self.bits) * self.unit
+        return number(self.re, self.im, self.bits) * self.unit
 
     def distances(self, points: np.ndarray) -> np.ndarray:
         """|points[i] − root[j]|, (k, n), right however near they lie."""
-        re, im = _fixed(np.real(points) / self.unit, self.bits), _fixed(np.imag(points) / self.unit, self.bits)
-        return np.abs(_number(re[:, None] - self.re, im[:, None] - self.im, self.bits)) * self.unit
+        re, im = fixed(np.real(points) / self.unit, self.bits), fixed(np.imag(points) / self.unit, self.bits)
+        return np.abs(number(re[:, None] - self.re, im[:, None] - self.im, self.bits)) * self.unit
 
 
 def exact_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, near: np.ndarray, scale: np.ndarray) -> ExactRoots:
@@ -53,9 +55,9 @@ def exact_poles(A: np.ndarray, B: np.ndarray, K: np.ndarray, near: np.ndarray, s
     B, K = B / inputs, K * inputs[:, None]
     largest = (np.abs(A) + np.abs(B) @ np.abs(K)).sum(axis=1).max(initial=0.0)
     unit, bits = _measure(near, float(largest))
-    M = _fixed(A / unit, bits)
+    M = fixed(A / unit, bits)
     if B.size:
-        M = M - ((_fixed(B, bits) @ _fixed(K / unit, bits)) >> bits)
+        M = M - product(fixed(B, bits), fixed(K / unit, bits), bits)
     return _found(_characteristic(_hessenberg(M, bits), bits), near, bits, unit)
 
 
@@ -75,24 +77,6 @@ def _measure(near: np.ndarray, largest: float) -> tuple[float, int]:
     copies = int(np.unique(near, return_counts=True)[1].max(initial=1))
     depth = -np.log2(np.clip(sizes / unit, SMALLEST, 1.0)).sum()
     return float(unit), int(SPARE + EACH_COPY * copies + EACH_STATE * len(near) + depth)
-
-
-def _whole(x: float, bits: int) -> int:
-    mantissa, exponent = frexp(x)
-    shift = bits + exponent - 53
-    number = int(ldexp(mantissa, 53))
-    return number << shift if shift >= 0 else number >> -shift
-
-
-def _fixed(M: np.ndarray, bits: int) -> np.ndarray:
-    out = np.empty(M.shape, dtype=object)
-    out.flat[:] = [_whole(x, bits) for x in M.ravel().tolist()]
-    return out
-
-
-def _number(re: np.ndarray, im: np.ndarray, bits: int) -> np.ndarray:
-    one = 1 << bits
-    return (re / one).astype(float) + 1j * (im / one).astype(float)
 
 
 def _hessenberg(M: np.ndarray, bits: int) -> np.ndarray:
@@ -149,7 +133,7 @@ def _log2(re: int, im: int) -> float:
 
 def _starts(p: np.ndarray, near: np.ndarray, bits: int) -> tuple[np.ndarray, np.ndarray]:
     """Points about each of `near` at the distance at which the polynomial has a root: min_k |c₀/c_k|^(1/k)."""
-    re, im = _fixed(np.real(near), bits), _fixed(np.imag(near), bits)
+    re, im = fixed(np.real(near), bits), fixed(np.imag(near), bits)
     copies = int(np.unique(near, return_counts=True)[1].max())
     terms = [np.array([_log2(a, b) for a, b in zip(*c, strict=True)])
              for c in _expanded(p, re, im, bits, max(FURTHEST, copies) + 1)]
@@ -157,10 +141,10 @@ def _starts(p: np.ndarray, near: np.ndarray, bits: int) -> tuple[np.ndarray, np.
         reach = np.min([np.where(np.isfinite(c), (terms[0] - c) / k, np.inf) for k, c in enumerate(terms) if k], axis=0)
     at = np.exp(1j * GOLDEN * (np.arange(len(near)) + 0.5))
     for i in np.flatnonzero(np.isfinite(reach)):
-        whole = int(np.floor(reach[i]))
-        push = 2.0 ** (reach[i] - whole)
-        re[i] += _whole(float(at[i].real * push), bits + whole)
-        im[i] += _whole(float(at[i].imag * push), bits + whole)
+        exponent = int(np.floor(reach[i]))
+        push = 2.0 ** (reach[i] - exponent)
+        re[i] += whole(float(at[i].real * push), bits + exponent)
+        im[i] += whole(float(at[i].imag * push), bits + exponent)
     return re, im
 
 
@@ -169,23 +153,23 @@ def _found(p: np.ndarray, near: np.ndarray, bits: int, unit: float) -> ExactRoot
     n = len(near)
     sought = near / unit
     if not n:
-        return ExactRoots(*(np.empty(0, dtype=object),) * 2, bits, unit)
+        return ExactRoots(np.empty(0, dtype=object), np.empty(0, dtype=object), bits, unit)
     re, im = _starts(p, sought, bits)
-    home_re, home_im = _fixed(np.real(sought), bits), _fixed(np.imag(sought), bits)
+    home_re, home_im = fixed(np.real(sought), bits), fixed(np.imag(sought), bits)
     dust = (4 * n).bit_length()
     left = np.arange(n)
     for _ in range(SWEEPS):
         value, slope = _expanded(p, re[left], im[left], bits, 2)
         newton = np.array([_ratio(a, b, c, d, dust) for a, b, c, d in zip(value[0], value[1], slope[0], slope[1], strict=True)])
-        apart = _number(re[left, None] - re, im[left, None] - im, bits)
+        apart = number(re[left, None] - re, im[left, None] - im, bits)
         with np.errstate(all="ignore"):
             push = np.where(apart != 0, 1 / apart, 0).sum(axis=1)
             step = newton / (1 - newton * push)
         step = np.where(np.isfinite(step), step, newton / n)
-        re[left] -= _fixed(np.real(step), bits)
-        im[left] -= _fixed(np.imag(step), bits)
-        size = np.abs(_number(re[left], im[left], bits))
-        gone = np.abs(_number(re[left] - home_re[left], im[left] - home_im[left], bits))
+        re[left] -= fixed(np.real(step), bits)
+        im[left] -= fixed(np.imag(step), bits)
+        size = np.abs(number(re[left], im[left], bits))
+        gone = np.abs(number(re[left] - home_re[left], im[left] - home_im[left], bits))
         left = left[~((np.abs(step) <= STEP * size) & (np.abs(step) <= np.maximum(SHARE * gone, NOTHING * size)))]
         if not left.size:
             break

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import qr
+from scipy.linalg import qr, schur
 
 from .balance import balance
 from .errors import EngineError
@@ -11,6 +11,7 @@ from .errors import EngineError
 __all__ = ["settled_covariance", "settled_factor"]
 
 EPS = float(np.finfo(float).eps)
+UNEVEN = 1e-4  # deviations further apart than this, in balanced states, cost the small ones digits
 LARGEST = 1e150  # a factor as large as this has variances that overflow
 
 
@@ -21,16 +22,27 @@ def settled_covariance(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndar
 
 
 def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
-    """R (n×n) with R Rᵀ the solution of `settled_covariance`: R ← [R, A^(2^k) R], compressed orthogonally each time.
+    """R (n×n) with R Rᵀ the solution of `settled_covariance`, in states balanced with what drives them.
 
-    In states balanced with what drives them. Raises EngineError where rounding makes a power of A grow.
-    Smith, "Matrix equation XA + BX = C" (1968), on square-root factors.
+    Where the deviations that come out are still far apart they are the better units, and it is done again in those.
+    Raises EngineError where a power of A grows.
     """
-    n = len(A)
-    if n == 0:
+    if not len(A):
         return np.zeros((0, 0))
     scale = balance(A, np.linalg.norm(G, axis=1)[:, None]).states
-    power, R = A * scale / scale[:, None], G / scale[:, None]
+    R = _factor(A * scale / scale[:, None], G / scale[:, None], dt)
+    spread = np.linalg.norm(R, axis=1)
+    if 0 < spread.min() < UNEVEN * spread.max():
+        scale = scale * 2.0 ** np.round(np.log2(spread))
+        R = _factor(A * scale / scale[:, None], G / scale[:, None], dt)
+    return scale[:, None] * R
+
+
+def _factor(A: np.ndarray, G: np.ndarray, dt: float) -> np.ndarray:
+    """R ← [R, A^(2^k) R], compressed orthogonally each time, in coordinates in which A is block triangular (Schur): its
+    powers stay so, and no rounding below the diagonal makes them grow. Smith, "Matrix equation XA + BX = C" (1968)."""
+    power, turn = schur(A, output="real")  # pyright: ignore[reportAssignmentType]
+    R = turn.T @ G
     if dt == 0:
         power, R = _to_discrete(power, R)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -44,7 +56,7 @@ def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
             R = _compress(np.hstack([R, more]))
             power = power @ power
     R = _compress(R)
-    return scale[:, None] * np.pad(R, ((0, 0), (0, n - R.shape[1])))
+    return np.pad(turn @ R, ((0, 0), (0, len(A) - R.shape[1])))
 
 
 def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
