@@ -30,7 +30,7 @@ DEFAULT = platform.Parameters()
 
 def plant(laws: Laws = Laws(), parameters: platform.Parameters = DEFAULT) -> NonlinearPlant:
     """M q̈ + D q̇ + K q + Eᵀ diag(k γ/ℓ²) (E q)³ = G diag(e^{−ν G'q/ℓ}) u, y = S q̇ (VL, HL, VR, HR)."""
-    k, (A, B, C, enter) = parameters, _linear(parameters)
+    k, (A, B, C, enter) = parameters, linear_parts(parameters)
     # the stretches of the three springs, then the displacements of the three coils
     middle = np.array([[0, 1, -k.a, 0, 0, 0], [0, 1, k.a, 0, 0, 0], [1, 0, k.h, 0, 0, 0],
                        [0, 1, -k.b, 0, 0, 0], [0, 1, k.b, 0, 0, 0], [1, 0, k.h, 0, 0, 0]])
@@ -61,7 +61,7 @@ def plant(laws: Laws = Laws(), parameters: platform.Parameters = DEFAULT) -> Non
 
 
 @lru_cache(maxsize=4)
-def _linear(parameters: platform.Parameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+def linear_parts(parameters: platform.Parameters) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """A, B, C of the deck, and M⁻¹Eᵀ below zeros: how spring forces enter the six states."""
     deck, k = platform.deck(parameters), parameters
     springs = np.array([[0, 1, -k.a], [0, 1, k.a], [1, 0, k.h]])
