@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import MappingProxyType
+
 import numpy as np
 
 from app.lesson.code import Code, Given, Shown
@@ -12,7 +14,7 @@ from .cases import FALL, LENGTH, PENDULUM, PLATFORM, SINE
 from .runs import FEW, FILTERS, Study
 
 UNSAID = "What the lines of the report in doubt lead to"
-PARTS = {PLATFORM: "nonlinear_deck", PENDULUM: "nonlinear_pole", FALL: "nonlinear_fall"}
+PARTS = MappingProxyType({PLATFORM: "nonlinear_deck", PENDULUM: "nonlinear_pole", FALL: "nonlinear_fall"})
 
 
 def code(outcome: Outcome[Study]) -> Code:
