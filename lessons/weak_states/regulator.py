@@ -73,7 +73,7 @@ class Compared:
 
 @lru_cache(maxsize=32)
 def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
-    weights = _weights(s, v0)
+    weights = weights_of(s, v0)
     small = model(s, order)
     Q = weights.Q(small) if pressed == OUTPUTS else EQUAL * np.eye(order)
     design = lqg(coils(small), Q, weights.R, weights.W, weights.V, G=ground(small))
@@ -87,14 +87,14 @@ def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
     return Loop(design, K, L, rightmost, loop.psd(s.frequencies), sum(spent), float(np.sqrt(spent[1] / weights.alpha_r)))
 
 
-def _weights(s: System, v0: float = FIGURE_V) -> Weights:
+def weights_of(s: System, v0: float = FIGURE_V) -> Weights:
     """The report's weights; the ground's intensity in the square of the unit in which it is counted."""
     return Weights(v0=v0, beta_q=1 / s.unit**2)
 
 
 @lru_cache(maxsize=32)
 def _free(s: System) -> np.ndarray:
-    weights = _weights(s)
+    weights = weights_of(s)
     return noisy_loop(coils(s.plant), None, ground(s.plant), weights.W).psd(s.frequencies)
 
 
