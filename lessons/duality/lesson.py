@@ -8,6 +8,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import all_figures
 from .knobs import KNOBS
 from .own import adapted
@@ -17,4 +18,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "duality", 5, KNOBS, partial(compute, BLOCK), partial(all_figures, BLOCK), answer=2, answering="gains", tasks=TASKS, exam=exam,
     source="Tutorial (000), duality section: L = K_dᵀ; observer notes (001), spring-damper example",
-    words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted)
+    words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted,
+    derived=derived)

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import all_figures
 from .knobs import KNOBS
 from .own import adapted
@@ -15,4 +16,5 @@ from .tasks import TASKS, exam
 
 LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=1, answering="error_parts", tasks=TASKS, exam=exam,
                 source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
-                words=read_prose(Path(__file__).parent), adapt=adapted)
+                words=read_prose(Path(__file__).parent), adapt=adapted,
+    derived=derived)

@@ -11,6 +11,7 @@ from app.plants.model import Model
 
 from .cases import Case, case_of, doyle_case, report_case
 from .code import code
+from .derive import derived
 from .figures import all_figures
 from .job import JOB
 from .knobs import knobs_for
@@ -38,4 +39,4 @@ def on_model(model: Model) -> Lesson:
     return replace(build((case_of(model),)), tasks=())
 
 
-LESSON = replace(build((report_case(), doyle_case())), adapt=adapt)
+LESSON = replace(build((report_case(), doyle_case())), adapt=adapt, derived=derived)

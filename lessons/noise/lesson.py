@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
@@ -18,4 +19,5 @@ LESSON = Lesson(
     "noise", 8, KNOBS, compute, all_figures, answer=2, answering="valley", tasks=TASKS, exam=exam,
     source="Observer notes (001) on fast poles; platform report (003), section 4.1, equations (43)–(50)",
     words=read_prose(Path(__file__).parent),
-    job=JOB, adapt=adapted)
+    job=JOB, adapt=adapted,
+    derived=derived)

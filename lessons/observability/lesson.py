@@ -8,6 +8,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .code import code
+from .derive import derived
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
@@ -17,4 +18,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "observability", 3, KNOBS, compute, figures, answer=1, answering="modes", tasks=TASKS, exam=exam, kick=False,
     source="Observer notes (001), section 2: observability matrix, rank criterion; PBH test; Gramian",
-    words=read_prose(Path(__file__).parent), aside=("tolerance", "reading", "noise"), adapt=adapted, code=code)
+    words=read_prose(Path(__file__).parent), aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
+    derived=derived)

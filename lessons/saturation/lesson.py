@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import figures
 from .job import JOB, pick
 from .knobs import KNOBS
@@ -17,4 +18,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "saturation", 7, KNOBS, compute, figures, answer=1, answering="error", tasks=TASKS, exam=exam,
     source="Tutorial (000), section on the limits of the separation principle",
-    words=read_prose(Path(__file__).parent), job=JOB, pick=pick, adapt=adapted)
+    words=read_prose(Path(__file__).parent), job=JOB, pick=pick, adapt=adapted,
+    derived=derived)

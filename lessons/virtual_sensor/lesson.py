@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
@@ -16,4 +17,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "virtual-sensor", 1, KNOBS, compute, figures, answer=1, answering="error", tasks=TASKS, exam=exam,
     source="Tutorial (000), sections on the virtual sensor and on the error's own life",
-    words=read_prose(Path(__file__).parent), aside=("power",), adapt=adapted)
+    words=read_prose(Path(__file__).parent), aside=("power",), adapt=adapted,
+    derived=derived)

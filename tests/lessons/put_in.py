@@ -65,6 +65,7 @@ class Reader:
             self._take("\\cdot")
             other = self._power()
             result = result / other if over else result @ other if np.ndim(result) == np.ndim(other) == 2 else result * other
+            result = result[0, 0] if np.shape(result) == (1, 1) else result
         return result
 
     def _power(self) -> Any:
@@ -111,7 +112,7 @@ class Reader:
 
 def sides(line: str, values: Mapping[str, Any]) -> Iterator[tuple[str, list[Any]]]:
     """Each equation of a line, and the values of those of its sides that can be computed."""
-    for equation in re.split(r"\n|,?\s*\\q?quad|,\\;", re.sub(r"\\mathsf(\{T\}| T)", r"\\mathsf{\\top}", line)):
+    for equation in re.split(r"\n|,?\s*\\q?quad|,\\;|\\leq", re.sub(r"\\mathsf(\{T\}| T)", r"\\mathsf{\\top}", line)):
         found = []
         for side in equation.strip().strip(",").split("="):
             try:

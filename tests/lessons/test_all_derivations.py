@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from functools import partial
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from app.view.prose import mathml
 from lessons import LESSONS
 
 MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step with its why, in English and in Chinese
-LACKING = {name for name, lesson in LESSONS.items() if lesson.number not in (2, 4)}  # shrinks with every lesson that gets one
+LACKING = {name for name, lesson in LESSONS.items() if lesson.number > 10}  # shrinks with every lesson that gets one
 HAVE = [pytest.param(lesson, id=name) for name, lesson in LESSONS.items() if name not in LACKING]
 every_derivation = pytest.mark.parametrize("lesson", HAVE)
 RANDOM = 6  # designs of a lesson tried here; `python tests/lessons/test_all_derivations.py` tries two hundred
@@ -62,7 +63,8 @@ def broken(lesson: Lesson, outcome: Outcome) -> Iterator[str]:
             continue
         for equation, found in sides(step.now, values):
             scale = max(1e-9, *(float(np.max(np.abs(values[name]))) for name in re.findall(r"\[\[(\w+)\]\]", equation)))
-            if any(np.shape(v) != np.shape(found[0]) or not np.allclose(v, found[0], rtol=CLOSE, atol=CLOSE * scale) for v in found[1:]):
+            near = partial(np.allclose, found[0], rtol=CLOSE, atol=CLOSE * scale + 1e-12)
+            if any(np.shape(v) != np.shape(found[0]) or not near(v) for v in found[1:]):
                 yield f"{step.heading}: {equation}: {found}"
 
 

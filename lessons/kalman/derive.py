@@ -1,0 +1,37 @@
+"""The numbers that stand now in the derivation of lesson 9: the variance of v_z through one step, by every form of the update."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.lesson.derivation import Value
+from app.lesson.lesson import Outcome
+
+from .study import Study
+
+SPEED = 4  # index of v_z in the state
+MICRO = 1e6  # mm²/s² in a m²/s²
+
+
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """Variances of v_z in mm²/s² before and after the sample k, the gain from VL to v_z by both ways, and the next variance."""
+    who, k = outcome.study.watcher, int(outcome.design["k"])
+    at, kf, schedule = int(who.schedule.index[k]), who.filter, who.schedule
+    P, M, S, eye = schedule.prior[at], schedule.gains[at], schedule.S[at], np.eye(who.filter.n)
+    keep = eye - M @ kf.C
+    scale = np.sqrt(np.diag(P))  # inverses are taken of a correlation: the states' units are decades apart
+    inside = np.linalg.inv(P / np.outer(scale, scale)) + (kf.C * scale).T @ np.linalg.solve(kf.R, kf.C * scale)
+    posterior = np.linalg.inv(inside) * np.outer(scale, scale)
+
+    def of(matrix: np.ndarray) -> float:
+        return MICRO * float(matrix[SPEED, SPEED])
+    known: dict[str, Value] = {
+        "before": of(P), "after": of(schedule.posterior[at]), "kept": of(keep @ P @ keep.T), "noise": of(M @ kf.R @ M.T),
+        "gained": of(M @ S @ M.T), "short": of(M @ kf.C @ P), "information": of(posterior), "M": float(M[SPEED, 0]),
+        "M_information": float((posterior @ np.linalg.solve(kf.R, kf.C).T)[SPEED, 0]),
+        "moved": of(kf.A @ schedule.posterior[at] @ kf.A.T), "Q": of(kf.Q)}
+    if at + 1 < len(schedule.prior):
+        known["next"] = of(schedule.prior[at + 1])
+    return known

@@ -1,0 +1,36 @@
+"""The numbers that stand now in the derivation of lesson 3: derivatives of the output, the weakest mode and its distance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.lesson.derivation import Value
+from app.lesson.lesson import Outcome
+
+from .study import Study
+
+
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """Sizes of rows, the n-th derivative of the first output in two ways, and the weakest mode."""
+    found = outcome.study
+    plant, start = found.sensed.plant, found.start
+    A, C, n = plant.A, plant.C, plant.n
+    lower = [C[0] @ start]
+    row = C[0]
+    for _ in range(n):
+        row = row @ A
+        lower.append(row @ start)
+    coefficients = np.real(np.poly(A))[1:]  # of λⁿ⁻¹, …, 1
+    values, vectors = np.linalg.eig(A)
+    weakest = int(np.argmin(np.abs(values - found.weakest.pole)))
+    v = vectors[:, weakest]
+    return {
+        "p": float(plant.p), "n": float(n), "rows": float(plant.p * n), "normA": float(np.linalg.norm(A, 2)),
+        "norm0": float(np.linalg.norm(C, 2)), "norm1": float(np.linalg.norm(C @ A, 2)),
+        "bound": float(np.linalg.norm(C, 2) * np.linalg.norm(A, 2)),
+        "direct": float(lower[-1]), "combined": float(-coefficients @ np.array(lower[-2::-1])),
+        "size": float(abs(values[weakest])), "near": float(np.linalg.norm(C @ v)),
+        "far": float(np.linalg.norm(C @ np.linalg.matrix_power(A, n) @ v)), "distance": found.weakest.distance,
+        "least": float(np.linalg.svd(np.vstack([A - values[weakest] * np.eye(n), C]), compute_uv=False)[-1])}

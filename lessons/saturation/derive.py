@@ -1,0 +1,34 @@
+"""The numbers that stand now in the derivation of lesson 7: the force at the start, the compensator's matrix, the ceiling."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.lesson.derivation import Value
+from app.lesson.lesson import Outcome
+
+from .knobs import APPLIED
+from .study import ANGLE, PLANT, Study, ceiling, start_state
+
+
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """The force asked for and given at t = 0, traces, and the unstable mode with its angle beyond which nothing helps."""
+    design, K, L = outcome.design, outcome.gains["K"], outcome.gains["L"]
+    A, B, C, limit = PLANT.A, PLANT.B, PLANT.C, design["u_max"]
+    xhat0 = np.array(start_state(design["angle0"], design["error0"])[1])[:, None]
+    asked = float(-(K @ xhat0)[0, 0])
+    given = float(np.clip(asked, -limit, limit))
+    told = given if design["fed"] == APPLIED else asked
+    values, vectors = np.linalg.eig(A.T)
+    unstable = int(np.argmax(values.real))
+    q = np.real(vectors[:, unstable] / vectors[ANGLE, unstable])[None]
+    rate, qB, alone = float(values[unstable].real), float((q @ B)[0, 0]), A - B @ K - L @ C
+    highest = ceiling(PLANT, limit)
+    return {
+        "K": K, "xhat0": xhat0, "asked": asked, "given": given, "missing": given - asked, "told": told, "leak": given - told,
+        "trace_o": float(np.trace(A - L @ C)), "trace_BK": float(np.trace(B @ K)), "trace_c": float(np.trace(alone)),
+        "windup": float(max(np.linalg.eigvals(alone).real)), "qA": float((q @ A)[0, ANGLE]), "rate": rate, "q": q, "B": B, "qB": qB,
+        "size": abs(qB), "u_max": limit, "ceiling_rad": float(np.radians(highest)), "degrees": float(np.degrees(1.0)),
+        "per_newton": highest / limit}

@@ -1,0 +1,27 @@
+"""The numbers that stand now in the derivation of lesson 1: the believed chip's matrices and the gain that its poles ask for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.engine import observer_gain
+from app.lesson.derivation import Value
+from app.lesson.lesson import Outcome
+
+from .study import Study, believed
+
+
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """Entries, trace and determinant of the believed A and of A − LC, and L at full trust."""
+    design, L = outcome.design, outcome.gains["L"]
+    belief = believed(design["plant"], design["air_error"])
+    A, F = belief.A, belief.A - L @ belief.C
+    poles = np.asarray(design["observer_poles"])
+    full = observer_gain(A, belief.C, design["observer_poles"]).gain
+    return {
+        "A": A, "C": belief.C, "L": L, "F": F, "trace": float(np.trace(A)), "det": float(np.linalg.det(A)),
+        "slow": float(max(belief.poles.real)), "a11": float(A[0, 0]), "a12": float(A[0, 1]), "a21": float(A[1, 0]), "a22": float(A[1, 1]),
+        "l1": float(L[0, 0]), "l2": float(L[1, 0]), "c1": float(-np.trace(F)), "c0": float(np.linalg.det(F)),
+        "sum": float(poles.sum().real), "product": float(poles.prod().real), "full1": float(full[0, 0]), "full2": float(full[1, 0])}
