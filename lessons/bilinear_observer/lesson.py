@@ -8,6 +8,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .code import code
+from .derive import derived
 from .figures import figures
 from .knobs import KNOBS
 from .study import compute
@@ -16,4 +17,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answering="error", tasks=TASKS, exam=exam,
                 source="Synthesis of functional observers for bilinear plants (004), Avtometriya 53 (2017) no. 4, "
                        "equations (1)–(24) and the worked example",
-                words=read_prose(Path(__file__).parent), aside=("amplitude", "omega", "seed", "tau", "chi0", "line"), code=code)
+                words=read_prose(Path(__file__).parent), aside=("amplitude", "omega", "seed", "tau", "chi0", "line"), code=code,
+    derived=derived)

@@ -8,6 +8,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .code import code
+from .derive import derived
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
@@ -18,4 +19,5 @@ LESSON = Lesson(
     "network", 18, KNOBS, compute, figures, answer=1, answering="means", tasks=TASKS, exam=exam,
     source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004; "
            "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
-    words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB, code=code)
+    words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB, code=code,
+    derived=derived)

@@ -8,6 +8,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .code import code
+from .derive import derived
 from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
@@ -18,4 +19,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=1, answering="criterion", tasks=TASKS, exam=exam,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
                 words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "beta", "gamma", "remark", "line", "columns"), kick=False,
-                job=JOB, adapt=adapted, code=code)
+                job=JOB, adapt=adapted, code=code,
+    derived=derived)

@@ -1,0 +1,36 @@
+"""The numbers that stand now in the derivation of lesson 16: the eight steps at the present problem and pole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.lesson.derivation import Value
+from app.lesson.lesson import Outcome
+from app.plants.bilinear import X0
+
+from .page import base_of, pole_of
+from .problems import COMPUTED
+from .study import DT, FILTERED, Study, form_index
+
+LATER = 20  # steps after which the error of the run is compared
+
+
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """Both parts of g, L Q beside W, the family of L in its last entry, the pole, and the error of the run; what there is of it."""
+    o, run, design = outcome.study.observer, outcome.study.run, outcome.design
+    x0 = np.array(X0)
+    known: dict[str, Value] = {
+        "g_seen": (o.K @ o.T[0] @ o.V[0] @ x0).item(), "g_rest": (o.K @ o.T[1] @ o.V[1] @ x0).item(), "g": (o.K @ x0).item(),
+        "rows": float(o.Q.shape[0]), "columns": float(o.Q.shape[1])}
+    if o.L is not None:
+        known |= {"LQ": o.L @ o.Q, "W": o.right, "L": o.L}
+    if o.L is not None and o.pi is not None:
+        pole = pole_of(o, o.L)
+        known |= {"base4": float(base_of(o)[0, -1]), "pi": o.pi.item(), "free4": float(o.canonical_Q.zero_left[0, -1]),
+                  "L4": float(o.L[0, -1]), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole, "p": float(o.asked[0].real)}
+        if design["gain"] == COMPUTED and design["form"] != FILTERED and design["kick"] < 0 and len(run.t) > LATER:
+            errors = run.errors[:, form_index(design)]
+            known |= {"time": LATER * DT, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
+    return known

@@ -1,0 +1,29 @@
+"""The numbers that stand now in the derivation of lesson 12: one motion reached and heard, the bound, the geometry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from app.lesson.derivation import Value
+from app.lesson.lesson import Outcome
+
+from .study import Study
+from .system import TOGETHER, closed_forms
+
+
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """Of the motion on the stage: ‖wᴴB‖, ‖Cv‖, |Re λ| and its strength; the bound of the order; the closed form."""
+    s = outcome.study.system
+    motion, p = s.motions[int(outcome.design["pair"]) - 1], s.parameters
+    values, left = np.linalg.eig(s.plant.A.conj().T)
+    w = left[:, np.argmin(np.abs(values.conj() - motion.pole))]
+    w = w / np.conj(w.conj() @ motion.shape)
+    reached, heard = float(np.linalg.norm(w.conj() @ s.plant.B)), float(np.linalg.norm(s.plant.C @ motion.shape))
+    damping = abs(motion.pole.real)
+    return {
+        "first": float(s.hankel[0]), "last": float(s.hankel[-1]), "reached": reached, "heard": heard, "damping": damping,
+        "Wc": reached**2 / (2 * damping), "strength": motion.strength, "tail": float(s.hankel[outcome.study.cut.order:].sum()),
+        "bound": outcome.study.cut.bound, "N_z": float(np.hypot(np.sqrt(2), 2 * p.kz * s.unit)), "mu": p.mu, "m": p.m, "c_p": p.cp,
+        "together": dict(closed_forms(p, s.unit))[TOGETHER]}
