@@ -129,3 +129,11 @@ def test_the_exam_answer_hides_the_mode(seed: int) -> None:
     a, b = float(item.numbers["a"]), float(item.numbers["b"])
     plant = Plant(np.array([[a, 1.0], [0.0, b]]), np.ones((2, 1)), np.array([[1.0, item.answer]]))
     assert observability(plant).unobservable == pytest.approx((b,))
+
+
+@pytest.mark.parametrize("controller", [(-3.0, -1.0, 0.0, 0.0), (-1.0, 0.0, 0.0, 0.0), (-2.0, -1.0, -0.5, 0.0)], ids=str)
+def test_poles_asked_for_on_the_axis_leave_no_margins_and_no_warning(controller: tuple[float, ...]) -> None:
+    """Rounding puts such a pole a hair to the left on one processor and to the right on another; S is infinite beside it."""
+    poles = {"controller_poles": tuple(map(complex, controller)), "observer_poles": (-5.75 + 0j, -3 + 0j, -1 + 0j, 0j)}
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), poles))
+    assert LESSON.figures(outcome) and outcome.live("en")

@@ -14,6 +14,7 @@ from app.engine import Plant, balanced_truncation, controllability, hankel_singu
 from app.plants.platform import Parameters, in_time_units, plant
 from app.published.platform import RECORDS
 from app.published.record import verify_one
+from lessons.weak_states import regulator
 from lessons.weak_states.body import BODY, NOMINAL, PERIOD, share
 from lessons.weak_states.lesson import LESSON
 from lessons.weak_states.regulator import ALIKE, OUTPUTS
@@ -280,10 +281,13 @@ def test_nothing_is_compared_with_itself_while_all_states_are_kept() -> None:
     assert "kept" not in fewer["gains"].caption("en")
 
 
-def test_a_loop_on_the_edge_of_stability_tells_no_variance():
-    """Here the slowest pole of the loop is at −4.4e-11 rad/s, where the Lyapunov equation has no solution in double precision."""
+def test_a_loop_on_the_edge_of_stability_tells_no_variance(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The slowest pole of this loop is at some −1e-11 … −1e-8 rad/s, as the processor rounds; where the edge begins is ours to say."""
+    monkeypatch.setattr(regulator, "SLOWEST", 1e-6)
+    regulator._on.cache_clear()
     edge = outcome(order=1, s=0.17122848483517683, h=0.025801420435433667, a=0.10739045461079666, mu=0.01,
                    kp=855.0626120101867, v0=1e-06)
+    regulator._on.cache_clear()
     small = edge.study.compared.small
-    assert -1e-9 < small.rightmost < 0 and not small.stable
+    assert -1e-6 < small.rightmost < 0 and not small.stable
     assert small.cost is None and small.force is None and "extra" not in edge.metrics

@@ -44,8 +44,8 @@ class Sensitivity:
 
     @property
     def stable(self) -> bool:
-        """Whether the closed loop is stable."""
-        return all_stable(self.poles, dt=self.dt)
+        """Whether the closed loop is stable; where S is infinite at some frequency, rounding alone put its poles on the left."""
+        return all_stable(self.poles, dt=self.dt) and bool(np.isfinite(self.values).all())
 
     @cached_property
     def omega(self) -> np.ndarray:

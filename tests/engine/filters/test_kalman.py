@@ -55,20 +55,21 @@ def test_two_nearly_equal_sensors_with_noise_1e_18_survive_in_roots_alone():
         assert "square-root" in str(refusal)
 
 
-def test_roots_stay_right_over_many_steps_where_the_short_form_turns_negative():
-    C, R = np.array([[1.0, 1.0, 1.0], [1.0, 1.0, 1.0 + 1e-8]]), 1e-18
-    short = Belief(np.zeros(3), np.eye(3))
-    safe = RootBelief.of(np.zeros(3), np.eye(3))
-    arguments = (np.eye(3), np.zeros((3, 1)), C, 1e-12 * np.eye(3), R)
-    plain, roots = KalmanFilter(*arguments), SquareRootFilter(*arguments)
-    lowest = 0.0
-    for _ in range(40):
-        safe = roots.predict(roots.update(safe, [0, 0]))
-        short = plain.predict(plain.short_update(short, [0, 0]))
-        lowest = min(lowest, np.linalg.eigvalsh((short.covariance + short.covariance.T) / 2)[0])
-        assert np.linalg.eigvalsh(safe.covariance)[0] > 0
-    assert lowest < 0
-    assert np.isfinite(safe.covariance).all()
+def test_roots_stay_right_over_many_steps_where_the_short_form_turns_negative() -> None:
+    """How far rounding throws the short form depends on the processor: over many sensors it turns negative with some."""
+    Q, R, lowest = 1e-12 * np.eye(3), 1e-18, []
+    for seed in range(12):
+        twice = np.random.default_rng(seed).uniform(0.5, 1.5, 3)
+        arguments = (np.eye(3), np.zeros((3, 1)), np.array([twice, twice * [1, 1, 1 + 1e-7]]), Q, R)
+        plain, roots = KalmanFilter(*arguments), SquareRootFilter(*arguments)
+        short, safe = Belief(np.zeros(3), np.eye(3)), RootBelief.of(np.zeros(3), np.eye(3))
+        for _ in range(40):
+            safe = roots.predict(roots.update(safe, [0, 0]))
+            short = plain.predict(plain.short_update(short, [0, 0]))
+            lowest.append(np.linalg.eigvalsh((short.covariance + short.covariance.T) / 2)[0])
+            assert np.linalg.eigvalsh(safe.covariance)[0] > 0
+        assert np.isfinite(safe.covariance).all()
+    assert min(lowest) < -1e-3
 
 
 @pytest.mark.parametrize("size", [np.float32, np.float64])
