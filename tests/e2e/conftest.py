@@ -10,7 +10,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
@@ -20,8 +20,8 @@ from tab import FLAGS, Tab
 
 ROOT = Path(__file__).parents[2]
 ARTEFACTS = ROOT / "artefacts"
-SCALE = 0.5  # of the pixels each way: the processor draws, and what is tested stands in layout, not in pixels
 START = 60.0  # s until a server must have printed its address
+PASSED = pytest.StashKey[bool]()
 SERVE = "from app.cli import main; raise SystemExit(main())"
 
 
@@ -96,12 +96,43 @@ def new_tab(browser: Browser, server: str) -> Iterator[Callable[..., Tab]]:
         """Without `motion` the browser asks pages for calm, and a lesson that opens stands still."""
         context = browser.new_context(viewport={"width": width, "height": height},
                                       reduced_motion="no-preference" if motion else "reduce")
-        tabs.append(Tab(context.new_page(), server))
+        tabs.append(Tab(context.new_page(), server, drawn=False))
         return tabs[-1]
     yield opened
     complaints = [line for tab in tabs for line in tab.complaints]
     for tab in tabs:
         tab.page.context.close()
+    assert not complaints, f"the browser's console: {complaints}"
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Keep how a test went, for the fixtures that outlive it."""
+    report = yield
+    item.stash[PASSED] = item.stash.get(PASSED, True) and report.passed
+    return report
+
+
+@pytest.fixture(scope="module")
+def walk(browser: Browser, server: str) -> Iterator[list[Tab]]:
+    """The tab of a file's walk through the lessons; empty before the first test and after one that failed."""
+    tabs: list[Tab] = []
+    yield tabs
+    for tab in tabs:
+        tab.page.context.close()
+
+
+@pytest.fixture
+def walking(walk: list[Tab], browser: Browser, server: str, request: pytest.FixtureRequest) -> Iterator[Tab]:
+    """One tab that goes from test to test, as a person goes from lesson to lesson; a new one after a test that failed."""
+    if not walk:
+        context = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce")
+        walk.append(Tab(context.new_page(), server, drawn=False))
+    tab = walk[0]
+    yield tab
+    complaints, tab.complaints = tab.complaints, []
+    if complaints or not request.node.stash.get(PASSED, False):
+        walk.pop().page.context.close()
     assert not complaints, f"the browser's console: {complaints}"
 
 

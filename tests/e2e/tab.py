@@ -53,6 +53,13 @@ DRAWN = """() => new Promise(done => {
   };
   page.requestRender();
 })"""
+UNDRAWN = """() => {  // the scene is built, moved and picked as ever, but its frames cost nothing until a picture is wanted
+  const pen = WebGL2RenderingContext.prototype;
+  for (const name of ['clear', 'drawArrays', 'drawArraysInstanced', 'drawElements', 'drawElementsInstanced']) {
+    const draw = pen[name];
+    pen[name] = function (...how) { if (window.observerLabDraws) draw.apply(this, how); };
+  }
+}"""
 MORE = re.compile("^(more|更多)$")
 HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
@@ -76,11 +83,13 @@ def eventually(look: Callable[[], T], wanted: Callable[[T], Any], what: str, pat
 
 
 class Tab:
-    """A page of the app in its own browser context."""
+    """A page of the app in its own browser context; its scene is drawn by the processor, or only for pictures."""
 
-    def __init__(self, page: Page, address: str) -> None:
+    def __init__(self, page: Page, address: str, drawn: bool = True) -> None:
         self.page, self.address = page, address
         self.complaints: list[str] = []
+        if not drawn:
+            page.add_init_script(f"({UNDRAWN})()")
         page.set_default_timeout(PATIENCE * 1000)
         page.on("pageerror", lambda error: self.complaints.append(error.stack or str(error)))
         page.on("console", lambda m: self.complaints.append(m.text)
@@ -209,8 +218,10 @@ class Tab:
     def picture(self, path: Any) -> None:
         """Keep a screenshot of all that was done, the scene drawn sharp."""
         self.answered(rests=True)
+        self.page.evaluate("window.observerLabDraws = true")
         self.drawn()
         try:
             self.page.screenshot(path=path, timeout=PATIENCE * 1000)
         except Error as problem:
             raise AssertionError(f"no screenshot: {problem}") from None
+        self.page.evaluate("window.observerLabDraws = false")

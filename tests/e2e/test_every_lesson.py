@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -66,10 +65,12 @@ def look_at(tab: Tab, lesson: Lesson, language: str, path: Path) -> None:
 
 
 @pytest.mark.parametrize("lesson", list(LESSONS.values()), ids=list(LESSONS))
-def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, new_tab: Callable[..., Tab], artefacts: Path) -> None:
+def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, walking: Tab, artefacts: Path) -> None:
     """Veiled until predicted, answering to a slider, playing after the prediction, sound in both languages."""
-    tab = new_tab()
-    words: Any = lesson.words["en"]
+    tab, words = walking, lesson.words["en"]
+    tab.page.set_viewport_size({"width": 900, "height": 560})
+    if tab.button("English").count():
+        tab.press("English")
     tab.choose_lesson(words.title, words.question)
     assert "blur" in veil(tab)
 

@@ -31,7 +31,7 @@ def page(browser: Browser) -> Iterator[Page]:
 def test_a_dead_server_is_said_and_a_living_one_goes_on(page: Page, serve: Callable[..., AbstractContextManager[str]],
                                                        language: str) -> None:
     with serve() as address:
-        tab = Tab(page, address)
+        tab = Tab(page, address, drawn=False)
         if language != "en":
             tab.press("中文")
             eventually(lambda: page.evaluate("document.documentElement.lang"), lambda code: code == language, "the language")

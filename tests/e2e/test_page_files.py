@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import pytest
-from tab import Tab
+from laws import each
+from playwright.sync_api import Browser, Page
 
 from app.view import page
 
@@ -16,12 +19,20 @@ RULES = """text => {
 }"""
 
 
-@pytest.mark.parametrize("file", sorted(file.name for file in page.FOLDER.glob("*.js")))
-def test_a_script_compiles_to_one_function(tab: Tab, file: str) -> None:
-    assert tab.page.evaluate(COMPILES, page.source(file)) == "function"
+@pytest.fixture(scope="module")
+def blank(browser: Browser) -> Iterator[Page]:
+    """A page without the app: what is asked here is asked of the browser alone."""
+    page = browser.new_page()
+    yield page
+    page.close()
 
 
-def test_no_rule_of_a_style_is_dropped(tab: Tab) -> None:
+@each("file", sorted(file.name for file in page.FOLDER.glob("*.js")))
+def test_a_script_compiles_to_one_function(blank: Page, file: str) -> None:
+    assert blank.evaluate(COMPILES, page.source(file)) == "function"
+
+
+def test_no_rule_of_a_style_is_dropped(blank: Page) -> None:
     for file in page.FOLDER.glob("*.css"):
         text = page.source(file.name)
-        assert tab.page.evaluate(RULES, text) == text.count("{"), file.name
+        assert blank.evaluate(RULES, text) == text.count("{"), file.name

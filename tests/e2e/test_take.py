@@ -10,7 +10,7 @@ STIFFNESS = {"en": "stiffness believed wrong by [%]", "zh": "模型刚度误差 
 
 
 def open_link(browser: Browser, link: str) -> Tab:
-    return Tab(browser.new_context(viewport={"width": 900, "height": 560}).new_page(), link)
+    return Tab(browser.new_context(viewport={"width": 900, "height": 560}).new_page(), link, drawn=False)
 
 
 def address(tab: Tab) -> str:
