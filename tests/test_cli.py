@@ -233,14 +233,18 @@ def test_every_default_that_list_shows_is_read_back_by_set(capsys) -> None:
 
 @pytest.mark.slow
 def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monkeypatch) -> None:
+    """Here a few of them, one of each verdict and some more; `test_published.py` and the wheel's own command verify all."""
+    every = records()
+    some = (*every[:12], *(next(p for p in every if p.kind == kind) for kind in ("slip", "beyond")))
+    monkeypatch.setattr("app.published.records", lambda: some)
     assert main(["verify"]) == 0
     words = capsys.readouterr().out
-    assert all(published.item in words for published in records())
+    assert all(published.item in words for published in some)
     assert main(["verify", "--json"]) == 0
     listed = json.loads(capsys.readouterr().out)
-    assert [entry["item"] for entry in listed] == [published.item for published in records()]
+    assert [entry["item"] for entry in listed] == [published.item for published in some]
     assert {entry["verdict"] for entry in listed} == {"agrees", "slip", "beyond"}
-    wrong = replace(records()[0], ours=lambda: 3.0)
+    wrong = replace(every[0], ours=lambda: 3.0)
     monkeypatch.setattr("app.published.records", lambda: (wrong,))
     assert main(["verify"]) == 1
     assert "DIFFERS" in capsys.readouterr().out

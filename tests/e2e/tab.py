@@ -183,6 +183,13 @@ class Tab:
         eventually(self.question, lambda words: words == question, f"the question of {title}")
         self.settle()
 
+    def open_lesson(self, title: str, question: str, size: tuple[int, int] = (900, 560)) -> None:
+        """Open a lesson in English and in a window of some size, wherever the walk has come to."""
+        self.page.set_viewport_size({"width": size[0], "height": size[1]})
+        if self.button("English").count():
+            self.press("English")
+        self.choose_lesson(title, question)
+
     def predict(self, letter: str = "A") -> None:
         """Choose a prediction by pressing its sentence."""
         self.page.locator(f'.ol-option[data-value="{letter}"]').click()

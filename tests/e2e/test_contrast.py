@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -57,17 +56,16 @@ PALE = """least => {
 @pytest.mark.parametrize("name, size, large, dark", [
     ("separation", (1366, 768), False, False), ("saturation", (1366, 768), False, True), ("network", (1920, 1080), True, True),
     ("sandbox", (390, 844), False, False)], ids=str)
-def test_words_stand_out_from_their_ground(new_tab: Callable[..., Tab], name: str, size: tuple[int, int], large: bool,
-                                           dark: bool) -> None:
-    tab, words = new_tab(*size), LESSONS[name].words["en"]
-    tab.choose_lesson(words.title, words.question)
-    tab.predict("skip")
-    if large:
-        tab.press("large print")
-    if dark:
-        tab.press("dark")
-    tab.answered(rests=True)
-    assert tab.page.evaluate(PALE, LEAST) == {}
+def test_words_stand_out_from_their_ground(walking: Tab, name: str, size: tuple[int, int], large: bool, dark: bool) -> None:
+    words = LESSONS[name].words["en"]
+    worn = [pair for pair, wanted in ((("large print",) * 2, large), (("dark", "light"), dark)) if wanted]
+    walking.open_lesson(words.title, words.question, size)
+    walking.predict("skip")
+    for on, _ in worn:
+        walking.press(on)
+    assert walking.page.evaluate(PALE, LEAST) == {}
+    for _, off in worn:
+        walking.press(off)
 
 
 def test_the_judge_of_contrast_knows_pale_from_dark(tab: Tab) -> None:

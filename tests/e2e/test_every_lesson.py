@@ -68,10 +68,7 @@ def look_at(tab: Tab, lesson: Lesson, language: str, path: Path) -> None:
 def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, walking: Tab, artefacts: Path) -> None:
     """Veiled until predicted, answering to a slider, playing after the prediction, sound in both languages."""
     tab, words = walking, lesson.words["en"]
-    tab.page.set_viewport_size({"width": 900, "height": 560})
-    if tab.button("English").count():
-        tab.press("English")
-    tab.choose_lesson(words.title, words.question)
+    tab.open_lesson(words.title, words.question)
     assert "blur" in veil(tab)
 
     def refused() -> str:

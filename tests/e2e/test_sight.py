@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pytest
 from sight import look
 from tab import Tab
@@ -13,10 +11,9 @@ from lessons import LESSONS
 
 @pytest.mark.parametrize("name, size, large", [
     ("separation", (1920, 1080), True), ("weak-states", (390, 844), False)], ids=str)
-def test_the_first_knob_is_in_view_and_words_are_large_enough(new_tab: Callable[..., Tab], name: str, size: tuple[int, int],
-                                                              large: bool) -> None:
-    tab, words = new_tab(*size), LESSONS[name].words["en"]
-    tab.choose_lesson(words.title, words.question)
+def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name: str, size: tuple[int, int], large: bool) -> None:
+    tab, words = walking, LESSONS[name].words["en"]
+    tab.open_lesson(words.title, words.question, size)
     tab.predict("skip")
     if large:
         tab.press("large print")
@@ -28,3 +25,5 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(new_tab: Callable[
         assert seen.one_over <= 50.0, f"{seen.smallest}: {seen.words} px"
     if size[0] < 576:
         assert seen.screens <= 2.0, "a part of the lesson takes more than one screen of scrolling"
+    if large:
+        tab.press("large print")
