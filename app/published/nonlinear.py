@@ -81,7 +81,7 @@ def unscented_on_growth(alpha: float, beta: float, kappa: float) -> float:
 def fall() -> tuple[float, float]:
     """Medians over 200 runs of NEES at 30 s on the falling body, UKF and EKF; h and v drawn as the filters believe."""
     plant, runs = falling_body.plant(), 200
-    flow, R = plant.flow(falling_body.SAMPLE, 4), np.array([[falling_body.NOISE**2]])
+    flow, R = plant.flow(falling_body.SAMPLE, parts=4), np.array([[falling_body.NOISE**2]])
     rng = np.random.default_rng(14)
     x0 = np.array(falling_body.GUESS)[:, None] + np.array(falling_body.SPREAD)[:, None] * rng.standard_normal((3, runs))
     x0[2] = falling_body.START[2]

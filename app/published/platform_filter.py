@@ -53,7 +53,7 @@ def models() -> tuple[Plant, Plant, np.ndarray]:
 def tuned(variance: float = SIGMA**2) -> KalmanFilter:
     """The filter with eight states for the ground of (76) and white sensor noise of that variance a sample."""
     small = models()[1]
-    return KalmanFilter.from_plant(coils(small), GROUND_UNIT * np.eye(2), variance * DT * np.eye(4), DT, ground(small))
+    return KalmanFilter.from_plant(coils(small), GROUND_UNIT * np.eye(2), variance * DT * np.eye(4), dt=DT, G=ground(small))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ def record(noise: str = "white", force: float = 0.0, seed: int = SEED) -> Record
     noise: "white" sensors, the converter "taken for white" by the filter, or "carried" by it as states.
     """
     full, _, T = models()
-    real = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SIGMA**2 * DT * np.eye(4), DT, ground(full))
+    real = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SIGMA**2 * DT * np.eye(4), dt=DT, G=ground(full))
     kf = tuned() if noise == "white" else tuned(ADC.variance) if noise == "taken" else with_coloured_noise(tuned(), ADC)
     rng = np.random.default_rng([seed, 1])
     P = kf.steady.solution
@@ -149,7 +149,7 @@ def recursion_and_riccati() -> tuple[float, float]:
     The recursion steps every 20 ms from a P far too wide, the second filter every 0.1 ms; V = 1e-9 (m/s)² s in both.
     """
     small, W, V = models()[1], GROUND_UNIT * np.eye(2), 1e-9 * np.eye(4)
-    coarse, fine = (KalmanFilter.from_plant(coils(small), W, V, dt, ground(small)) for dt in (2e-2, 1e-4))
+    coarse, fine = (KalmanFilter.from_plant(coils(small), W, V, dt=dt, G=ground(small)) for dt in (2e-2, 1e-4))
     goal = dlqe(coarse.A, np.eye(8), coarse.C, coarse.Q, coarse.R).filter_gain
     last = coarse.schedule(Belief(np.zeros(8), 1e3 * coarse.steady.solution), 15_000).gains[-1]
     slow = lqe(small.A, ground(small), small.C, W, V).gain

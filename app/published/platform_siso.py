@@ -40,7 +40,7 @@ def levels(controller: Plant | None, white: bool = True) -> np.ndarray:
              np.column_stack([VERTICAL_ASD**2 / FREQUENCY**4, HORIZONTAL_ASD**2 / FREQUENCY**4]))
     if not white:
         shape[FREQUENCY < 0.1] = 0.0  # the resonance, not the drift of the ground, is what the figures compare
-    return loop.psd(FREQUENCY, loop.outputs(T_y[:3]), shape).max(axis=0)
+    return loop.psd(FREQUENCY, loop.outputs(T_y[:3]), ground=shape).max(axis=0)
 
 
 def suppression(controller: Plant) -> np.ndarray:

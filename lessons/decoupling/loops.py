@@ -197,7 +197,7 @@ def spectra(loop: NoisyLoop, design: Design) -> Spectra:
     f = np.union1d(SWEEP, extra)
     driven = ground_density(f, design["ground"])
     rows = np.vstack([loop.outputs(T_y[:3]), loop.inputs()])
-    moved, sensed = loop.parts(f, rows, driven)
+    moved, sensed = loop.parts(f, rows, ground=driven)
     gains = bare_gains()
     if len(f) > len(SWEEP):
         gains = np.empty((len(f), 3, 2))

@@ -31,7 +31,7 @@ def model() -> KalmanFilter:
     """The filter that knows the deck, its disturbances and its sensors' noise as they are: one sample of DT."""
     B = MODEL.plant.B
     G = np.column_stack([deck_disturbance(), B[:, 1] - B[:, 0]])
-    return KalmanFilter.from_plant(MODEL.plant, np.diag([GROUND, GROUND, DRAUGHT]), SIGMA**2 * DT * np.eye(4), DT, G)
+    return KalmanFilter.from_plant(MODEL.plant, np.diag([GROUND, GROUND, DRAUGHT]), SIGMA**2 * DT * np.eye(4), dt=DT, G=G)
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,7 +71,7 @@ def draw(seed: int) -> Noise:
     rng = np.random.default_rng([seed, 17])
     w = rng.standard_normal((COUNT, 6)) @ root(kf.Q).T
     v = SIGMA * rng.standard_normal((COUNT, 4))
-    bank = g.bank.start(np.zeros(6), rng)
+    bank = g.bank.start(np.zeros(6), rng=rng)
     return Noise(w, v, -root(g.whole.P) @ rng.standard_normal(6), bank)
 
 

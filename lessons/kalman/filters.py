@@ -32,7 +32,7 @@ def tuned() -> KalmanFilter:
     """The filter that knows the deck, the disturbances and a white sensor noise of σ² as they are."""
     B, V = MODEL.plant.B, SIGMA**2 * DT * np.eye(4)
     G = np.column_stack([deck_disturbance(), B[:, 1] - B[:, 0]])
-    return KalmanFilter.from_plant(MODEL.plant, np.diag([GROUND, GROUND, COUPLE]), V, DT, G)
+    return KalmanFilter.from_plant(MODEL.plant, np.diag([GROUND, GROUND, COUPLE]), V, dt=DT, G=G)
 
 
 @dataclass(frozen=True, eq=False)

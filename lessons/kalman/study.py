@@ -183,7 +183,7 @@ def expected(noise: str, q: float, r: float) -> Expected:
     D, keep = real.C - kf.C @ S, np.eye(k) - M @ kf.C
     A = np.block([[real.A, np.zeros((n, k))], [-kf.A @ M @ D, kf.A @ keep]])
     w, v = np.vstack([np.eye(n), S]), np.vstack([np.zeros((n, 4)), -kf.A @ M])
-    Z = settled_covariance(A, np.hstack([w @ root(real.Q), v @ root(real.R)]), 1.0)
+    Z = settled_covariance(A, np.hstack([w @ root(real.Q), v @ root(real.R)]), dt=1.0)
     H, after = np.hstack([D, kf.C]), np.hstack([-M @ D, keep])
     seen = H @ Z @ H.T + real.R
     error = (after @ Z @ after.T + M @ real.R @ M.T)[:6, :6]

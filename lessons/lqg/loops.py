@@ -240,7 +240,7 @@ def first_belief(case: Case) -> np.ndarray:
 @lru_cache(maxsize=8)
 def schedule(case: Case, beta_q: float, beta_r: float, recovery: float, steps: int) -> Schedule:
     """Gains of the recursive filter in the run; no reading and no weight of the regulator changes them."""
-    kf = KalmanFilter.from_plant(case.plant, believed(case, beta_q, recovery), beta_r * case.V, case.dt, np.eye(case.plant.n))
+    kf = KalmanFilter.from_plant(case.plant, believed(case, beta_q, recovery), beta_r * case.V, dt=case.dt, G=np.eye(case.plant.n))
     return kf.schedule(Belief(np.zeros(case.plant.n), first_belief(case)), steps)
 
 

@@ -92,11 +92,11 @@ def _from_model(name: str, h: float) -> tuple[KalmanFilter, np.ndarray, np.ndarr
     model = MODELS[name]
     plant = model.plant
     if name == CHIP:  # 1.5 W of fluctuating power in a second, 0.3 K of sensor noise
-        return KalmanFilter.from_plant(plant, 2.0, 0.09 * h, h), np.diag([1.0, 1.0]), 0.05 * np.eye(1)
+        return KalmanFilter.from_plant(plant, 2.0, 0.09 * h, dt=h), np.diag([1.0, 1.0]), 0.05 * np.eye(1)
     if name == CART:  # gusts on the cart, half a millimetre of sensor noise
-        return KalmanFilter.from_plant(plant, 1e-4, 2.5e-7 * h, h), np.diag([20.0, 20.0, 1.0, 1.0]), 0.3 * np.eye(1)
+        return KalmanFilter.from_plant(plant, 1e-4, 2.5e-7 * h, dt=h), np.diag([20.0, 20.0, 1.0, 1.0]), 0.3 * np.eye(1)
     G = np.column_stack([deck_disturbance(), plant.B[:, 1] - plant.B[:, 0]])  # ground and a draught, 1 mm/s of noise
-    kf = KalmanFilter.from_plant(plant, np.diag([4e-10, 4e-10, 3e-4]), 1e-6 * h * np.eye(4), h, G)
+    kf = KalmanFilter.from_plant(plant, np.diag([4e-10, 4e-10, 3e-4]), 1e-6 * h * np.eye(4), dt=h, G=G)
     return kf, plant.C.T @ plant.C, 1e-4 * np.eye(3)
 
 

@@ -198,7 +198,7 @@ def growing(plant: Plant, L: np.ndarray, parts: ErrorParts, V: float, dt: float,
     both: np.ndarray = expm(wide * dt)
     Phi: np.ndarray = both[:2, :2]
     push: np.ndarray = both[:2, 2:] @ L
-    limit = parts.process + settled_covariance(Phi, np.sqrt(V / dt) * push, 1.0)
+    limit = parts.process + settled_covariance(Phi, np.sqrt(V / dt) * push, dt=1.0)
     powers = np.empty((steps, 2, 2))
     powers[0], done = np.eye(2), 1
     jump: np.ndarray = Phi

@@ -107,7 +107,7 @@ def plant_of(name: str, hardening: float, weakening: float) -> NonlinearPlant:
 
 def flow_of(case: Case, plant: NonlinearPlant) -> Flow:
     """One sampling step."""
-    return plant.flow(case.step, case.parts)
+    return plant.flow(case.step, parts=case.parts)
 
 
 def starts(case: Case, size: float, runs: int, rng: np.random.Generator) -> np.ndarray:

@@ -77,7 +77,7 @@ def decoupled(v: float) -> Plant:
 def sampled_design(v: float) -> SampledLqg:
     """The LQG of the computer's own time, for the believed intensity v of the sensors' noise."""
     weights, plant, made = Weights(v0=v), reduced(), _feedback()[1]
-    return replace(made, filter=KalmanFilter.from_plant(coils(plant), weights.W, weights.V, DT, ground(plant)))
+    return replace(made, filter=KalmanFilter.from_plant(coils(plant), weights.W, weights.V, dt=DT, G=ground(plant)))
 
 
 def first_belief(v: float) -> Belief:

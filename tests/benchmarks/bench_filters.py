@@ -70,8 +70,7 @@ def textbook_unscented(A: np.ndarray, C: np.ndarray, P: np.ndarray, y: np.ndarra
 
 def filters() -> None:
     plant = platform.plant()
-    arguments = (plant, 1e-12, 1e-12, 1e-3, plant.B[:, 3:])
-    plain, roots = KalmanFilter.from_plant(*arguments), SquareRootFilter.from_plant(*arguments)
+    plain, roots = (kind.from_plant(plant, 1e-12, 1e-12, dt=1e-3, G=plant.B[:, 3:]) for kind in (KalmanFilter, SquareRootFilter))
     y = 1e-6 * np.random.default_rng(0).standard_normal((STEPS, 4))
     start, settled = Belief(np.zeros(10), 1e-6 * np.eye(10)), Belief(np.zeros(10), plain.steady.solution)
     loop = median(lambda: textbook(plain, start, y))

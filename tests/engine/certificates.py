@@ -174,7 +174,7 @@ def _variances(A: np.ndarray, G: np.ndarray, dt: float, oracle: Callable[[np.nda
     if not np.isfinite([true, *moved]).all() or np.any(np.abs(moved - true) > 0.1 * true):  # the plant does not tell
         return []
     allowed = max(float(np.abs(m / true - 1).max()) for m in moved)
-    found = np.diag(systems.settled_covariance(A, G, dt))
+    found = np.diag(systems.settled_covariance(A, G, dt=dt))
     return [(float(np.abs(found / true - 1).max()), 0.0, 100 * allowed + 1e3 * EPS)]
 
 

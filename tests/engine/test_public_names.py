@@ -34,11 +34,21 @@ def test_every_example_of_a_module_has_at_most_five_lines_and_runs(name):
         assert typed <= 5 and result.attempted == len(example.examples) and not result.failed, f"{example.name}: {typed}" + "".join(said)
 
 
-@pytest.mark.parametrize("name", [n for n in engine.__all__ if inspect.isfunction(NAMES[n])])
-def test_an_argument_with_a_default_is_given_by_name(name):
-    early = [p.name for p in inspect.signature(NAMES[name]).parameters.values()
-             if p.default is not p.empty and p.kind is not p.KEYWORD_ONLY]
-    assert not early
+OPERANDS = {"u", "B", "C", "D", "T", "rows"}  # matrices and records that stand in an equation are no options
+
+
+def test_an_option_is_given_by_name_in_all_rooms():
+    """Of functions and of methods alike."""
+    early = []
+    for room in (engine, *(importlib.import_module(f"app.engine.{found.name}") for found in pkgutil.iter_modules(engine.__path__))):
+        for name in getattr(room, "__all__", ()):
+            thing = getattr(room, name)
+            inside = [(f"{name}.{k}", getattr(v, "__func__", v)) for k, v in vars(thing).items()] if inspect.isclass(thing) else []
+            for what, call in [(name, thing), *inside]:
+                if inspect.isfunction(call) and not what.rpartition(".")[2].startswith("_"):
+                    early += [f"{room.__name__}.{what}({p.name})" for p in inspect.signature(call).parameters.values()
+                              if p.default is not p.empty and p.kind is not p.KEYWORD_ONLY and p.name not in OPERANDS]
+    assert sorted(set(early)) == []
 
 
 def test_outside_the_engine_names_come_from_the_flat_list_or_from_a_room():

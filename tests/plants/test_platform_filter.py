@@ -46,7 +46,7 @@ def test_the_right_filter_is_flagged_about_as_often_as_its_level_says():
 def test_the_two_states_cut_away_do_not_show():
     """S of the filter with eight states is that of one with ten, and so is the size of its innovations."""
     full = platform.plant()
-    ten = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SIGMA**2 * DT * np.eye(4), DT, ground(full))
+    ten = KalmanFilter.from_plant(coils(full), GROUND_UNIT * np.eye(2), SIGMA**2 * DT * np.eye(4), dt=DT, G=ground(full))
     S = {kf.n: kf.C @ kf.steady.solution @ kf.C.T + kf.R for kf in (ten, tuned())}
     assert np.allclose(S[8], S[10], rtol=1e-3, atol=1e-6 * S[10].max())
 

@@ -80,16 +80,16 @@ class NoisyLoop:
         return replace(self, noise=self.noise * np.sqrt(np.outer(scale, scale)))
 
     @gated(frequency=SERIES, rows=optional(matrix()), ground=array())
-    def psd(self, frequency: object, rows: object | None = None, ground: object | None = None) -> np.ndarray:
+    def psd(self, frequency: object, rows: object | None = None, *, ground: object | None = None) -> np.ndarray:
         """One-sided density S(f) = 2 Σ H(j2πf) N H(j2πf)ᴴ of each signal, (n_f, k), in units²/Hz.
 
         Its area over f from 0 is the variance (up to 1/(2 dt) where sampled). `frequency` in Hz; rows k×(p+m), by default
         all outputs. `ground`: one-sided densities of the disturbances in place of 2W, (n_f,) for all or (n_f, q).
         """
-        return sum(self.parts(frequency, rows, ground))  # type: ignore[return-value]
+        return sum(self.parts(frequency, rows, ground=ground))  # type: ignore[return-value]
 
     @gated(frequency=SERIES, rows=optional(matrix()), ground=array())
-    def parts(self, frequency: object, rows: object | None = None,
+    def parts(self, frequency: object, rows: object | None = None, *,
               ground: object | None = None) -> tuple[np.ndarray, np.ndarray]:
         """The density as (what the disturbances cause, what the sensors' noise causes), each (n_f, k)."""
         H = self.response(frequency, rows)
@@ -120,7 +120,7 @@ class NoisyLoop:
         """Σ of z, N×N: A Σ + Σ Aᵀ + B N Bᵀ = 0, or Σ = A Σ Aᵀ + B N Bᵀ. Raises EngineError for an unstable loop."""
         if not self.stable:
             raise EngineError("The loop is unstable: its variances grow without bound; stabilise it first.")
-        return frozen(settled_covariance(self.A, self.B @ root(self.noise), self.dt))
+        return frozen(settled_covariance(self.A, self.B @ root(self.noise), dt=self.dt))
 
     @gated(rows=matrix())
     def variance(self, rows: object | None = None) -> np.ndarray:

@@ -76,6 +76,6 @@ Packed = tuple[bytes, tuple[int, ...]]
 def _held(plant: Plant, G: Packed, W: Packed, V: Packed, step: float) -> tuple[KalmanFilter, np.ndarray, Plant]:
     """The filter that knows the truth, a gain that holds the sampled plant, and that plant."""
     G_, W_, V_ = (np.frombuffer(data).reshape(shape) for data, shape in (G, W, V))
-    truth = KalmanFilter.from_plant(plant, W_, V_, step, G_)
+    truth = KalmanFilter.from_plant(plant, W_, V_, dt=step, G=G_)
     held = Plant(truth.A, truth.B, truth.C, truth.D, step)
     return truth, starting_feedback(held).gain, held

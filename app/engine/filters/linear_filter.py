@@ -60,7 +60,7 @@ class LinearFilter(ABC):
 
     @classmethod
     @gated(plant=instance(Plant), W=matrix(), V=covariance("p"), dt=optional(SECONDS), G=optional(matrix()))
-    def from_plant(cls, plant: Plant, W: object, V: object, dt: float | None = None, G: object | None = None) -> Self:
+    def from_plant(cls, plant: Plant, W: object, V: object, *, dt: float | None = None, G: object | None = None) -> Self:
         """The filter of a continuous plant sampled every dt seconds, its input held: an exact discretisation.
 
         A_d = e^{A dt}, B_d = ∫e^{As}ds B, Q = ∫e^{As} G W Gᵀ e^{Aᵀs} ds over one step, R = V/dt, for the intensities

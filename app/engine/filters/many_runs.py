@@ -139,7 +139,7 @@ def _ahead(e: Experiment, x: np.ndarray, u: np.ndarray,
     means = [steps[name].beliefs.mean[:, None] for name in expanded]
     together = np.concatenate([*means, *pointed.values(), x[:, None]], axis=1)
     flat, each = together.reshape(n, -1), np.tile(u, (1, together.shape[1])) if u.shape[1] == N and N > 1 else u
-    images, F = e.flow.expand(flat, each, N * len(means)) if expanded and isinstance(e.flow, Flow) else (e.flow(flat, each), x)
+    images, F = e.flow.expand(flat, each, lead=N * len(means)) if expanded and isinstance(e.flow, Flow) else (e.flow(flat, each), x)
     images = images.reshape(n, -1, N)
     for i, (name, filter_) in enumerate(expanded.items()):
         ahead[name] = filter_.along(steps[name].beliefs, images[:, i], F[i * N:(i + 1) * N])

@@ -64,7 +64,7 @@ def error_parts(plant: Plant, L: object, G: object, W: object, V: object) -> Err
     if worst >= -SLOWEST * max(float(np.abs(poles).max()), 1e-300):
         raise EngineError("The observer's error does not settle, so its noise has no variance to speak of; move "
                           "its poles.")
-    return ErrorParts(*(settled_covariance(F, push, plant.dt) for push in (G @ root(W), L @ root(V))))
+    return ErrorParts(*(settled_covariance(F, push, dt=plant.dt) for push in (G @ root(W), L @ root(V))))
 
 
 def _gain(plant: Plant, L: object) -> np.ndarray:
@@ -91,7 +91,7 @@ def growing_error(plant: Plant, L: object, parts: ErrorParts, V: object, dt: flo
     else:
         Phi, inner = step_matrices(F, dt)
         push = inner @ L
-        limit = parts.process + settled_covariance(Phi, push @ root(V / dt), dt)
+        limit = parts.process + settled_covariance(Phi, push @ root(V / dt), dt=dt)
     found, far = np.empty((steps, len(C))), C
     for j in range(steps):
         found[j] = np.einsum("ki,ij,kj->k", C, limit, C) - np.einsum("ki,ij,kj->k", far, limit, far)

@@ -136,7 +136,7 @@ def mean_lower_limit(A: object, Q: object, loss: float) -> np.ndarray:
     if p * spectral_radius(A) ** 2 >= 1:
         raise RiccatiError("More packets are lost than the critical share, so the mean covariance has no limit; "
                            "lose fewer packets.")
-    return symmetric(settled_covariance(np.sqrt(p) * A, root(as_covariance(Q, "Q", len(A))), 1.0))
+    return symmetric(settled_covariance(np.sqrt(p) * A, root(as_covariance(Q, "Q", len(A))), dt=1.0))
 
 
 def mare(A: object, C: object, Q: object, R: object, loss: float) -> np.ndarray:

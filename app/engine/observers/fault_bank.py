@@ -153,7 +153,7 @@ class FaultBank:
         return Plant(F, enter, read, direct, self.model.dt or 1.0)
 
     @gated(x0=array(), rng=optional(GENERATOR))
-    def start(self, x0: object, rng: np.random.Generator | None = None) -> np.ndarray:
+    def start(self, x0: object, *, rng: np.random.Generator | None = None) -> np.ndarray:
         """States of the block system for the true state x0 (n,): exact, or with errors drawn from each steady covariance.
 
         With drawn errors every residual is white from the first sample on, as if the bank had been running for ever. One

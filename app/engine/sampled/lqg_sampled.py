@@ -183,7 +183,7 @@ def sampled_lqg(plant: Plant, Q: object, R: object, W: object, V: object, dt: fl
     G = plant.B if G is None else as_matrix(G, "G")
     if G.shape[0] != plant.n:
         raise ShapeError("G must have {n} rows, one for each state; it has {rows}.", n=plant.n, rows=G.shape[0])
-    kf = KalmanFilter.from_plant(plant, W, V, dt, G)
+    kf = KalmanFilter.from_plant(plant, W, V, dt=dt, G=G)
     sampled = Plant(kf.A, kf.B, kf.C, kf.D, dt, plant.state_names, plant.input_names, plant.output_names, plant.units,
                     plant.name)
     if np.any(sampled.D):

@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..feedback.loop_spectrum import NoisyLoop
-from ..systems.arrays import LARGEST, as_covariance, frozen, symmetric
+from ..systems.arrays import as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
-from ..systems.gates import count, gated
+from ..systems.gates import count, gated, optional
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root, step_covariance
 from ..systems.plant import Plant, as_matrix
@@ -68,11 +68,13 @@ class SampledLoop:
         """Samples for which the controller still changes."""
         return len(self.F) - 1
 
-    @gated(k=count(-LARGEST))
-    def closed(self, k: int = -1) -> np.ndarray:
-        """The step w⁺ = F_c w of the loop as long as nothing clips or rounds, N×N; at sample k, by default the last."""
-        if not -len(self.F) <= k < len(self.F):
-            k = -1
+    @gated(k=optional(count()))
+    def closed(self, *, k: int | None = None) -> np.ndarray:
+        """The step w⁺ = F_c w of the loop as long as nothing clips or rounds, N×N; at sample k, by default settled.
+
+        From sample `varying` on the loop is the settled one.
+        """
+        k = self.varying if k is None else min(k, self.varying)
         return self.F[k] + self.F_m[k] @ self.Y + self.F_s[k] @ (self.U[k] + self.T[k] @ self.Y)
 
     @cached_property
@@ -112,7 +114,7 @@ class SampledLoop:
         keep[self.bias] = False
         push = np.hstack([self.jump, self.noise_in @ root(self.reading)])[keep]
         P = np.zeros((self.n, self.n))
-        P[np.ix_(keep, keep)] = settled_covariance(self._without_bias(self.closed()), push, 1.0)
+        P[np.ix_(keep, keep)] = settled_covariance(self._without_bias(self.closed()), push, dt=1.0)
         return frozen(symmetric(P))
 
     @cached_property

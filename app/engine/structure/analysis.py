@@ -114,7 +114,7 @@ def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple
     """Every pole, labelled by the diagonal block of the staircase it comes from: repeated poles count right."""
     scale, Q, seen = balanced_staircase(A.T, C.T, rtol)
     turned = Q.T @ (A * scale[:, None] / scale) @ Q
-    parts = [stable_poles(turned[:seen, :seen], dt), stable_poles(turned[seen:, seen:], dt)]
+    parts = [stable_poles(turned[:seen, :seen], dt=dt), stable_poles(turned[seen:, seen:], dt=dt)]
     poles, stable = np.concatenate([p for p, _ in parts]), np.concatenate([s for _, s in parts])
     order = np.lexsort((np.imag(poles), np.real(poles)))
     size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)

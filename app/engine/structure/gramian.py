@@ -63,7 +63,7 @@ class Truncation:
 
 
 def _unstable_pole(plant: Plant) -> complex | None:
-    poles, stable = stable_poles(plant.A, plant.dt)
+    poles, stable = stable_poles(plant.A, dt=plant.dt)
     excess = np.where(stable, -np.inf, np.abs(poles) if plant.dt > 0 else np.real(poles))
     return complex(poles[np.argmax(excess)]) if not stable.all() else None
 
@@ -125,7 +125,7 @@ def split_stable(plant: Plant) -> StableSplit:
         return StableSplit(plant, plant, np.eye(0))
     own = balance(plant.A, plant.B, plant.C)
     A = own.A(plant.A)
-    poles, stable = stable_poles(A, plant.dt)
+    poles, stable = stable_poles(A, dt=plant.dt)
 
     def inside(re: float, im: float) -> bool:
         return bool(stable[np.argmin(np.abs(poles - complex(re, im)))])

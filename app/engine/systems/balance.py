@@ -153,7 +153,7 @@ def without_dust(M: np.ndarray, states: np.ndarray) -> np.ndarray:
     return np.where(size > CANCELLED * size.max(initial=0.0), M, 0.0)
 
 
-def stable_poles(A: np.ndarray, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+def stable_poles(A: np.ndarray, *, dt: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
     """eig(A) (n,) and which of them are stable by more than rounding can move them: Re s < 0, |z| < 1 where dt > 0."""
     poles, slack = poles_within(A)
     return poles, (np.abs(poles) < 1 - slack) if dt > 0 else (np.real(poles) < -slack)

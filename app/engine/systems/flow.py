@@ -40,7 +40,7 @@ class Flow:
             x = x + h / 6 * (k1 + 2 * (k2 + k3) + k4)
         return x
 
-    def expand(self, x: np.ndarray, u: np.ndarray, lead: int | None = None) -> tuple[np.ndarray, np.ndarray]:
+    def expand(self, x: np.ndarray, u: np.ndarray, *, lead: int | None = None) -> tuple[np.ndarray, np.ndarray]:
         """The states one step later (n, N) and ∂f/∂x (N, n, n): the exact derivative of the discrete map, not of the flow.
 
         Only the first `lead` columns are differentiated if that is given; u is then (m, N) or (m, 1) as ever.
@@ -95,7 +95,7 @@ class NonlinearPlant:
     def __post_init__(self) -> None:
         passed(self, n=count(), m=count(), p=count(), rhs=FUNCTION, slope=FUNCTION, output=FUNCTION, output_slope=FUNCTION, name=NAME)
 
-    def flow(self, step: float, parts: int = 1) -> Flow:
+    def flow(self, step: float, *, parts: int = 1) -> Flow:
         """The plant over one sampling step in s."""
         return Flow(self.rhs, step, parts, self.slope)
 

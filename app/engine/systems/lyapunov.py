@@ -15,7 +15,7 @@ UNEVEN = 1e-4  # deviations further apart than this, in balanced states, cost th
 LARGEST = 1e150  # a factor as large as this has variances that overflow
 
 
-def settled_covariance(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
+def settled_covariance(A: np.ndarray, G: np.ndarray, *, dt: float = 0.0) -> np.ndarray:
     """P (n×n) ⪰ 0 with A P + P Aᵀ + G Gᵀ = 0, or A P Aᵀ − P + G Gᵀ = 0 where dt > 0, for stable A n×n and G n×q."""
     R = settled_factor(A, G, dt)
     return R @ R.T

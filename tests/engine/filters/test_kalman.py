@@ -131,7 +131,7 @@ def test_a_schedule_serves_many_records():
 
 def test_discretisation_of_a_plant_is_exact_and_v_is_a_density():
     plant = Plant([[-2.0]], [[3.0]], [[1.0]])
-    filter_ = KalmanFilter.from_plant(plant, 5.0, 0.2, 0.1)
+    filter_ = KalmanFilter.from_plant(plant, 5.0, 0.2, dt=0.1)
     assert filter_.A.item() == pytest.approx(np.exp(-0.2), rel=1e-14)
     assert filter_.B.item() == pytest.approx(1.5 * (1 - np.exp(-0.2)), rel=1e-13)
     assert filter_.Q.item() == pytest.approx(9 * 5 * (1 - np.exp(-0.4)) / 4, rel=1e-12)  # w through B
@@ -140,7 +140,7 @@ def test_discretisation_of_a_plant_is_exact_and_v_is_a_density():
 
 def test_predicting_for_ever_gives_the_stationary_covariance_of_the_continuous_plant():
     A, G, W = np.array([[0.0, 1.0], [-9.0, -0.4]]), np.array([[0.0], [1.0]]), 2.0
-    filter_ = KalmanFilter.from_plant(Plant(A, G, [[1.0, 0.0]]), W, 1.0, 0.37, G)
+    filter_ = KalmanFilter.from_plant(Plant(A, G, [[1.0, 0.0]]), W, 1.0, dt=0.37, G=G)
     belief = Belief(np.zeros(2), np.zeros((2, 2)))
     for _ in range(400):
         belief = filter_.predict(belief)
@@ -152,13 +152,13 @@ def test_sampled_plant_is_taken_as_it_is():
     filter_ = KalmanFilter.from_plant(plant, 2.0, 3.0)
     assert (filter_.A.item(), filter_.Q.item(), filter_.R.item(), filter_.dt) == (0.9, 2.0, 3.0, 0.1)
     with pytest.raises(EngineError, match=r"every 0\.1 s"):
-        KalmanFilter.from_plant(plant, 2.0, 3.0, 0.2)
+        KalmanFilter.from_plant(plant, 2.0, 3.0, dt=0.2)
 
 
 def test_platform_filter_started_steady_is_the_steady_observer():
     """The recursive filter and the steady-state gain are one filter, to 1e-6 and better."""
     plant = platform.plant()
-    filter_ = KalmanFilter.from_plant(plant, 1e-12, 1e-12, 1e-3, plant.B[:, 3:])
+    filter_ = KalmanFilter.from_plant(plant, 1e-12, 1e-12, dt=1e-3, G=plant.B[:, 3:])
     steady = filter_.steady
     track = filter_.run(Belief(np.zeros(10), steady.solution),
                         1e-6 * np.random.default_rng(2).standard_normal((400, 4)))

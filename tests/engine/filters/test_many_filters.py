@@ -32,7 +32,7 @@ Q, R = np.diag([1e-5, 2e-5, 4e-4, 9e-4]), np.diag([4e-4, 9e-4])
 
 def pendulum():
     plant = cart_pendulum.nonlinear_plant(sensor="both")
-    flow = plant.flow(0.05, 2)
+    flow = plant.flow(0.05, parts=2)
     rng = np.random.default_rng(5)
     P0 = np.diag([0.1, 0.2, 0.1, 0.3])**2
     x0 = np.sqrt(P0) @ rng.standard_normal((4, RUNS))

@@ -49,7 +49,7 @@ def record(seed, steps, missing=None, fault=None):
 
 def residuals(seed, steps, **faults):
     y, u, x0, rng = record(seed, steps, **faults)
-    return BANK.run(y, u, BANK.start(x0, rng))[0]
+    return BANK.run(y, u, BANK.start(x0, rng=rng))[0]
 
 
 def test_every_residual_is_white_with_unit_covariance():

@@ -105,7 +105,7 @@ def test_tustin_and_hold_are_scipys() -> None:
 @pytest.mark.parametrize("told", ["commanded", "applied"])
 def test_the_recursive_controller_is_the_kalman_filter_with_feedback(told: str) -> None:
     """Its commands are −K x̂[k|k] of a filter run over the same readings and the inputs it was told."""
-    kf = KalmanFilter.from_plant(BELIEVED, W, V, DT, GROUND)
+    kf = KalmanFilter.from_plant(BELIEVED, W, V, dt=DT, G=GROUND)
     start = Belief(np.zeros(8), 1e-9 * np.eye(8))
     controller = recursive_controller(kf, 0.2 * K, start, 400, told=told)  # type: ignore[arg-type]
     loop = sampled_loop(PLANT, controller, range(3), W=W, V=V, hardware=Hardware(limit=0.02))

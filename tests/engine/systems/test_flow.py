@@ -32,7 +32,7 @@ def test_a_flow_converges_with_order_four_to_the_integrator_of_scipy(name):
     exact = np.stack([solve_ivp(lambda t, z, k=k: plant.rhs(z[:, None], u[:, k:k + 1])[:, 0], (0, step), x[:, k], method="DOP853",
                                 rtol=1e-13, atol=1e-15).y[:, -1] for k in range(x.shape[1])], axis=1)
     scale = np.abs(exact).max(axis=1, keepdims=True)
-    errors = [np.abs((plant.flow(step, parts)(x, u) - exact) / scale).max() for parts in (2, 4, 8, 40)]
+    errors = [np.abs((plant.flow(step, parts=parts)(x, u) - exact) / scale).max() for parts in (2, 4, 8, 40)]
     assert 11 < errors[0] / errors[1] < 24 and 11 < errors[1] / errors[2] < 24, errors  # 2⁴ = 16
     assert errors[3] < 2e-8
 
@@ -55,7 +55,7 @@ def test_slopes_by_hand_are_those_of_a_complex_step_and_of_finite_differences(na
 @every_plant
 def test_the_slope_of_a_flow_is_that_of_the_discrete_map(name):
     plant, step, x, u = case(name)
-    flow = plant.flow(step, 3)
+    flow = plant.flow(step, parts=3)
     later, Phi = flow.expand(x, u)
     np.testing.assert_allclose(later, flow(x, u), rtol=1e-15)
     by_step = slopes(flow, x, u)[1]
@@ -107,7 +107,7 @@ def test_the_pole_keeps_its_energy_without_friction():
         ball = v**2 + 2 * k.length * v * omega * np.cos(angle) + (k.length * omega)**2
         return k.cart * v**2 / 2 + k.ball * ball / 2 + k.ball * k.g * k.length * np.cos(angle)
 
-    x, flow = np.array([[0.0, 0.5, 0.3, 0.0]]).T, plant.flow(0.01, 2)
+    x, flow = np.array([[0.0, 0.5, 0.3, 0.0]]).T, plant.flow(0.01, parts=2)
     before = energy(x)
     for _ in range(300):
         x = flow(x, np.zeros((1, 1)))

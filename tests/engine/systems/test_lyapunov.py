@@ -12,7 +12,7 @@ def test_variances_that_do_not_settle_are_refused_and_never_infinite(dt: float) 
     """What rounding, or the caller, let through as stable."""
     A = np.diag([0.5, 1.1]) if dt else np.diag([-1.0, 0.5])
     with pytest.raises(EngineError, match="variances"):
-        settled_covariance(A, np.ones((2, 1)), dt)
+        settled_covariance(A, np.ones((2, 1)), dt=dt)
     stable = A - np.diag([0.0, 0.7])
-    np.testing.assert_allclose(np.diag(settled_covariance(stable, np.ones((2, 1)), dt)),
+    np.testing.assert_allclose(np.diag(settled_covariance(stable, np.ones((2, 1)), dt=dt)),
                                1 / (1 - np.diag(stable)**2) if dt else -0.5 / np.diag(stable), rtol=1e-13)
