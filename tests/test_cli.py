@@ -76,6 +76,7 @@ def test_a_saved_design_comes_back_and_set_comes_after_it(capsys, tmp_path: Path
     assert (record["knobs"]["delay"], record["knobs"]["u_max"], record["knobs"]["limited"]) == (18.0, 0.7, True)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_figure_and_csv_are_written(suffix: str, capsys, tmp_path: Path) -> None:
     figure, table = tmp_path / f"page.{suffix}", tmp_path / "data.csv"

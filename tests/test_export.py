@@ -68,6 +68,7 @@ def curves(axes):
 PAGES = [*(pytest.param((figure,), "en", id=figure.id) for figure in KINDS), pytest.param(KINDS, "zh", id="all-zh")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize(("figures", "language"), PAGES)
 def test_every_kind_becomes_every_file_with_the_same_bytes_each_time(figures, language, suffix, tmp_path: Path) -> None:

@@ -49,6 +49,7 @@ def test_the_form_of_a_lesson_survives_translation() -> None:
     assert accented("a `code` <b>x</b>") == "á `code` <b>x</b>" and doubled("[m]") == "[m] [m]" and doubled("3") == "3"
 
 
+@pytest.mark.slow
 def test_a_folder_is_a_language(locale: Path) -> None:
     """It names itself, every lesson opens in it, and every word that a lesson brings to the page is its own."""
     env = {**os.environ, "OBSERVER_LAB_LOCALE": str(locale), "PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'tests'}"}

@@ -77,6 +77,7 @@ def test_on_the_falling_body_the_extended_filter_is_overconfident_and_the_unscen
     assert 1.3 < study.nis[EKF].mean() < 4.5 and 0.9 < study.nis[UKF].mean() < 1.1
 
 
+@pytest.mark.slow
 def test_on_the_falling_body_most_ensembles_of_the_unscented_filter_lie_in_the_band():
     low, high = chi2_band(3, count=MANY, level=0.99)
     studies_ = [many(case=FALL, seed=seed) for seed in range(30)]

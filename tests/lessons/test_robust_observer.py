@@ -171,6 +171,7 @@ def test_the_mapped_N_is_the_engines():
         assert steering(np.array(s1), np.array(s2)) == pytest.approx(np.abs(o.N).max(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_rlo_raises_the_order_of_example_2_and_keeps_to_the_region():
     o = finished(LESSON.compute(SECOND))
     values = [float(row[3]) for row in table(o, "found")]

@@ -200,6 +200,7 @@ def observable(draw: st.DrawFn) -> Plant:
     return Plant(rng.standard_normal((n, n)), rng.standard_normal((n, m)), rng.standard_normal((p, n)))
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])
 @given(plant=observable())
 def test_any_observable_plant_gives_an_observer_or_one_sentence(plant: Plant) -> None:
@@ -219,6 +220,7 @@ def test_any_observable_plant_gives_an_observer_or_one_sentence(plant: Plant) ->
             assert problem.text("zh").endswith("。")
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])
 @given(plant=observable())
 def test_rlo_on_any_plant_is_no_worse_than_the_start_or_one_sentence(plant: Plant) -> None:

@@ -86,6 +86,7 @@ def test_told_the_applied_input_the_error_lives_by_itself_through_the_limit() ->
             assert (outcome.metrics["separation_meter"] < 1e-8) == alone
 
 
+@pytest.mark.slow
 def test_the_expected_nis_is_what_many_records_average() -> None:
     model = own_model(plant_of(example("pendulum")))
     for belief in (0.1, 1.0, 10.0):

@@ -133,6 +133,7 @@ def test_twice_the_limit_is_twice_the_map() -> None:
 
 
 # --- the map -------------------------------------------------------------------------------------------------------
+@pytest.mark.slow
 def test_interlaced_mirrored_map_is_the_map_of_plain_runs(told_truth: Outcome) -> None:
     starts = told_truth.study.starts
     coarse = np.arange(0, len(GRID), 4)
@@ -143,6 +144,7 @@ def test_interlaced_mirrored_map_is_the_map_of_plain_runs(told_truth: Outcome) -
     assert np.all((starts.values == HOPELESS).any(axis=0) == (np.abs(GRID) >= told_truth.metrics["ceiling"]))
 
 
+@pytest.mark.slow
 def test_numbers_in_the_text_are_those_of_the_maps(told_wish, told_truth, fast_observer) -> None:
     assert told_wish.metrics["map_home"] == pytest.approx(0.042, abs=0.003)
     assert told_truth.metrics["map_home"] == pytest.approx(0.280, abs=0.003)

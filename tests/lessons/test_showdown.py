@@ -177,6 +177,7 @@ def test_the_grid_catches_the_sharp_peaks() -> None:
     assert np.allclose(ours, exact, rtol=0.01)
 
 
+@pytest.mark.slow
 def test_the_job_measures_what_the_tables_show() -> None:
     assert LESSON.job is not None
     last = None

@@ -51,6 +51,7 @@ def test_the_two_states_cut_away_do_not_show():
     assert np.allclose(S[8], S[10], rtol=1e-3, atol=1e-6 * S[10].max())
 
 
+@pytest.mark.slow
 def test_a_converter_taken_for_white_colours_the_innovations_and_carried_it_does_not():
     """Welch by scipy as the judge of the colours."""
     for noise, least, most in (("taken", 1.25, 1.7), ("carried", 0.85, 1.15)):

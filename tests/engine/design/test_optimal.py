@@ -123,6 +123,7 @@ def test_darex(A, B, Q, R):
     assert np.all(np.abs(np.linalg.eigvals(A - B @ K)) < 1)
 
 
+@pytest.mark.slow
 def test_no_pencil_is_lost_to_a_failed_reordering():
     """QZ's reordering fails now and then on harmless pencils: a pole on a cart, sampled, with many beliefs about its noise."""
     A, G = np.zeros((4, 4)), np.array([[0.0], [0.0], [2.0], [-6.7]])

@@ -108,6 +108,7 @@ def test_duality_observer_gain_moves_the_poles_of_A_minus_LC(seed, n, p):
     np.testing.assert_allclose(placed.gain, place(A.T, C.T, poles).gain.T)
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 10_000), n=st.integers(2, 5), shift=st.floats(-3, 3))
 def test_with_one_input_the_gain_depends_on_neither_order_nor_coordinates_nor_shift(seed, n, shift):

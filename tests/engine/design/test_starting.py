@@ -30,6 +30,7 @@ def plant_of(seed: int, n: int, m: int, p: int, dt: float = 0.0) -> Plant:
 seeds, orders, few = st.integers(0, 100_000), st.integers(1, 10), st.integers(1, 3)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True, database=None)
 @given(seeds, orders, few, st.sampled_from([0.0, 0.1]))
 def test_the_start_stabilises_what_can_be_and_says_which_poles_it_gives(seed: int, n: int, m: int, dt: float) -> None:
@@ -42,6 +43,7 @@ def test_the_start_stabilises_what_can_be_and_says_which_poles_it_gives(seed: in
         assert np.all(np.abs(poles) < 1) if dt else np.all(poles.real < 0)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True, database=None)
 @given(seeds, st.integers(2, 8))
 def test_units_of_the_signals_do_not_move_the_poles(seed: int, n: int) -> None:
@@ -68,6 +70,7 @@ def test_what_no_input_reaches_keeps_its_poles_stable_or_not() -> None:
     assert not nothing.gain.any() and not nothing.moved.size and nothing.bolted == pytest.approx([-1, 2, 3])
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None, derandomize=True, database=None)
 @given(seeds, st.integers(2, 12), few)
 def test_moved_poles_move_and_the_others_stay(seed: int, n: int, m: int) -> None:
@@ -90,6 +93,7 @@ def test_moved_poles_move_and_the_others_stay(seed: int, n: int, m: int) -> None
         assert match_poles(after, reached)[1] < max(1e-5 * np.abs(reached).max(), 4 * last_bit, *nearest)
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None, derandomize=True, database=None)
 @given(seeds, st.integers(2, 5))
 def test_with_one_input_moving_all_poles_is_placing_them(seed: int, n: int) -> None:
@@ -124,6 +128,7 @@ def test_nothing_moved_is_the_gain_itself_and_a_bolted_pole_is_refused() -> None
         shift_poles(plant.A, plant.B, found.gain, found.moved, [-1.0])
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, derandomize=True, database=None)
 @given(seeds, st.integers(1, 8))
 def test_natural_units_keep_poles_and_ranks_and_forget_the_units_of_a_file(seed: int, n: int) -> None:

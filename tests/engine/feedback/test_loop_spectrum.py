@@ -31,6 +31,7 @@ def area(loop, rows, points: int = 40_000) -> np.ndarray:
     return weight @ loop.psd(f, rows)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.integers(0, 10_000))
 def test_the_area_under_the_density_is_the_lyapunov_variance(seed: int) -> None:
@@ -158,6 +159,7 @@ def test_parts_that_do_not_fit_are_refused_in_a_sentence() -> None:
 
 
 # --- LQG -------------------------------------------------------------------------------------------------------------
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None, derandomize=True)
 @given(st.integers(0, 10_000))
 def test_the_riccati_cost_is_the_lyapunov_cost_and_no_other_gain_is_cheaper(seed: int) -> None:

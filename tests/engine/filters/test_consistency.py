@@ -92,6 +92,7 @@ def test_a_constant_offset_is_flagged_as_bias_however_small_it_looks():
     assert (np.abs(test.scores[[1, 3]]) > 50).all() and (np.abs(test.scores[[0, 2]]) < 5).all()
 
 
+@pytest.mark.slow
 def test_tuned_filter_passes_as_often_as_the_level_says():
     passed = [innovation_test(*innovations(TRUE, seed, 700), lags=10, level=0.9).passed for seed in range(120)]
     assert 0.8 < np.mean(passed) < 0.98  # 0.9 ± 3 · 0.027

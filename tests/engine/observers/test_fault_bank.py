@@ -59,6 +59,7 @@ def test_every_residual_is_white_with_unit_covariance():
         assert np.allclose(np.cov(rho[:, i].T), np.eye(3), atol=0.04)
 
 
+@pytest.mark.slow
 def test_the_first_residual_is_already_as_the_last():
     """Errors drawn from the steady covariance: no transient, so that rates hold from the first window on."""
     first = np.stack([residuals(seed, 2)[0] for seed in range(2000)])

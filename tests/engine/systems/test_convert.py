@@ -203,6 +203,7 @@ def test_a_compressed_bomb_is_not_unpacked():
         tracemalloc.stop()
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), min_size=1, max_size=12), st.booleans())
 @settings(max_examples=200, deadline=None)
 def test_flipped_bytes_give_a_plant_or_a_sentence(flips, packed):
