@@ -12,7 +12,7 @@ from scipy.optimize import linear_sum_assignment
 from ..systems.arrays import frozen
 from ..systems.balance import UNLIKE, poles_within, state_scale
 from ..systems.errors import PoleError, ShapeError, phrase
-from ..systems.exact import exact_poles
+from ..systems.exact import MOST_STATES, exact_poles
 from ..systems.plant import as_matrix
 from ..systems.pole_sets import Poles, check_poles, match_poles, move_pole, pole_text, sorted_poles
 from .eigenstructure import controllable_split, input_factors, place_by_deflation
@@ -21,7 +21,6 @@ from .robust import place_robustly
 __all__ = ["Placement", "match_poles", "move_pole", "observer_gain", "place"]
 
 SAME_POLE = 1e-5  # a fixed pole counts as requested within this distance, relative to its size
-MOST_STATES = 30  # whose poles are told in whole numbers
 POOR_EIGENVECTORS = 1e9  # above this condition number deflation is tried as well
 
 

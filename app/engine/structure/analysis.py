@@ -7,12 +7,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..systems.arrays import frozen
-from ..systems.balance import stable_poles
+from ..systems.balance import poles_within, stable_poles, state_scale
 from ..systems.errors import EngineError
+from ..systems.exact import MOST_STATES, exact_poles
 from ..systems.plant import Plant
+from ..systems.pole_sets import match_poles
 from .decomposition import balanced_staircase
 
 __all__ = ["Controllability", "Mode", "Observability", "controllability", "observability"]
+
+
+SURE = 1e-9  # of the largest pole: what rounding may move another by before it is asked what A has in truth
 
 
 @dataclass(frozen=True)
@@ -118,12 +123,21 @@ def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple
     poles, stable = np.concatenate([p for p, _ in parts]), np.concatenate([s for _, s in parts])
     order = np.lexsort((np.imag(poles), np.real(poles)))
     size = max((float(np.linalg.norm(M, 2)) for M in (A, C) if M.size), default=0.0)
-    distances = _distances(A, C, poles)
+    distances = _distances(A, C, _sure(A, poles))
     return tuple(
         Mode(complex(poles[i]), float(distances[i] / size) if size else 0.0, float(distances[i]), bool(i < seen),
              bool(stable[i]))
         for i in order
     )
+
+
+def _sure(A: np.ndarray, poles: np.ndarray) -> np.ndarray:
+    """The poles at which distances are taken: where copies of a multiple one are scattered, those that A has in truth."""
+    scale = state_scale(A)
+    if not len(poles) or len(poles) > MOST_STATES or poles_within(A)[1].max() <= SURE * np.abs(poles).max():
+        return poles
+    own = exact_poles(A, np.zeros((len(A), 0)), np.zeros((0, len(A))), poles, scale).values
+    return own[match_poles(poles, own)[0]]
 
 
 def _powers(A: np.ndarray, C: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ from ..systems.errors import EngineError, phrase
 from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
 from .decomposition import in_new_states
+from .projected import added_by_rounding
 
 __all__ = ["Gramians", "StableSplit", "Truncation", "balanced_truncation", "gramians", "hankel_singular_values",
            "observability_gramian", "reachability_gramian", "split_stable"]
@@ -49,8 +50,8 @@ class StableSplit:
 class Truncation:
     """A reduced plant: x ≈ T z (n×r), z = left x (r×n), left T = I.
 
-    `hankel`: all Hankel values of the stable part, largest first. `error_bound` = 2 Σ of those cut away, an upper
-    bound of ‖G − G_r‖_∞. `kept`: how many unstable states were set aside first and kept untouched; they come
+    `hankel`: all Hankel values of the stable part, largest first. `error_bound` = 2 Σ of those cut away and what rounding
+    may add, an upper bound of ‖G − G_r‖_∞. `kept`: how many unstable states were set aside first and kept untouched; they come
     last in z and have no Hankel value.
     """
 
@@ -143,8 +144,9 @@ def _diagonal_part(plant: Plant, A: np.ndarray, right: np.ndarray, left: np.ndar
     return in_new_states(plant, A, left @ plant.B, plant.C @ right, D, label)
 
 
-def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Hankel values, and the r columns and rows of a balancing transformation of a stable plant."""
+def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
+    """Hankel values, the r columns and rows of a balancing transformation of a stable plant, and what rounding does to a Hankel
+    value."""
     Rc, Ro = _factors(plant)
     U, sigma, Vt = np.linalg.svd(Ro.T @ Rc)
     bound = 10 * plant.n * _EPS * (np.linalg.norm(Ro, 2) * np.linalg.norm(Rc, 2) if plant.n else 0.0)
@@ -153,7 +155,8 @@ def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
         raise EngineError("Only {real} stable states take part between u and y; ask for that many at most.",
                           real=real)
     root = np.sqrt(sigma[:order])
-    return sigma, Rc @ Vt[:order].T / root, (Ro @ U[:, :order] / root).T
+    dust = 10 * plant.n * _EPS * float(np.linalg.norm(np.abs(Ro).T @ np.abs(Rc)))
+    return sigma, Rc @ Vt[:order].T / root, (Ro @ U[:, :order] / root).T, dust
 
 
 def balanced_truncation(plant: Plant, order: int) -> Truncation:
@@ -174,14 +177,15 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     if order < kept:
         raise EngineError("{kept} unstable states must stay; ask for an order of at least {kept}.", kept=kept)
     r = int(order) - kept
-    sigma, right, left = _balance(split.stable, r)
+    sigma, right, left, dust = _balance(split.stable, r)
     k = split.stable.n
     scale = balance(plant.A, plant.B, plant.C).states
     inverse = np.linalg.inv(split.T / scale[:, None]) / scale
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
-    return Truncation(reduced, frozen(T), frozen(L), float(2 * sigma[r:].sum()), frozen(sigma), kept)
+    bound = float(2 * sigma[r:].sum()) + 2 * len(sigma[r:]) * dust + added_by_rounding(plant, reduced, T, L)
+    return Truncation(reduced, frozen(T), frozen(L), bound, frozen(sigma), kept)
 
 
 def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:
