@@ -186,7 +186,7 @@ def truncation(c: Case) -> Pairs:
     if real > cut.error_bound:
         return [(0.0, real, 0.0)]
     sizes = np.abs(c.plant.poles)
-    rounding = 1e5 * EPS * float(cut.hankel[0]) * float(np.linalg.norm(c.plant.A) / sizes.min())
+    rounding = 1e5 * EPS * (float(cut.hankel[0]) + EPS) * float(np.linalg.norm(c.plant.A) / sizes.min())
     return [(cut.error_bound, max(true, real), rounding)]
 
 
