@@ -185,8 +185,8 @@ def truncation(c: Case) -> Pairs:
     real = difference_on_grid(c.plant, cut.plant)
     if real > cut.error_bound:
         return [(0.0, real, 0.0)]
-    sizes = np.abs(c.plant.poles)
-    rounding = 1e5 * EPS * (float(cut.hankel[0]) + EPS) * float(np.linalg.norm(c.plant.A) / sizes.min())
+    slowest = float(np.abs(c.plant.poles).min())
+    rounding = 1e3 * EPS * float(np.linalg.norm(c.plant.B) * np.linalg.norm(c.plant.C) * np.linalg.norm(c.plant.A)) / slowest**2
     return [(cut.error_bound, max(true, real), rounding)]
 
 

@@ -155,7 +155,7 @@ def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
         raise EngineError("Only {real} stable states take part between u and y; ask for that many at most.",
                           real=real)
     root = np.sqrt(sigma[:order])
-    dust = 10 * plant.n * _EPS * float(np.linalg.norm(np.abs(Ro).T @ np.abs(Rc)))
+    dust = 40 * plant.n * _EPS * float(np.linalg.norm(np.abs(Ro).T @ np.abs(Rc)))
     return sigma, Rc @ Vt[:order].T / root, (Ro @ U[:, :order] / root).T, dust
 
 
