@@ -8,6 +8,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .code import code
+from .derive import derived
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
@@ -17,4 +18,5 @@ from .tasks import TASKS, exam
 LESSON = Lesson(
     "fault-diagnosis", 17, KNOBS, compute, figures, answer=2, answering="isolation", tasks=TASKS, exam=exam,
     source="Chen and Patton, Robust Model-Based Fault Diagnosis for Dynamic Systems (1999), chapter 3; platform report (003), section 3.1",
-    words=read_prose(Path(__file__).parent), aside=("force", "tone", "stiffer"), job=JOB, code=code)
+    words=read_prose(Path(__file__).parent), aside=("force", "tone", "stiffer"), job=JOB, code=code,
+    derived=derived)

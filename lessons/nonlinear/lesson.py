@@ -8,6 +8,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .code import code
+from .derive import derived
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
@@ -18,4 +19,5 @@ LESSON = Lesson(
     "nonlinear", 14, KNOBS, compute, figures, answer=2, answering="errors", tasks=TASKS, exam=exam,
     source="Platform report (003), chapter 4, Algorithms 1–3, and appendix B; Athans, Wishner and Bertolini (1968); Julier, Uhlmann and "
            "Durrant-Whyte (2000)",
-    words=read_prose(Path(__file__).parent), aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code)
+    words=read_prose(Path(__file__).parent), aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
+    derived=derived)

@@ -13,6 +13,7 @@ from app.plants.examples import example
 from app.plants.own import own_model, plant_of
 
 from ..toolkit.tasks import fair
+from .derive import derived
 from .figures import figures
 from .job import job_on
 from .knobs import knobs
@@ -31,7 +32,7 @@ def build(model: Model) -> Lesson:
         "sandbox", 19, knobs(model), partial(compute, model), partial(figures, model), answer=1, answering="lights",
         tasks=TASKS, exam=exam, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
         words=read_prose(Path(__file__).parent), aside=("sensor", "belief", "tolerance"), job=job_on(model),
-        adapt=adapted, universal=True)
+        adapt=adapted, universal=True, derived=partial(derived))
 
 
 LESSON = build(own_model(plant_of(example("aircraft"))))

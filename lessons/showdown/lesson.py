@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .derive import derived
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
@@ -17,4 +18,5 @@ LESSON = Lesson(
     "showdown", 13, KNOBS, compute, figures, answer=1, answering="suppression", tasks=TASKS, exam=exam,
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
     words=read_prose(Path(__file__).parent), aside=(
-        "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB)
+        "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,
+    derived=derived)

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 TOKEN = re.compile(r"\[\[(?P<place>\w+)\]\]|(?P<number>\d+(?:\.\d+)?)|(?P<word>\\[A-Za-z]+)|(?P<mark>[-+()^{}/])")
-SKIPPED = re.compile(r"\\[,;:! ]|\\left|\\right|\\bigl|\\bigr|\\Bigl|\\Bigr|\s")
+FUNCTIONS = {"\\sqrt": np.sqrt, "\\lg": np.log10, "\\exp": np.exp}
+SKIPPED = re.compile(r"\\[,;:! ]|\\left|\\right|\\bigl|\\bigr|\\Bigl|\\Bigr|\\mathrm\{(?:rad|dB|Hz)\}|\^\\circ|\s")
 
 
 class Unread(ValueError):
@@ -103,8 +104,8 @@ class Reader:
             return inner
         if word == "\\frac":
             return self._atom() / self._atom()
-        if word in ("\\sqrt", "\\ln", "\\exp", "\\cos"):
-            return {"\\sqrt": np.sqrt, "\\ln": np.log, "\\exp": np.exp, "\\cos": np.cos}[word](self._atom())
+        if word in FUNCTIONS:
+            return FUNCTIONS[word](self._atom())
         if word == "\\det":
             return np.linalg.det(self._atom())
         raise Unread(word)
