@@ -24,8 +24,8 @@ def code(outcome: Outcome[Study]) -> Code:
     shown = [Shown("hankel", s.hankel), Shown("eigvals(A)", outcome.poles["plant"], poles=True),
              Shown("eigvals(Ar)", outcome.poles["model"], poles=True), Shown("error", m["error"], max(m["error"], float(s.hankel[0]))),
              Shown("bound", m["bound"], float(s.hankel[0])), Shown("held", m["held"], 1.0), Shown("frequency", m["frequency"]),
-             Shown("growth", m["growth"], 1.0), Shown("K", outcome.gains["K"]), Shown("L", outcome.gains["L"])]
-    shown += [Shown(name, m[name], 1.0) for name in ("gap", "extra") if name in m]
+             Shown("growth", m["growth"], max(1.0, abs(m["growth"]))), Shown("K", outcome.gains["K"]), Shown("L", outcome.gains["L"])]
+    shown += [Shown(name, m[name], max(1.0, abs(m[name]))) for name in ("gap", "extra") if name in m]
     unsaid = "Forces by pair, and the closed forms"
     for name, values in (("rank_controllability", study.ranks.reached), ("rank_observability", study.ranks.seen)):
         edge = d["tolerance"] * (values[0] if d["measure"] == RELATIVE else 1.0)
