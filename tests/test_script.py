@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from app.cli.entry import main
+from app.export.matlab import function_name, matlab_script
 from app.export.script import ScriptError, parts_of, python_script
 from app.lesson.lesson import Design, Lesson
 from app.plants.examples import example
@@ -25,6 +27,7 @@ DESIGNS = (("noise", "", {}), ("separation", "", {**LATE, "stiffness_error": 10.
            ("sandbox", "pendulum", {"noisy": True, "limited": True}))
 
 
+UNWRITTEN = ("decoupling", "showdown")  # lessons without a script
 ONE_AFTER_ANOTHER = """
 import runpy, sys
 from matplotlib import pyplot as plt
@@ -76,6 +79,22 @@ def test_scripts_prove_themselves_in_a_clean_process_and_fail_where_a_number_is_
     assert len(said) == len(wanted) + 1 and said[-1].startswith("AssertionError")
 
 
+def test_matlab_files_are_whole_functions_and_prove_themselves_where_octave_is_found(tmp_path: Path) -> None:
+    wanted = [*DESIGNS, *((id, "", {}) for id, lesson in LESSONS.items() if lesson.code is None and id not in UNWRITTEN)]
+    for k, (id, plant, changes) in enumerate(wanted):
+        lesson, design = design_of(id, plant, changes)
+        text = matlab_script(lesson, lesson.compute(design), "1.x")
+        assert text.startswith(f"function {function_name(lesson)}(draw)\n") and "None" not in text and "nan" not in text
+        code = [line.split("%")[0].strip().rstrip(";") for line in text.splitlines()]
+        opened = sum(line.split(" ")[0].split("(")[0] in ("function", "if", "for", "while") for line in code)
+        assert opened == code.count("end") and text.count("(") == text.count(")") and text.count("[") == text.count("]")
+        (tmp_path / f"design_{k}.m").write_text(text, encoding="utf-8")
+    if octave := shutil.which("octave-cli"):
+        calls = "; ".join(f"design_{k}(false)" for k in range(len(wanted)))
+        done = subprocess.run([octave, "--quiet", "--no-init-file", "--eval", calls], cwd=tmp_path, capture_output=True, text=True)
+        assert done.stdout.count("agree to 1e-06") == len(wanted), done.stderr[-2000:]
+
+
 def test_a_lesson_whose_run_is_of_another_kind_says_so() -> None:
     lesson = LESSONS["separation"]
     with pytest.raises(ScriptError, match="no script is written"):
@@ -83,7 +102,7 @@ def test_a_lesson_whose_run_is_of_another_kind_says_so() -> None:
 
 
 def test_export_writes_code_a_notebook_and_data(capsys, tmp_path: Path) -> None:
-    for kind, suffix in (("python", "py"), ("notebook", "ipynb"), ("json", "json"), ("csv", "csv")):
+    for kind, suffix in (("matlab", "m"), ("python", "py"), ("notebook", "ipynb"), ("json", "json"), ("csv", "csv")):
         file = tmp_path / f"x.{suffix}"
         assert main(["export", "noise", "--to", kind, "--set", "seed=5", "-o", str(file)]) == 0
         assert capsys.readouterr().out.strip() == str(file)

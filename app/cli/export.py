@@ -7,8 +7,9 @@ import argparse
 from .options import PLANT_HELP, STATE_HELP, CommandError
 
 HELP = "a design as a script that proves itself, as data or as figures"
-SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("json", ".json"), ("csv", ".csv"), ("pdf", ".pdf"), ("svg", ".svg"),
-            ("png", ".png"))
+SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("matlab", ".m"), ("json", ".json"), ("csv", ".csv"), ("pdf", ".pdf"),
+            ("svg", ".svg"), ("png", ".png"))
+CODE = ("python", "notebook", "matlab")
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,6 +28,7 @@ def execute(options: argparse.Namespace) -> int:
     """Compute the design and write the file; prints its name."""
     from ..engine import EngineError
     from ..export.data import json_text, save_csv
+    from ..export.matlab import function_name, matlab_script
     from ..export.script import ScriptError, notebook, python_script
     from ..tab.state import Saved
     from ..tab.token import write_token
@@ -36,11 +38,12 @@ def execute(options: argparse.Namespace) -> int:
     origin = find_lesson(options.lesson)
     design = design_of(origin, options.plant, options.state, options.changes)
     lesson, token = fitted(origin, design.plant), write_token(origin, Saved(design))
-    name = options.output or f"{origin.id}{dict(SUFFIXES)[options.to]}"
+    called = function_name(origin) if options.to == "matlab" else origin.id
+    name = options.output or f"{called}{dict(SUFFIXES)[options.to]}"
     try:
         outcome = outcome_of(lesson, design, options.final)
-        if options.to in ("python", "notebook"):
-            code = (python_script if options.to == "python" else notebook)(lesson, outcome, token)
+        if options.to in CODE:
+            code = {"python": python_script, "notebook": notebook, "matlab": matlab_script}[options.to](lesson, outcome, token)
             write(name, lambda path: save_words(code, path))
         elif options.to == "json":
             write(name, lambda path: save_words(json_text(design, outcome, token), path))

@@ -17,7 +17,7 @@ from ..lesson.lesson import Lesson, Outcome
 from .literals import array_text, complex_text, part_text
 from .told import told_parts
 
-__all__ = ["ScriptError", "notebook", "parts_of", "python_script"]
+__all__ = ["AGREED", "INSTANTS", "ScriptError", "eigenvalues_of", "notebook", "parts_of", "placed_gain", "python_script", "same_poles"]
 
 INSTANTS = 6  # moments of the run that are asserted
 AGREED = 1e-6  # of the largest number: how near the script comes
@@ -108,7 +108,7 @@ def _gain(name: str, gain: np.ndarray, A: np.ndarray, B: np.ndarray, called: str
         yield f"{name} = np.zeros({gain.shape})  # nothing is fed back by {called} here"
         return
     poles = np.linalg.eigvals(A - B @ plain)
-    placed = _placed(A, B, poles) if B.shape[1] == 1 else None
+    placed = placed_gain(A, B, poles) if B.shape[1] == 1 else None
     if placed is not None and np.allclose(placed, plain, rtol=1e-8, atol=1e-9 * np.abs(plain).max()):
         yield f"# One {'output' if dual else 'input'}: the poles of {matrix} make {name} unique (Ackermann)."
         yield f"{name.lower()}_poles = {complex_text(poles)}"
@@ -116,13 +116,14 @@ def _gain(name: str, gain: np.ndarray, A: np.ndarray, B: np.ndarray, called: str
             ".T" if dual else "")
         yield array_text(f"{name}_on_the_page", gain)
         yield f"assert agree({name}, {name}_on_the_page), '{name}'"
+        yield f"{name} = {name}_on_the_page  # these digits from here on: a run that grows would magnify the last of them"
         return
     yield (f"# {name} stands as the page found it: many gains reach the same poles, or poles alone do not say it exactly enough; its "
            "poles are asserted below.")
     yield array_text(name, gain)
 
 
-def _placed(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray | None:
+def placed_gain(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray | None:
     """Ackermann's gain, computed as python-control does; None where it fails."""
     n = len(A)
     reach = np.hstack([np.linalg.matrix_power(A, k) @ B for k in range(n)])
@@ -170,10 +171,10 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
         yield f"largest = {float(np.abs(values).max())!r}"
         yield f"assert agree({name}[at], {name}_on_the_page, largest), '{name}'"
         yield f"assert agree(np.abs({name}).max(), largest), 'the largest of {name}'"
-    known = dict(_eigenvalues(s))
+    known = dict(eigenvalues_of(s))
     for name, poles in outcome.poles.items():
         poles = np.asarray(poles)
-        match = next((key for key, found in known.items() if len(found) == len(poles) and len(poles) and _same(found, poles)), None)
+        match = next((key for key, found in known.items() if len(found) == len(poles) and len(poles) and same_poles(found, poles)), None)
         if match is None:
             yield f"# The poles that the page calls '{name}' do not belong to this run's matrices; they are not computed here."
         else:
@@ -182,7 +183,8 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
     yield f"print('Observer Lab: the {len(at)} moments of the run, its largest values, gains and poles agree to {AGREED:g}.')"
 
 
-def _eigenvalues(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
+def eigenvalues_of(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
+    """What the page may call poles, by name: the eigenvalues of a scenario's matrices."""
     A, model, K, L = s.plant.A, s.model, s.K, s.L
     loop = np.block([[A, -s.plant.B @ K], [L @ s.plant.C, model.A - L @ model.C - (model.B - L @ model.D + L @ s.plant.D) @ K]])
     yield "A - B K", np.linalg.eigvals(model.A - model.B @ K)
@@ -193,7 +195,7 @@ def _eigenvalues(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
     yield "the believed A", np.linalg.eigvals(model.A)
 
 
-def _same(found: np.ndarray, poles: np.ndarray) -> bool:
+def same_poles(found: np.ndarray, poles: np.ndarray) -> bool:
     """Whether two sets have one polynomial, as the script's own `same_poles` compares them."""
     scale = max(1.0, float(np.abs(poles).max()))
     return bool(np.abs(np.poly(found / scale) - np.poly(poles / scale)).max() <= 0.1 * AGREED)

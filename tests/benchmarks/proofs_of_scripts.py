@@ -1,6 +1,7 @@
 """By hand: every lesson's exported code at its default and at random designs, each run in a process that knows nothing of us.
 
-`python tests/benchmarks/proofs_of_scripts.py [--designs N] [--plants] [LESSON …]` prints a line a lesson and the sum.
+`python tests/benchmarks/proofs_of_scripts.py [--designs N] [--plants] [--to matlab] [LESSON …]` prints a line
+a lesson and the sum. MATLAB's files run in Octave.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from app.engine import EngineError
+from app.export.matlab import matlab_script
 from app.export.script import ScriptError, python_script
 from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
 from app.lesson.lesson import Design, Lesson
@@ -64,24 +66,39 @@ def designs(lesson: Lesson, count: int) -> Iterator[Design]:
             continue
 
 
-def scripts(lesson: Lesson, count: int) -> Iterator[tuple[Design, str]]:
+OCTAVE = """
+for k = 0:{last}
+    name = sprintf('script_%d', k);
+    try
+        feval(name, false);
+        printf('RIGHT %s\\n', name);
+    catch problem
+        printf('WRONG %s %s\\n', name, strrep(problem.message, sprintf('\\n'), ' '));
+    end
+end
+"""
+
+
+def scripts(lesson: Lesson, count: int, language: str) -> Iterator[tuple[Design, str]]:
     """Every design that can be computed, with its script."""
     for design in designs(lesson, count):
         try:
             outcome = lesson.compute(design)
         except (EngineError, KnobError):
             continue
-        yield design, python_script(lesson, outcome, "1.x")
+        yield design, (python_script if language == "python" else matlab_script)(lesson, outcome, "1.x")
 
 
-def judged(texts: list[str], folder: Path) -> list[str]:
+def judged(texts: list[str], folder: Path, language: str) -> list[str]:
     """What a clean process says of each script."""
-    names = []
-    for k, text in enumerate(texts):
-        (folder / f"script_{k}.py").write_text(text, encoding="utf-8")
-        names.append(f"script_{k}.py")
+    suffix = ".py" if language == "python" else ".m"
+    names = [f"script_{k}{suffix}" for k in range(len(texts))]
+    for name, text in zip(names, texts, strict=True):
+        (folder / name).write_text(text, encoding="utf-8")
     env = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"MPLBACKEND": "agg"}
-    done = subprocess.run([sys.executable, "-I", "-c", RUNNER, *names], cwd=folder, env=env, capture_output=True, text=True)
+    command = ([sys.executable, "-I", "-c", RUNNER, *names] if language == "python" else
+               ["octave-cli", "--quiet", "--no-init-file", "--eval", OCTAVE.replace("{last}", str(len(names) - 1))])
+    done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True)
     said = [line for line in done.stdout.splitlines() if line.startswith(("RIGHT", "WRONG"))]
     return said if len(said) == len(names) else [*said, f"WRONG {done.stderr[-500:]}"]
 
@@ -103,19 +120,20 @@ def main() -> int:
     parser.add_argument("lessons", nargs="*")
     parser.add_argument("--designs", type=int, default=3)
     parser.add_argument("--plants", action="store_true", help="the example plants too")
+    parser.add_argument("--to", default="python", choices=("python", "matlab"))
     parser.add_argument("--keep", help="a folder for the scripts")
     options = parser.parse_args()
     right = wrong = 0
     for name, lesson in lessons(options.lessons, options.plants):
         started = time.perf_counter()
         try:
-            all_of = list(scripts(lesson, options.designs))
+            all_of = list(scripts(lesson, options.designs, options.to))
         except ScriptError as problem:
             print(f"{name:24} {problem}")
             continue
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(options.keep or scratch)
-            found = judged([text for _, text in all_of], folder)
+            found = judged([text for _, text in all_of], folder, options.to)
         bad = [(line, design) for line, (design, _) in zip(found, all_of, strict=False) if not line.startswith("RIGHT")]
         right, wrong = right + len(found) - len(bad), wrong + len(bad)
         print(f"{name:24} {len(found) - len(bad)} of {len(found)} prove themselves, {time.perf_counter() - started:.1f} s", flush=True)
