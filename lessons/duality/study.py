@@ -11,7 +11,7 @@ from scipy.linalg import expm, schur
 
 from app.engine import EngineError, Plant, Scenario, lqe, lqr, observer_gain, place, simulate
 from app.engine.structure import reachability_gramian
-from app.engine.systems import sorted_poles, symmetric
+from app.engine.systems import sorted_poles, state_scale, symmetric
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import LOST, Board, Check, Design, Formula, Outcome
 from app.plants import Model, Window
@@ -225,14 +225,19 @@ def observer_by_polynomial(A: np.ndarray, C: np.ndarray, poles: Sequence[complex
 def filter_riccati(A: np.ndarray, C: np.ndarray, W: np.ndarray, V: np.ndarray) -> np.ndarray:
     """P (n×n) of AP + PAᵀ − PCᵀV⁻¹CP + W = 0 from the filter's own Hamiltonian [−Aᵀ CᵀV⁻¹C; W A].
 
-    The Hamiltonian's unstable invariant subspace is spanned by [I; P]. A n×n, C p×n, W n×n ⪰ 0, V p×p > 0.
+    The Hamiltonian's unstable invariant subspace is spanned by [I; P], in balanced states. A n×n, C p×n, W n×n ⪰ 0, V p×p > 0.
+    Raises EngineError where rounding leaves no such subspace.
     Source: Laub, "A Schur method for solving algebraic Riccati equations" (1979), written for the filter.
     """
-    n = len(A)
-    hamiltonian = np.block([[-A.T, C.T @ np.linalg.solve(V, C)], [W, A]])
-    basis = schur(hamiltonian, output="real", sort="rhp")[1][:, :n]
-    P = np.linalg.solve(basis[:n].T, basis[n:].T).T
-    return symmetric(P)
+    n, scale = len(A), state_scale(A, None, C)
+    A, C, W = A * scale / scale[:, None], C * scale, W / scale / scale[:, None]
+    try:
+        basis = schur(np.block([[-A.T, C.T @ np.linalg.solve(V, C)], [W, A]]), output="real", sort="rhp")[1][:, :n]
+        P = np.linalg.solve(basis[:n].T, basis[n:].T).T
+    except np.linalg.LinAlgError:
+        raise EngineError("The Riccati equation is too ill-conditioned to be solved; bring the weights or the units of the "
+                          "states closer.") from None
+    return scale[:, None] * symmetric(P) * scale
 
 
 def output_energy(A: np.ndarray, C: np.ndarray, horizon: float) -> np.ndarray:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from all_plants import random_plant, wrong_on
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from laws import holds_for_all
@@ -96,6 +97,12 @@ def test_a_run_lost_within_its_first_step_is_said_in_a_sentence() -> None:
 @given(plant=plants())
 def test_any_plant_gives_a_finite_picture_or_one_sentence(lesson: Lesson, plant: str) -> None:
     opens(lesson, plant)
+
+
+@adaptable
+def test_no_figure_contradicts_another(lesson: Lesson) -> None:
+    """Two plants of those that the script runs through by the hundred."""
+    assert {wrong_on(lesson, random_plant((2, k), sampled=k == 1)) for k in range(2)} <= {"", "refused"}
 
 
 @settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])

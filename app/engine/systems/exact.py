@@ -17,7 +17,7 @@ from .whole import fixed, number, product, whole
 __all__ = ["MOST_STATES", "ExactRoots", "exact_poles", "exact_roots"]
 
 SPARE, EACH_STATE, EACH_COPY = 192, 6, 64  # bits kept beyond what the sizes of the roots take
-SMALLEST = 2.0**-60  # a root that is smaller beside the matrix asks for no more bits
+SMALLEST = 2.0**-250  # a root that is smaller beside the matrix asks for no more bits
 SWEEPS = 80
 MOST_STATES = 30  # of which it does not take long
 STEP, SHARE, NOTHING = 2.0**-55, 1e-3, 2.0**-70  # of a root; of its distance from where it was sought; of a root again
