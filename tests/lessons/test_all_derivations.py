@@ -15,25 +15,22 @@ from put_in import Reader, sides
 
 from app.lesson.derivation import Derived, derived_step, put_in
 from app.lesson.lesson import Lesson, Outcome
+from app.plants.examples import example
 from app.text import languages
 from app.view.prose import mathml
 from lessons import LESSONS
 
 MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step with its why, in English and in Chinese
-LACKING: set[str] = set()  # shrinks with every lesson that gets one
-HAVE = [pytest.param(lesson, id=name) for name, lesson in LESSONS.items() if name not in LACKING]
-every_derivation = pytest.mark.parametrize("lesson", HAVE)
 RANDOM = 6  # designs of a lesson tried here; `python tests/lessons/test_all_derivations.py` tries two hundred
 CLOSE = 1e-6  # relative to the largest number in the line
 
 
 @every_lesson
-def test_a_lesson_has_a_derivation_of_three_steps_or_is_named_as_lacking_one(lesson: Lesson) -> None:
-    steps = lesson.words["en"].derivation
-    assert (not steps) if lesson.id in LACKING else len(steps) >= 3
+def test_a_lesson_has_a_derivation_of_three_steps(lesson: Lesson) -> None:
+    assert len(lesson.words["en"].derivation) >= 3
 
 
-@every_derivation
+@every_lesson
 def test_steps_are_whole_short_and_drawn(lesson: Lesson) -> None:
     for language in languages():
         for step in lesson.words[language].derivation:
@@ -49,7 +46,7 @@ def test_steps_are_whole_short_and_drawn(lesson: Lesson) -> None:
                 assert len(re.sub(r"\s", "", without_math(said))) <= MOST_CHARACTERS and CJK.search(step.heading), step.heading
 
 
-@every_derivation
+@every_lesson
 def test_both_languages_derive_the_same(lesson: Lesson) -> None:
     en, zh = (lesson.words[language].derivation for language in languages())
     assert [(s.equation, s.now) for s in en] == [(s.equation, s.now) for s in zh]
@@ -68,7 +65,7 @@ def broken(lesson: Lesson, outcome: Outcome) -> Iterator[str]:
                 yield f"{step.heading}: {equation}: {found}"
 
 
-@every_derivation
+@every_lesson
 def test_the_numbers_put_in_obey_their_equations_at_the_start_and_at_random_knobs(lesson: Lesson) -> None:
     start = lesson.compute(lesson.start())
     values = lesson.derived(start)
@@ -81,7 +78,18 @@ def test_the_numbers_put_in_obey_their_equations_at_the_start_and_at_random_knob
     assert not [line for outcome in outcomes if outcome is not None for line in broken(lesson, outcome)]
 
 
-@every_derivation
+OWN = [pytest.param(LESSONS[id], name, id=f"{id}-{name}") for id in ("error-dynamics", "separation", "sandbox")
+       for name in ("aircraft", "motor")]
+
+
+@pytest.mark.parametrize("lesson, name", OWN)
+def test_numbers_of_a_persons_own_plant_obey_the_equations_too(lesson: Lesson, name: str) -> None:
+    own = lesson.fit(example(name))
+    outcome = own.compute(own.start())
+    assert own.derived(outcome) and not list(broken(own, outcome))
+
+
+@every_lesson
 def test_every_number_has_its_place(lesson: Lesson) -> None:
     places = {name for step in lesson.words["en"].derivation for name in step.places}
     assert set(lesson.derived(lesson.compute(lesson.start()))) == places
@@ -113,7 +121,7 @@ def test_the_oracle_reads_the_arithmetic(latex: str, value: object) -> None:
 
 if __name__ == "__main__":
     import sys
-    for name in sys.argv[1:] or [p.id for p in HAVE]:
+    for name in sys.argv[1:] or LESSONS:
         lesson, tried = LESSONS[name], 0
         for found in map(lambda design, lesson=lesson: outcome_of(lesson, design), random_designs(lesson, 200)):
             tried += found is not None
