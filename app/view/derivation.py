@@ -55,4 +55,4 @@ class Derivation:
 
 
 def _drawn(equation: str) -> str:
-    return '<div class="ol-formula ol-derived">' + "".join(mathml(line, True) for line in equation.split("\n")) + "</div>"
+    return '<div class="ol-formula ol-derived">' + "".join(f"<div>{mathml(line, True)}</div>" for line in equation.split("\n")) + "</div>"

@@ -25,7 +25,8 @@ def derived(here: Setting, outcome: Outcome[Study]) -> Mapping[str, Value]:
     if run is None or outcome.design["method"] == PRINTED:
         return {}
     F = plant.A - L @ plant.C
-    known: dict[str, Value] = {"A": plant.A, "C": plant.C, "L": L, "F": F, "x0": run.x[:1].T, "xhat0": run.xhat[:1].T, "e0": run.e[:1].T}
+    known: dict[str, Value] = {
+        "A": plant.A, "C": plant.C, "L": L, "LC": L @ plant.C, "F": F, "x0": run.x[:1].T, "xhat0": run.xhat[:1].T, "e0": run.e[:1].T}
     index = round(PART * here.horizon / here.dt)
     if not run.scenario.impulses and index < len(run.t):
         time = float(run.t[index])

@@ -11,7 +11,7 @@ from app.lesson.lesson import Outcome
 
 from .bank import DT, MODEL, SIGMA, guard
 from .diagnosis import ENERGY
-from .study import Study, hourly, unknown_coil
+from .study import Study, hourly
 
 MICRO = 1e6  # mm²/s² in a m²/s²
 SENSORS = 4  # members that leave one out and read the others as they are
@@ -24,11 +24,10 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     S, R = MICRO * float(guard().bank.members[column].S[0, 0]), MICRO * SIGMA**2
     N, coil = s.test.window, s.case.coil or 0
     Cb = MODEL.plant.C @ MODEL.plant.B[:, [coil]]
-    H = unknown_coil(coil).H
     known: dict[str, Value] = {
         "count": float(N if s.test.statistic == ENERGY else 1), "dof": float(s.test.dof), "alpha": s.test.rate, "N": float(N), "dt": DT,
-        "hourly": hourly(s), "needed": s.test.needed, "least": float(s.test.needed / N) ** 0.5, "Cb": Cb, "inverse": np.linalg.pinv(Cb),
-        "one": 1.0}
+        "hourly": hourly(s), "needed": s.test.needed, "least": float(s.test.needed / N) ** 0.5,
+        "inner": float((Cb.T @ Cb)[0, 0]), "size": float(np.linalg.norm(Cb)), "one": 1.0}
     if column < SENSORS:
         known |= {"S": S, "R": R, "CPC": S - R}
-    return known if H is not None else {k: v for k, v in known.items() if k not in ("Cb", "inverse", "one")}
+    return known

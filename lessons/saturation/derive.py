@@ -17,8 +17,8 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """The force asked for and given at t = 0, traces, and the unstable mode with its angle beyond which nothing helps."""
     design, K, L = outcome.design, outcome.gains["K"], outcome.gains["L"]
     A, B, C, limit = PLANT.A, PLANT.B, PLANT.C, design["u_max"]
-    xhat0 = np.array(start_state(design["angle0"], design["error0"])[1])[:, None]
-    asked = float(-(K @ xhat0)[0, 0])
+    xhat0 = np.array(start_state(design["angle0"], design["error0"])[1])
+    asked = float(-(K @ xhat0)[0])
     given = float(np.clip(asked, -limit, limit))
     told = given if design["fed"] == APPLIED else asked
     values, vectors = np.linalg.eig(A.T)
@@ -27,8 +27,10 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     rate, qB, alone = float(values[unstable].real), float((q @ B)[0, 0]), A - B @ K - L @ C
     highest = ceiling(PLANT, limit)
     return {
-        "K": K, "xhat0": xhat0, "asked": asked, "given": given, "missing": given - asked, "told": told, "leak": given - told,
+        "K_theta": float(K[0, ANGLE]), "theta": float(xhat0[ANGLE]), "asked": asked,
+        "given": given, "missing": given - asked, "told": told, "leak": given - told,
         "trace_o": float(np.trace(A - L @ C)), "trace_BK": float(np.trace(B @ K)), "trace_c": float(np.trace(alone)),
-        "windup": float(max(np.linalg.eigvals(alone).real)), "qA": float((q @ A)[0, ANGLE]), "rate": rate, "q": q, "B": B, "qB": qB,
+        "windup": float(max(np.linalg.eigvals(alone).real)), "qA": float((q @ A)[0, ANGLE]), "rate": rate,
+        "qB": qB, "q3": float(q[0, 2]), "q4": float(q[0, 3]), "B3": float(B[2, 0]), "B4": float(B[3, 0]),
         "size": abs(qB), "u_max": limit, "ceiling_rad": float(np.radians(highest)), "degrees": float(np.degrees(1.0)),
         "per_newton": highest / limit}

@@ -21,7 +21,7 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     poles = np.asarray(design["observer_poles"])
     full = observer_gain(A, belief.C, design["observer_poles"]).gain
     return {
-        "A": A, "C": belief.C, "L": L, "F": F, "trace": float(np.trace(A)), "det": float(np.linalg.det(A)),
+        "A": A, "LC": L @ belief.C, "F": F, "trace": float(np.trace(A)), "det": float(np.linalg.det(A)),
         "slow": float(max(belief.poles.real)), "a11": float(A[0, 0]), "a12": float(A[0, 1]), "a21": float(A[1, 0]), "a22": float(A[1, 1]),
         "l1": float(L[0, 0]), "l2": float(L[1, 0]), "c1": float(-np.trace(F)), "c0": float(np.linalg.det(F)),
         "sum": float(poles.sum().real), "product": float(poles.prod().real), "full1": float(full[0, 0]), "full2": float(full[1, 0])}
