@@ -15,8 +15,9 @@ from ..engine.simulation import Run, Scenario
 from ..engine.simulation.disturbance import disturbances
 from ..engine.simulation.simulate import loop_of
 from ..lesson.lesson import Lesson, Outcome
+from .gains import directions_of, placed_gain
 from .literals import part_text
-from .script import AGREED, INSTANTS, ScriptError, eigenvalues_of, placed_gain, same_poles
+from .script import AGREED, INSTANTS, ScriptError, eigenvalues_of, same_poles
 
 __all__ = ["function_name", "matlab_script"]
 
@@ -93,8 +94,16 @@ def _gains(s: Scenario) -> Iterator[str]:
             yield _array("page", gain if name == "K" else gain.T)
             yield f"agree('{name}', {name}, page, max(abs(page(:))));"
             yield f"{name} = page;  % the page's digits from here on: a run that grows would magnify the last of them"
+        elif (directions := directions_of(A, B, gain) if np.any(gain) else None) is not None:
+            yield f"% Several {'inputs' if name == 'K' else 'outputs'}: beside each pole a direction g is free, here the page's."
+            yield f"{name} = from_directions({'Am, Bm' if name == 'K' else chr(39).join(('Am', ', Cm', ''))}, ..."
+            yield f"    {_complex(directions[0])}, ..."
+            yield "    [" + "; ...\n     ".join(_complex(row)[1:-1] for row in directions[1]) + f"]){back};"
+            yield _array("page", gain if name == "K" else gain.T)
+            yield f"agree('{name}', {name}, page, max(abs(page(:))));"
+            yield f"{name} = page;  % the page's digits from here on: a run that grows would magnify the last of them"
         else:
-            note = "as the page found it: poles alone do not make it unique" if np.any(gain) else "nothing is fed back"
+            note = "as the page found it: poles and directions do not say it exactly enough" if np.any(gain) else "nothing is fed back"
             yield _array(name, gain if name == "K" else gain.T, note)
 
 

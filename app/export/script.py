@@ -14,10 +14,11 @@ import numpy as np
 
 from ..engine.simulation import Run, Scenario
 from ..lesson.lesson import Lesson, Outcome
+from .gains import gain_lines
 from .literals import array_text, complex_text, part_text
 from .told import told_parts
 
-__all__ = ["AGREED", "INSTANTS", "ScriptError", "eigenvalues_of", "notebook", "parts_of", "placed_gain", "python_script", "same_poles"]
+__all__ = ["AGREED", "INSTANTS", "ScriptError", "eigenvalues_of", "notebook", "parts_of", "python_script", "same_poles"]
 
 INSTANTS = 6  # moments of the run that are asserted
 AGREED = 1e-6  # of the largest number: how near the script comes
@@ -93,45 +94,11 @@ def _plant(s: Scenario) -> Iterator[str]:
 
 def _gains(s: Scenario, outcome: Outcome) -> Iterator[str]:
     model = s.model
-    yield from _gain("K", s.K, model.A, model.B, "K", "A - B K")
-    yield from _gain("L", s.L, model.A.T, model.C.T, "L", "A - L C")
+    yield from gain_lines("K", s.K, model.A, model.B, "A - B K")
+    yield from gain_lines("L", s.L, model.A.T, model.C.T, "A - L C")
     others = [name for name, gain in outcome.gains.items() if name not in ("K", "L")]
     if others:
         yield f"# The lesson also shows {', '.join(others)}; the run does not need them, and they are not computed here."
-
-
-def _gain(name: str, gain: np.ndarray, A: np.ndarray, B: np.ndarray, called: str, matrix: str) -> Iterator[str]:
-    """A gain from its poles where they make it unique, else as a number."""
-    dual = name == "L"
-    plain = gain.T if dual else gain
-    if not np.any(gain):
-        yield f"{name} = np.zeros({gain.shape})  # nothing is fed back by {called} here"
-        return
-    poles = np.linalg.eigvals(A - B @ plain)
-    placed = placed_gain(A, B, poles) if B.shape[1] == 1 else None
-    if placed is not None and np.allclose(placed, plain, rtol=1e-8, atol=1e-9 * np.abs(plain).max()):
-        yield f"# One {'output' if dual else 'input'}: the poles of {matrix} make {name} unique (Ackermann)."
-        yield f"{name.lower()}_poles = {complex_text(poles)}"
-        yield f"{name} = np.asarray(control.acker({'Am.T, Cm.T' if dual else 'Am, Bm'}, {name.lower()}_poles)).reshape({plain.shape})" + (
-            ".T" if dual else "")
-        yield array_text(f"{name}_on_the_page", gain)
-        yield f"assert agree({name}, {name}_on_the_page), '{name}'"
-        yield f"{name} = {name}_on_the_page  # these digits from here on: a run that grows would magnify the last of them"
-        return
-    yield (f"# {name} stands as the page found it: many gains reach the same poles, or poles alone do not say it exactly enough; its "
-           "poles are asserted below.")
-    yield array_text(name, gain)
-
-
-def placed_gain(A: np.ndarray, B: np.ndarray, poles: np.ndarray) -> np.ndarray | None:
-    """Ackermann's gain, computed as python-control does; None where it fails."""
-    n = len(A)
-    reach = np.hstack([np.linalg.matrix_power(A, k) @ B for k in range(n)])
-    try:
-        value = sum(c * np.linalg.matrix_power(A, n - k) for k, c in enumerate(np.real(np.poly(poles))))
-        return np.linalg.solve(reach, value)[-1:, :]
-    except np.linalg.LinAlgError:
-        return None
 
 
 def _given(s: Scenario, run: Run) -> Iterator[str]:

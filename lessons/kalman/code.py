@@ -16,12 +16,8 @@ from .study import SKIP, Study
 UNSAID = "Means over many records, and the two updates in poor arithmetic"
 
 
-def code(outcome: Outcome[Study] | Outcome[OwnStudy]) -> Code:
-    """The records of a design that its script starts from and finds again."""
-    return _own(outcome) if isinstance(outcome.study, OwnStudy) else _deck(outcome)
-
-
-def _deck(outcome: Outcome[Study]) -> Code:
+def code(outcome: Outcome[Study]) -> Code:
+    """The records of a design on the deck that its script starts from and finds again."""
     d, m, study, kf = outcome.design, outcome.metrics, outcome.study, tuned()
     real = truth(int(d["seed"]), d["noise"] != WHITE, d["force"], d["kick"])
     a, each = ADC.relaxations
@@ -43,7 +39,8 @@ def _deck(outcome: Outcome[Study]) -> Code:
     ), UNSAID)
 
 
-def _own(outcome: Outcome[OwnStudy]) -> Code:
+def own_code(outcome: Outcome[OwnStudy]) -> Code:
+    """The same on a person's own plant."""
     d, m, found = outcome.design, outcome.metrics, outcome.study.found
     s = found.run.scenario
     at = round(s.impulses[0][0] / s.dt) if s.impulses else -1

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
+from app.plants.model import Model
 
-from .code import code
+from .code import code, own_code
 from .derive import derived
 from .figures import all_figures
 from .job import JOB
@@ -16,8 +18,14 @@ from .own import adapted
 from .study import compute
 from .tasks import TASKS, exam
 
+
+def _adapted(lesson: Lesson, model: Model) -> Lesson:
+    """The lesson on a person's own plant, with its script."""
+    return replace(adapted(lesson, model), code=own_code)
+
+
 LESSON = Lesson(
     "kalman", 9, KNOBS, compute, all_figures, answer=2, answering="nees", tasks=TASKS, exam=exam,
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
-    words=read_prose(Path(__file__).parent), aside=("force", "arithmetic", "line"), job=JOB, adapt=adapted, code=code,
+    words=read_prose(Path(__file__).parent), aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
     derived=derived)

@@ -29,7 +29,7 @@ def code(outcome: Outcome[Study]) -> Code:
                  ("eigvals(A - B @ K)", "regulator"), ("eigvals(A - L @ C)", "filter"), ("eigvals(loop)", "loop"))),
              *(Shown(name, m[name]) for name in FOUND if name in m and name not in left_out),
              Shown("x", z.x), Shown("xhat", z.xhat), Shown("u", z.u)]
-    if study.density is not None and fine:
+    if study.density is not None and study.variance is not None and fine:
         shown += [Shown("density", study.density), Shown("variance", study.variance)]
         if study.suppression is not None:
             shown += [Shown("suppression", study.suppression, 1.0), Shown("low", study.low, 1.0)]

@@ -59,7 +59,7 @@ def _plant(o: FunctionalObserver, dA: np.ndarray, dC: np.ndarray) -> tuple[Given
 
 def _weights(d: Design, poles: np.ndarray) -> tuple[Given, ...]:
     heads = np.asarray([p for p in poles if p.imag >= 0])
-    return (Given("pole_re", heads.real, "the observer's poles, of a pair the one with Im > 0"), Given("pole_im", heads.imag),
+    return (Given("pole_re", np.real(heads), "the observer's poles, of a pair the one with Im > 0"), Given("pole_im", np.imag(heads)),
             Given("alpha", d["alpha"]), Given("beta", d["beta"]), Given("gamma", d["gamma"]), Given("norm", str(d["norm"])))
 
 
