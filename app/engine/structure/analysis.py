@@ -17,7 +17,7 @@ from .decomposition import balanced_staircase
 __all__ = ["Controllability", "Mode", "Observability", "controllability", "observability"]
 
 
-SURE = 1e-9  # of the largest pole: what rounding may move another by before it is asked what A has in truth
+SURE = 1e-12  # of the largest pole: what rounding may move another by before it is asked what A has in truth
 
 
 @dataclass(frozen=True)
@@ -132,11 +132,10 @@ def _modes(A: np.ndarray, C: np.ndarray, dt: float, rtol: float | None) -> tuple
 
 
 def _sure(A: np.ndarray, poles: np.ndarray) -> np.ndarray:
-    """The poles at which distances are taken: where copies of a multiple one are scattered, those that A has in truth."""
-    scale = state_scale(A)
-    if not len(poles) or len(poles) > MOST_STATES or poles_within(A)[1].max() <= SURE * np.abs(poles).max():
-        return poles
-    own = exact_poles(A, np.zeros((len(A), 0)), np.zeros((0, len(A))), poles, scale).values
+    """The poles at which distances are taken: those of A itself, in truth where copies of a multiple one are scattered."""
+    own, slack = poles_within(A)
+    if len(own) <= MOST_STATES and slack.max(initial=0.0) > SURE * np.abs(own).max(initial=0.0):
+        own = exact_poles(A, np.zeros((len(A), 0)), np.zeros((0, len(A))), own, state_scale(A)).values
     return own[match_poles(poles, own)[0]]
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.linalg import expm, schur, solve_sylvester
 
 from ..systems.arrays import frozen, symmetric
-from ..systems.balance import balance, stable_poles, state_scale
+from ..systems.balance import balance, poles_within, stable_poles, state_scale
 from ..systems.errors import EngineError, phrase
 from ..systems.lyapunov import settled_factor
 from ..systems.plant import Plant
@@ -184,8 +184,17 @@ def balanced_truncation(plant: Plant, order: int) -> Truncation:
     T = np.hstack([split.T[:, :k] @ right, split.T[:, k:]])
     L = np.vstack([left @ inverse[:k], inverse[k:]])
     reduced = _part(plant, T, L, plant.D, f"cut to {int(order)}")
-    bound = float(2 * sigma[r:].sum()) + 2 * len(sigma[r:]) * dust + added_by_rounding(plant, reduced, T, L)
+    bound = float(2 * sigma[r:].sum()) * (1 + _unsure(split.stable)) + 2 * len(sigma[r:]) * dust + added_by_rounding(plant, reduced, T, L)
     return Truncation(reduced, frozen(T), frozen(L), bound, frozen(sigma), kept)
+
+
+def _unsure(stable: Plant) -> float:
+    """The share by which rounding of A may change Gramians: how far it moves a pole, beside that pole's way to the edge."""
+    if not stable.n:
+        return 0.0
+    poles, slack = poles_within(stable.A)
+    away = 1 - np.abs(poles) if stable.dt > 0 else -np.real(poles)
+    return min(1.0, float((slack / np.maximum(away, 1e-300)).max()))
 
 
 def _accumulate(E: np.ndarray, Q: np.ndarray, steps: int) -> np.ndarray:
