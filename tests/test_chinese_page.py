@@ -21,7 +21,8 @@ from lessons import LESSONS
 WORD = re.compile(r"(?<![A-Za-z\\_])[A-Za-z]{3,}")
 FORMULA = re.compile(r"\$+[^$]*\$+|`[^`]*`|\{\w+\}|\\[A-Za-z]+|<[^>]*>|[A-Za-z]+\([^)]*\)")  # mathematics, code, places for numbers
 CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "side", "knob", "also", "name", "symbol", "default", "when",
-                   "value", "parts", "source", "plant"})  # fields of plain text that no page shows
+                   "value", "parts", "source", "plant",  # fields of plain text that no page shows
+                   "equation", "now"})  # and mathematics
 # What Chinese control literature writes in Latin letters: units, functions, people, methods.
 KNOWN = frozenset(WORD.findall("""
     mrad rad kHz dB min max log eig rank det diag cos sin exp cov vec tr

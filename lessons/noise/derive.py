@@ -16,7 +16,7 @@ from .study import Study
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """Gain, variance and slope of a plant with one state, as fast against its Kalman filter as the block's observer is."""
-    W, V, a = outcome.design["w"], outcome.design["v"], float(PLANT.poles.real.mean())
+    W, V, a = outcome.design["w"], outcome.design["v"], float(np.real(PLANT.poles).mean())
     rho = outcome.metrics["speed"] / outcome.metrics["kalman_speed"]
     least = float(solve_continuous_are([[a]], [[1.0]], [[W]], [[V]])[0, 0])
     best = least / V

@@ -27,9 +27,9 @@ def derived(outcome: Outcome[Story]) -> Mapping[str, Value]:
         "J_A": sizes(wrong.alpha, o.T, wrong.A), "J_L": sizes(wrong.beta, o.L, wrong.C), "J_M": sizes(wrong.gamma, o.M, wrong.C),
         "J": o.J}
     values, vectors = np.linalg.eig(o.F.T)
-    real = np.flatnonzero(np.abs(values.imag) < REAL)
+    real = np.flatnonzero(np.abs(np.imag(values)) < REAL)
     if len(real):
-        s, row = float(values[real[0]].real), vectors[:, real[0]].real[None]
+        s, row = float(np.real(values[real[0]])), np.real(vectors[:, real[0]])[None]
         t, lower = row @ o.T, row @ o.L
         H = _adjugate_row(A, C, s)
         top = int(np.argmax(np.abs(H)))

@@ -22,7 +22,7 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     given = float(np.clip(asked, -limit, limit))
     told = given if design["fed"] == APPLIED else asked
     values, vectors = np.linalg.eig(A.T)
-    unstable = int(np.argmax(values.real))
+    unstable = int(np.argmax(np.real(values)))
     q = np.real(vectors[:, unstable] / vectors[ANGLE, unstable])[None]
     rate, qB, alone = float(values[unstable].real), float((q @ B)[0, 0]), A - B @ K - L @ C
     highest = ceiling(PLANT, limit)

@@ -22,6 +22,7 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     full = observer_gain(A, belief.C, design["observer_poles"]).gain
     return {
         "A": A, "LC": L @ belief.C, "F": F, "trace": float(np.trace(A)), "det": float(np.linalg.det(A)),
-        "slow": float(max(belief.poles.real)), "a11": float(A[0, 0]), "a12": float(A[0, 1]), "a21": float(A[1, 0]), "a22": float(A[1, 1]),
+        "slow": float(np.real(belief.poles).max()), "a11": float(A[0, 0]), "a12": float(A[0, 1]), "a21": float(A[1, 0]),
+        "a22": float(A[1, 1]),
         "l1": float(L[0, 0]), "l2": float(L[1, 0]), "c1": float(-np.trace(F)), "c0": float(np.linalg.det(F)),
         "sum": float(poles.sum().real), "product": float(poles.prod().real), "full1": float(full[0, 0]), "full2": float(full[1, 0])}

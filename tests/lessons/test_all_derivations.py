@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -114,7 +115,7 @@ def test_numbers_stand_in_their_places_or_the_line_is_not_there(values: dict, li
 
 @each("latex, value", [(r"-[[a]]\,([[b]] - 1)^2", -8.0), (r"\frac{[[a]]}{4}+\sqrt{[[c]]}", 3.5), (r"\det([[M]])\cdot[[a]]", -4.0),
                        (r"[[M]]^{\mathsf{\top}}[[v]]", [[2.0], [4.0]]), ("[[M]]^{-1}[[v]]", [[-1.0], [1.0]]), ("[[a]]/[[c]]", 2 / 9)])
-def test_the_oracle_reads_the_arithmetic(latex: str, value: object) -> None:
+def test_the_oracle_reads_the_arithmetic(latex: str, value: Any) -> None:
     values = {"a": 2.0, "b": 3.0, "c": 9.0, "M": np.array([[0.0, 1.0], [2.0, 3.0]]), "v": np.array([[1.0], [1.0]])}
     assert np.allclose(Reader(latex, values).value(), value)
 
