@@ -27,7 +27,7 @@ DESIGNS = (("noise", "", {}), ("separation", "", {**LATE, "stiffness_error": 10.
            ("sandbox", "pendulum", {"noisy": True, "limited": True}))
 
 
-UNWRITTEN = ("decoupling", "showdown")  # lessons without a script
+UNWRITTEN = ("showdown",)  # lessons without a script
 ONE_AFTER_ANOTHER = """
 import runpy, sys
 from matplotlib import pyplot as plt

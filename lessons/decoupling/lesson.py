@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .code import code
 from .derive import derived
 from .figures import figures, pick
 from .knobs import KNOBS
@@ -16,4 +17,4 @@ from .tasks import TASKS, exam
 LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="spectrum-rotation", tasks=TASKS, exam=exam,
                 source="Platform report (003), chapter 2: equations (2)–(38), figures 3–6; section 5.3.3",
                 words=read_prose(Path(__file__).parent), aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
-    derived=derived)
+    derived=derived, code=code)
