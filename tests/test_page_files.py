@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.view import page
+from app.view.manners import ONCE
 from app.view.quirks import page_of_our_own
 from app.view.style import sheet
 
@@ -27,11 +28,10 @@ def calls() -> dict[str, set[str]]:
     out: dict[str, set[str]] = {}
     for file in VIEW.glob("*.py"):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("_run", "page.call"):
-                names = [a.value for a in node.args if isinstance(a, ast.Constant)]
-                if names:
-                    out.setdefault(names[0], set()).update(k.arg for k in node.keywords if k.arg)
-    return out
+            if isinstance(node, ast.Call) and ast.unparse(node.func) in ("run", "quirks.run", "page.call"):
+                for name in [a.value for a in node.args if isinstance(a, ast.Constant)]:
+                    out.setdefault(name, set()).update(k.arg for k in node.keywords if k.arg)
+    return out | {name: set() for name in ONCE}
 
 
 def test_every_script_is_called_with_just_what_it_takes() -> None:

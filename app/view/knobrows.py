@@ -11,7 +11,7 @@ from ..lesson.knobs import Knob, Poles
 from ..tab.commands import DrawByHand, Edit, RunJob, SetKnobs
 from ..tab.picture import Picture
 from . import phrases
-from .knobs import Widget, make_widget
+from .knobs import NumberWidget, Widget, make_widget
 
 Post = Callable[[Edit], int]
 
@@ -38,6 +38,12 @@ class KnobRows:
                 with self._more:
                     self._add_all(self._aside, True)
         self._make_poles()
+
+    @property
+    def fields(self) -> dict[str, dict[str, object]]:
+        """The number fields beside sliders, for `fields.js`: by the name of the slider whether it moves in decades, its unit …"""
+        return {key: told for _, widget in self._widgets.values() if isinstance(widget, NumberWidget)
+                for key, told in widget.field.items()}
 
     def _add_all(self, knobs: list[Knob], aside: bool) -> None:
         heading = None

@@ -12,7 +12,7 @@ from ..engine.systems import move_pole
 from ..lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
 from ..tab.picture import Picture
 from ..text import raised
-from . import phrases
+from . import quirks
 from .readback import ReadBack
 
 Post = Callable[[str, Any], int]  # knob name, value → number of the edit
@@ -30,12 +30,6 @@ def label_of(knob: Knob, language: str) -> str:
     return knob.label(language) + (f" [{knob.unit}]" if knob.unit else "")
 
 
-def slider_label(knob: Number, value: float, language: str) -> str:
-    """What stands beside a slider; one that moves in decades says its value, for the slider shows the logarithm."""
-    name = label_of(knob, language)
-    return phrases.DECADES.format(name=name, value=in_tens(value))(language) if knob.scale == "log" else name
-
-
 def in_tens(value: float) -> str:
     """A positive number that may be far from 1: 0.02, 350, 5·10⁻¹⁵."""
     if 1e-3 <= value < 1e4:
@@ -45,21 +39,27 @@ def in_tens(value: float) -> str:
     return ("" if mantissa == "1" else f"{mantissa}·") + "10" + raised(int(exponent))
 
 
-def ends(knob: Number) -> tuple[tuple[float, str], ...] | None:
-    """What stands under the ends of a slider that moves in decades: the values there, not their logarithms."""
-    return tuple((round(math.log10(v), 3), in_tens(v)) for v in (knob.low, knob.high)) if knob.scale == "log" else None
+def decades(knob: Number) -> tuple[float | tuple[float, str], ...] | None:
+    """The marks of a slider that moves in decades: one at every power of ten, and what its ends are, not their logarithms."""
+    if knob.scale != "log":
+        return None
+    low, high = (round(math.log10(v), 3) for v in (knob.low, knob.high))
+    inside = [float(power) for power in range(math.ceil(low), math.floor(high) + 1) if low < power < high]
+    return (low, in_tens(knob.low)), *inside, (high, in_tens(knob.high))
 
 
 class NumberWidget:
-    """A slider with its number field; logarithmic knobs move in decades and show their value in the label."""
+    """A slider with its number field; one that moves in decades holds the logarithm, its field shows the value (`fields.js`)."""
 
     def __init__(self, gui: viser.GuiApi, knob: Number, language: str, post: Post) -> None:
-        self._knob, self._language = knob, language
+        self._knob = knob
         self._log = knob.scale == "log"
         low, high = self._to(knob.low), self._to(knob.high)
         step = 1.0 if knob.scale == "integer" else knob.step or 10 ** math.floor(math.log10((high - low) / 100))
-        self._handle = gui.add_slider(self._label(knob.default), low, high, float(step), self._to(knob.default),
-                                      hint=knob.hint(language) or None, marks=ends(knob))
+        label = label_of(knob, language)
+        self._handle = gui.add_slider(label, low, high, float(step), self._to(knob.default),
+                                      hint=knob.hint(language) or None, marks=decades(knob))
+        self.field = {quirks.id_of(self._handle): {"log": self._log, "unit": knob.unit, "step": float(step), "name": label}}
         self._back = ReadBack(self._handle, lambda value: post(knob.name, self._from(value)))
 
     def _to(self, value: float) -> float:
@@ -68,16 +68,10 @@ class NumberWidget:
     def _from(self, value: float) -> float:
         return 10.0 ** value if self._log else value
 
-    def _label(self, value: float) -> str:
-        return slider_label(self._knob, value, self._language)
-
     def show(self, value: Any, visible: bool, picture: Picture) -> None:
         if self._handle.visible != visible:
             self._handle.visible = visible
         self._back.show(self._to(value), picture)
-        words = self._label(value)
-        if self._log and self._handle.label != words:
-            self._handle.label = words
 
 
 class ChoiceWidget:

@@ -7,14 +7,24 @@ import viser
 from . import quirks
 from .grips import FAINT, GRIPS
 
+ONCE = (
+    # Draw each answer of the server in one frame; where frames come slowly, with fewer pixels while things move. viser takes
+    # moves up inside a frame and hands half of them to React, whose changes then cost a second frame: here they are taken up
+    # as they arrive. It covers the whole view with a background image even when there is none: here it does not. On a slow
+    # machine it lowers the resolution to three quarters and after seconds, and goes on drawing for a quarter of a second after
+    # every change: here the moving scene has 0.6 of its pixels each way, and is drawn once more, sharp, when it rests.
+    "frames",
+    "folders",  # let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone
+    "keys",  # keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands
+    "options",  # let a button of our own HTML, with mathematics in it, answer for a widget
+    "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could
+    "parts",  # let a phone show one part of the lesson at a time
+    "floor",  # keep the camera from turning or sliding under the floor, from where nothing can be seen
+)
+
 
 def teach(client: viser.ClientHandle) -> None:
     """Run every script that a page keeps until it is closed."""
-    quirks.frugal_frames(client)
-    quirks.folders_by_key(client)
-    quirks.one_meaning_per_key(client)
-    quirks.sentences_to_press(client)
-    quirks.values_under_the_pointer(client)
-    quirks.one_part_at_a_time(client)
-    quirks.stay_above_the_floor(client)
+    for name in ONCE:
+        quirks.run(client, name)
     quirks.pulse_once(client, GRIPS, FAINT)

@@ -59,6 +59,11 @@ class Panel:
         self._make_tasks(picture)
         self._make_exam(picture)
 
+    @property
+    def fields(self) -> dict[str, dict[str, object]]:
+        """The number fields beside the knobs' sliders."""
+        return self._rows.fields
+
     # --- building --------------------------------------------------------------------------------------------------
     def _head(self, picture: Picture) -> None:
         gui, lang = self._gui, self._lang

@@ -37,7 +37,7 @@ def page_of_our_own(language: str) -> str:
     Until a lesson stands it shows our name in `language`, or in the one that the tab spoke before, instead of viser's form
     for an address; while the server does not answer, a sentence stands above what was last shown.
 
-    Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead (`frugal_frames`).
+    Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead (`manners`).
     """
     theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
@@ -173,84 +173,42 @@ def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused
 
 def name_page(client: viser.ClientHandle, title: str, language: str) -> None:
     """What the browser's own tab is called, and the language that a screen reader and the next loading screen speak."""
-    _run(client, "name", title=title, language=web_code(language), kept=SPOKEN)
+    run(client, "name", title=title, language=web_code(language), kept=SPOKEN)
 
 
 def say_in(client: viser.ClientHandle, language: str) -> None:
     """Let viser's own words, which it knows in English alone, stand in the language on its page."""
-    _run(client, "words", words={words("en"): words(language) for words in phrases.OF_VISER})
+    run(client, "words", words={words("en"): words(language) for words in phrases.OF_VISER})
 
 
-def _run(client: viser.ClientHandle, name: str, **given: object) -> None:
-    """Run a script of ours in one browser: only for the calls below, for which viser has none."""
+def run(client: viser.ClientHandle, name: str, **given: object) -> None:
+    """Run a script of ours in one browser: only for what viser has no call for."""
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=page.call(name, **given)))
-
-
-def frugal_frames(client: viser.ClientHandle) -> None:
-    """Draw each answer of the server in one frame; where frames come slowly, with fewer pixels while things move.
-
-    viser takes moves up inside a frame and hands half of them to React, whose changes then cost a second frame: here
-    they are taken up as they arrive. It covers the whole view with a background image even when there is none: here it
-    does not. On a slow machine it lowers the resolution to three quarters and after seconds, and goes on drawing for a
-    quarter of a second after every change: here the moving scene has 0.6 of its pixels each way, and is drawn once more,
-    sharp, when it rests.
-    """
-    _run(client, "frames")
-
-
-def one_meaning_per_key(client: viser.ClientHandle) -> None:
-    """Keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands."""
-    _run(client, "keys")
-
-
-def sentences_to_press(client: viser.ClientHandle) -> None:
-    """Let a button of our own HTML, with mathematics in it, answer for a widget."""
-    _run(client, "options")
-
-
-def stay_above_the_floor(client: viser.ClientHandle) -> None:
-    """Keep the camera from turning or sliding under the floor, from where nothing can be seen."""
-    _run(client, "floor")
 
 
 def flat_colour(client: viser.ClientHandle, name: str, colour: str) -> None:
     """Show a node in its colour as it is (#RRGGBB), neither lit nor toned down: viser has no such material."""
-    _run(client, "flat", node=name, colour=colour)
+    run(client, "flat", node=name, colour=colour)
 
 
 def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
     """Bring a panel's tab to the front, as its Enter key does, and in it a figure into view; viser has no call for it."""
-    _run(client, "tab", title=title, figure=figure)
-
-
-def values_under_the_pointer(client: viser.ClientHandle) -> None:
-    """Say what the curves of a chart are where the pointer is; viser hands no function to its charts that could."""
-    _run(client, "reading")
+    run(client, "tab", title=title, figure=figure)
 
 
 def pulse_once(client: viser.ClientHandle, ending: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
     """Let the nodes whose name ends so swell in colour when a pointer first comes over the stage: they can be dragged."""
-    _run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)
+    run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)
 
 
 def ask_whether_seen(client: viser.ClientHandle, widget: Any) -> None:
     """Let the page say to a widget whether somebody sees it and lets things move: 1 now or once it is shown, 0 when hidden."""
-    _run(client, "watched", widget=id_of(widget))
-
-
-def one_part_at_a_time(client: viser.ClientHandle) -> None:
-    """Let a phone show one part of the lesson at a time."""
-    _run(client, "parts")
+    run(client, "watched", widget=id_of(widget))
 
 
 def tell_the_window(client: viser.ClientHandle, widget: viser.GuiVector3Handle) -> None:
     """Have a widget told how large the window is and whether its owner likes the dark, now and at every change."""
-    _run(client, "window", widget=id_of(widget))
-
-
-def folders_by_key(client: viser.ClientHandle) -> None:
-    """Let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone."""
-    _run(client, "folders")
+    run(client, "window", widget=id_of(widget))
 
 
 def id_of(widget: Any) -> str:
@@ -269,7 +227,7 @@ def write(widget: Any, value: Any) -> None:
 
 def write_tab_storage(client: viser.ClientHandle, text: str) -> None:
     """Keep a text in the browser's sessionStorage: it belongs to one tab and survives a reload."""
-    _run(client, "remember", key=STORAGE, text=text)
+    run(client, "remember", key=STORAGE, text=text)
 
 
 def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int) -> None:
@@ -277,12 +235,12 @@ def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int
 
     `asked` is the number of the last state that was opened from there: the answer to an older one is passed over.
     """
-    _run(client, "shown", token=token, lesson=lesson, asked=asked)
+    run(client, "shown", token=token, lesson=lesson, asked=asked)
 
 
 def tell_places(client: viser.ClientHandle, widget: Any, tabs: Sequence[str], steps: Sequence[str], tab: str | None) -> None:
     """Let a widget hear what is opened by hand, from the address bar and among tabs and folders, and open a tab."""
-    _run(client, "places", widget=id_of(widget), tabs=tabs, steps=steps, tab=tab)
+    run(client, "places", widget=id_of(widget), tabs=tabs, steps=steps, tab=tab)
 
 
 def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None, str, bool, str], object]) -> None:
@@ -296,5 +254,5 @@ def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None, s
             answer(*kept(message.value))
 
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
-    _run(client, "recall", key=STORAGE, request=request)
+    run(client, "recall", key=STORAGE, request=request)
     client.flush()

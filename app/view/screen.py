@@ -71,6 +71,7 @@ class Screen:
             gui.set_panel_label("Observer Lab")
             self._style = gui.add_html(sheet(picture.state.lecture, picture.state.predicted is None), order=-1e9)
             self._panel = Panel(gui, picture, self._post)
+            quirks.run(self._client, "fields", fields=self._panel.fields)
             self._right_panel(picture)
             self._transport = Transport(gui, picture, self._post, sizes.run)
             self._mark = Mark(gui, self._post)

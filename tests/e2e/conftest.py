@@ -15,7 +15,7 @@ from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Page, sync_playwright
 from tab import FLAGS, Tab
 
 ROOT = Path(__file__).parents[2]
@@ -85,6 +85,14 @@ def browser() -> Iterator[Browser]:
         opened = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
         yield opened
         opened.close()
+
+
+@pytest.fixture(scope="module")
+def blank(browser: Browser) -> Iterator[Page]:
+    """A page without the app: what is asked here is asked of the browser alone."""
+    page = browser.new_page()
+    yield page
+    page.close()
 
 
 @pytest.fixture

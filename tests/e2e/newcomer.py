@@ -26,7 +26,7 @@ from tab import FLAGS, Tab  # type: ignore[import-not-found]
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
 from app.lesson.living import apart
-from app.view.knobs import slider_label
+from app.view.knobs import label_of
 from lessons import LESSONS
 
 WANTED = 20.0  # px
@@ -70,7 +70,7 @@ def drag_something(tab: Tab, lesson: Lesson) -> str:
         what, (x, y) = f"a pole of {board.id}", on_screen(tab, f"/board/{board.id}/pole0")
     else:
         knob = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()))
-        thumb = tab.thumb(slider_label(knob, knob.default, "en"))
+        thumb = tab.thumb(label_of(knob, "en"))
         thumb.scroll_into_view_if_needed()
         box = thumb.bounding_box()
         assert box is not None

@@ -209,8 +209,8 @@ class Tab:
         return self.row(label).get_by_role("slider")
 
     def value(self, label: str) -> float:
-        """What a slider's number field shows."""
-        return float(self.row(label).locator("input").last.input_value())
+        """What a slider's number field shows, as the page itself reads it."""
+        return float(self.page.evaluate("words => observerLabFields.read(words, '')", self.row(label).locator("input").last.input_value()))
 
     def slide(self, label: str, key: str = "ArrowRight", times: int = 3) -> None:
         """Move a slider by keys."""
@@ -218,8 +218,10 @@ class Tab:
         self.key(key, times)
 
     def type_number(self, label: str, words: str) -> None:
-        """Type into a slider's number field, without leaving it."""
-        self.row(label).locator("input").last.fill(words)
+        """Type into a slider's number field, and Enter."""
+        field = self.row(label).locator("input").last
+        field.fill(words)
+        field.press("Enter")
         self.answered(rests=True)
 
     def picture(self, path: Any) -> None:

@@ -10,7 +10,7 @@ from tab import Tab, eventually
 
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
-from app.view.knobs import slider_label
+from app.view.knobs import label_of
 from lessons import LESSONS
 
 GLYPHS = """() => {
@@ -44,12 +44,23 @@ def move_a_slider(tab: Tab, lesson: Lesson) -> None:
     start, before, moved = lesson.start(), tab.shown(), []
     for knob in lesson.knobs:
         if isinstance(knob, Number) and lesson.shown(knob, start):
-            tab.slide(slider_label(knob, start[knob.name], "en"), "ArrowLeft" if start[knob.name] >= knob.high else "ArrowRight", 4)
+            tab.slide(label_of(knob, "en"), "ArrowLeft" if start[knob.name] >= knob.high else "ArrowRight", 4)
             moved.append(knob.name)
             tab.answered(rests=True)
             if tab.shown() != before:
                 return
     eventually(tab.shown, lambda shown: shown != before, f"a figure follows one of the sliders {moved}")
+
+
+def fields_that_say_something_else(tab: Tab, lesson: Lesson) -> list[str]:
+    """Knobs in sight whose number field does not hold their value, whatever their slider moves in."""
+    start, wrong = lesson.start(), []
+    for knob in lesson.knobs:
+        if isinstance(knob, Number) and not knob.hidden and knob.name not in lesson.aside and lesson.shown(knob, start):
+            seen = tab.value(label_of(knob, "en"))
+            if seen != pytest.approx(start[knob.name], rel=5e-3, abs=1e-9):
+                wrong.append(f"{knob.name}: {seen} for {start[knob.name]}")
+    return wrong
 
 
 def look_at(tab: Tab, lesson: Lesson, language: str, path: Path) -> None:
@@ -76,6 +87,7 @@ def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, walking: Tab, art
         return tab.notices()
     assert "prediction" in eventually(refused, bool, "a sentence that says why nothing plays")
     assert tab.clock() == 0.0
+    assert fields_that_say_something_else(tab, lesson) == []
     move_a_slider(tab, lesson)
     tab.predict("B")
     eventually(lambda: veil(tab), lambda style: style == "none", "the veil is lifted")

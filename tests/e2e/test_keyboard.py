@@ -27,7 +27,7 @@ IN_ROW = """label => {
   if (held?.tagName !== 'INPUT') return false;
   const rows = Array.from(document.querySelectorAll('.mantine-Flex-root')).filter(row => row.contains(held));
   return rows.some(row => Array.from(row.querySelectorAll('label')).some(l => l.textContent === label)
-    && row.querySelectorAll('label').length === 1 && row.querySelectorAll('input').length <= 2);
+    && row.querySelectorAll('label').length === 1 && row.querySelectorAll('input').length <= 3);
 }"""
 OPTION = "letter => document.activeElement?.matches?.('button.ol-option') && document.activeElement.dataset.value === letter"
 EXPANDED = "() => document.activeElement?.getAttribute('aria-expanded')"
@@ -104,7 +104,7 @@ def enter(tab: Tab, label: str, words: str) -> None:
             if tab.page.evaluate(field, label):
                 tab.page.keyboard.press("Control+a")
                 tab.page.keyboard.type(words)
-                tab.answered(rests=True)
+                tab.key("Enter")
                 return
     raise AssertionError(f"the field of {label} is not reached")
 

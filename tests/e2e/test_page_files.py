@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-import pytest
 from laws import each
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Page
 
 from app.view import page
 
@@ -17,14 +14,6 @@ RULES = """text => {
   sheet.replaceSync(text);
   return count(sheet.cssRules);
 }"""
-
-
-@pytest.fixture(scope="module")
-def blank(browser: Browser) -> Iterator[Page]:
-    """A page without the app: what is asked here is asked of the browser alone."""
-    page = browser.new_page()
-    yield page
-    page.close()
 
 
 @each("file", sorted(file.name for file in page.FOLDER.glob("*.js")))
