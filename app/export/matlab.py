@@ -11,9 +11,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ..engine.simulation import Run, Scenario
-from ..engine.simulation.disturbance import disturbances
-from ..engine.simulation.simulate import loop_of
+from ..engine.simulation import Run, Scenario, disturbances_of
 from ..lesson.lesson import Lesson, Outcome
 from .gains import directions_of, placed_gain
 from .literals import part_text
@@ -108,7 +106,7 @@ def _gains(s: Scenario) -> Iterator[str]:
 
 
 def _given(s: Scenario, run: Run) -> Iterator[str]:
-    d = disturbances(s, loop_of(s))
+    d = disturbances_of(s)
     count, N = len(run.t), s.plant.n + s.model.n
     yield f"h = {s.dt!r};  % s from one grid point to the next"
     yield f"count = {count};  % grid points"

@@ -223,6 +223,7 @@ def _simulation(plant: Plant) -> dict[str, dict[str, Any]]:
                      "sampled": True, "state_feedback": False, **noisy, "delay": 0.02, "impulses": ((0.1, [1, 0]),)},
         "autonomous_error": {"run": run}, "separation_meter": {"run": run},
         "emulated_gain": {"plant": plant, "L": L, "dt": 0.1},
+        "disturbances_of": {"scenario": scenario},
         "simulate": {"scenario": scenario},
         "simulate_recovery": {"scenario": scenario, "x_index": 0, "x_values": [-1, 1], "e_index": 1, "e_values": [0, 1],
                               "threshold": 0.1, "bound": 100.0, "slice_seconds": 0.01},

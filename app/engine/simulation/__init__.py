@@ -1,6 +1,15 @@
 """Runs of a loop: scenarios, disturbances, saturation, batches and maps of recovery."""
 
-from .door import autonomous_error, emulated_gain, separation_meter, simulate, simulate_recovery, simulate_starts, starts_of
+from .door import (
+    autonomous_error,
+    disturbances_of,
+    emulated_gain,
+    separation_meter,
+    simulate,
+    simulate_recovery,
+    simulate_starts,
+    starts_of,
+)
 from .recovery import RecoveryMap
 from .scenario import Run, Scenario
 
@@ -9,6 +18,7 @@ __all__ = [
     "Run",
     "Scenario",
     "autonomous_error",
+    "disturbances_of",
     "emulated_gain",
     "separation_meter",
     "simulate",

@@ -9,6 +9,7 @@ from ..systems.plant import Plant
 from . import batch, loop, recovery
 from .scenario import Run, Scenario
 from .simulate import autonomous_error as _autonomous_error
+from .simulate import disturbances_of as _disturbances_of
 from .simulate import separation_meter as _separation_meter
 from .simulate import simulate as _simulate
 
@@ -17,6 +18,7 @@ _SIZE = number(above=0, high=1e100)
 _GRID = MappingProxyType({"x_index": count(-1000), "x_values": SERIES, "e_index": count(-1000), "e_values": SERIES})
 
 simulate = gated(scenario=_SCENARIO)(_simulate)
+disturbances_of = gated(scenario=_SCENARIO)(_disturbances_of)
 autonomous_error = gated(run=_RUN)(_autonomous_error)
 separation_meter = gated(run=_RUN)(_separation_meter)
 emulated_gain = gated(plant=instance(Plant), L=matrix("n p"), dt=SECONDS)(loop.emulated_gain)

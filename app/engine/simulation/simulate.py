@@ -49,6 +49,16 @@ def loop_of(s: Scenario) -> Loop:
     return discrete_loop(s) if s.discrete else continuous_loop(s)
 
 
+def disturbances_of(scenario: Scenario) -> Disturbances:
+    """The start, the noise of its seed and the impulses with which `simulate` runs a scenario.
+
+    >>> plant = Plant([[-1.0]], [[1.0]], [[1.0]])
+    >>> disturbances_of(Scenario(plant, K=[[0.0]], L=[[1.0]], horizon=1.0, dt=0.5, x0=[2.0])).z0
+    array([2., 0.])
+    """
+    return disturbances(scenario, loop_of(scenario))
+
+
 def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, r: np.ndarray, late: np.ndarray | None) -> Run:
     plant, model, count = s.plant, s.model, len(z)
     n, m, p = plant.n, plant.m, plant.p
