@@ -14,6 +14,7 @@ MOMENTS = 80  # at which the stage is looked at
 QUIET = 0.1  # of the run: an error that was dead for longer lives anew
 LEAST = 0.1  # of the run: no part is shorter
 AFTER = 0.3  # of the part: how long one sees that the error is gone
+BRIEF = 0.05  # of the run: how long one sees at least that nothing moves any more
 ROUND = 2.0  # s that a round of a part takes at least, and less than 2.5 times as long
 
 
@@ -44,14 +45,24 @@ def apart(stage: Stage) -> tuple[np.ndarray, np.ndarray]:
     return stage.t[index], np.nan_to_num(np.array(gaps, dtype=float), nan=0.0, posinf=0.0)
 
 
+def over(stage: Stage) -> float:
+    """When a run is over: shortly after plant and ghost have come to stand for good, as after a fall; else at its end."""
+    first, last = float(stage.t[0]), float(stage.t[-1])
+    moves = np.any([np.any(np.diff(states, axis=0) != 0, axis=1) for states in (stage.x, stage.xhat) if states is not None], axis=0)
+    if not moves.any():
+        return last
+    stands = float(stage.t[np.flatnonzero(moves)[-1] + 1])
+    return min(last, stands + max(AFTER * (stands - first), BRIEF * (last - first)))
+
+
 def living(stage: Stage, since: float = 0.0) -> Part:
     """Where the error lives, from `since` on (a kick): about its peak, from when it rises above 5 % of that until it falls below.
 
     Moments of silence shorter than a tenth of the run belong to it. Where nothing is estimated, or the ghost never leaves
-    the plant, or its error never dies, that is the rest of the run.
+    the plant, or its error never dies, that is the rest of the run, until it is over.
     """
     t, gap = apart(stage)
-    first, last = float(t[0]), float(t[-1])
+    first, last = float(t[0]), over(stage)
     since = since if first <= since < last else first
     gap = np.where(t >= since - 1e-12, gap, 0.0)
     top = int(np.argmax(gap))

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from ..lesson.figures import Figure
 from ..lesson.lesson import Design, Lesson, Outcome, Verdict
-from ..lesson.living import Part
+from ..lesson.living import Part, over
 from ..text import Text
 
 
@@ -96,6 +96,11 @@ class Picture:
     def horizon(self) -> float:
         """Length of the run in seconds, 0 without one."""
         return float(self.outcome.stage.t[-1]) if self.outcome.stage is not None else 0.0
+
+    @property
+    def end(self) -> float:
+        """When the run is over, in its seconds: its length, or earlier where everything has come to stand."""
+        return over(self.outcome.stage) if self.outcome.stage is not None else 0.0
 
     @property
     def rate(self) -> float:

@@ -58,7 +58,7 @@ def tick(show: Presenter, now: float) -> None:
         return
     picture, loop = show.picture, show.state.loop
     t = show.state.t + min(now - show.last_tick, STALL) * picture.rate
-    end = picture.horizon if loop is None else min(loop.part.end, picture.horizon)
+    end = picture.end if loop is None else min(loop.part.end, picture.horizon)
     show.last_tick = now
     if t < end:
         show.state = replace(show.state, t=t)
@@ -115,7 +115,7 @@ def _watched(show: Presenter, seen: bool) -> None:
 
 
 def _ended(show: Presenter) -> bool:
-    return show.state.t >= show.picture.horizon - 1e-9
+    return show.state.t >= show.picture.end - 1e-9
 
 
 def _play(show: Presenter) -> None:

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.lesson.lesson import Design, Outcome, Stage
-from app.lesson.living import AFTER, DEAD, LEAST, MOMENTS, apart, living
+from app.lesson.living import AFTER, BRIEF, DEAD, LEAST, MOMENTS, apart, living, over
 from app.tab.commands import Kick, OpenLesson, Play, Predict, Reveal, Rewind, Seek, SetLanguage, Watched
 from app.tab.playing import FRAME, HAND_ROUNDS, OPENING_ROUNDS
 
@@ -68,6 +68,36 @@ def test_where_the_error_is_never_born_or_never_dies_the_part_is_the_run(gap: fl
     t = np.linspace(0.0, 3.0, 50)
     part = living(Stage(MODEL.body, t, np.full((50, 2), gap), np.zeros((50, 2))))
     assert (part.begin, part.end) == (0.0, 3.0)
+
+
+def fallen(design: Design, share: float = 0.1) -> Outcome:
+    """The toy's run with a ghost, and both are held from a share of the run on, as after a fall."""
+    outcome = with_ghost(design)
+    stage = outcome.stage
+    assert stage is not None and stage.xhat is not None
+    at = np.minimum(np.arange(len(stage.t)), round(share * (len(stage.t) - 1)))
+    return replace(outcome, stage=replace(stage, x=stage.x[at], xhat=stage.xhat[at]))
+
+
+@given(st.floats(0.05, 0.9))
+def test_a_run_is_over_shortly_after_a_fall(share: float) -> None:
+    stage = fallen(toy().start(), share).stage
+    assert stage is not None
+    horizon = float(stage.t[-1])
+    fall = float(stage.t[round(share * (len(stage.t) - 1))])
+    assert fall <= over(stage) <= min(horizon, fall + max(AFTER * fall, BRIEF * horizon)) + 1e-9
+    assert living(stage).end <= over(stage)
+
+
+def test_what_is_played_ends_after_a_fall_and_a_hand_sees_the_fall_again() -> None:
+    tab = Tab({"toy": toy(compute=fallen)})
+    tab.do(Predict(1))
+    end = over(fallen(tab.picture.design).stage)  # type: ignore[arg-type]
+    assert end < 0.3 * tab.picture.horizon
+    tab.run_for(end + 0.2)
+    assert not tab.picture.state.moving and tab.picture.state.t == pytest.approx(end) and tab.picture.state.revealed
+    tab.do(Play())
+    assert tab.picture.state.playing and tab.picture.state.t < end
 
 
 # --- the opening ---------------------------------------------------------------------------------------------------
