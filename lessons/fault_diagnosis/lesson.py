@@ -16,7 +16,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "fault-diagnosis", 17, KNOBS, compute, figures, answer=2, answering="isolation", tasks=TASKS, exam=exam,
+    "fault-diagnosis", 17, KNOBS, compute, figures, answer=0, answering="isolation", tasks=TASKS, exam=exam,
     source="Chen and Patton, Robust Model-Based Fault Diagnosis for Dynamic Systems (1999), chapter 3; platform report (003), section 3.1",
     words=read_prose(Path(__file__).parent), aside=("force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived)

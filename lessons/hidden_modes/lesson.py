@@ -14,7 +14,7 @@ from .own import adapted
 from .study import compute
 from .tasks import TASKS, exam
 
-LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=1, answering="error_parts", tasks=TASKS, exam=exam,
+LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answering="error_parts", tasks=TASKS, exam=exam,
                 source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
                 words=read_prose(Path(__file__).parent), adapt=adapted,
     derived=derived)

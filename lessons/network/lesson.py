@@ -16,7 +16,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "network", 18, KNOBS, compute, figures, answer=1, answering="means", tasks=TASKS, exam=exam,
+    "network", 18, KNOBS, compute, figures, answer=3, answering="means", tasks=TASKS, exam=exam,
     source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004; "
            "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
     words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB, code=code,

@@ -16,7 +16,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "noise", 8, KNOBS, compute, all_figures, answer=2, answering="valley", tasks=TASKS, exam=exam,
+    "noise", 8, KNOBS, compute, all_figures, answer=0, answering="valley", tasks=TASKS, exam=exam,
     source="Observer notes (001) on fast poles; platform report (003), section 4.1, equations (43)–(50)",
     words=read_prose(Path(__file__).parent),
     job=JOB, adapt=adapted,

@@ -16,7 +16,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "nonlinear", 14, KNOBS, compute, figures, answer=2, answering="errors", tasks=TASKS, exam=exam,
+    "nonlinear", 14, KNOBS, compute, figures, answer=3, answering="errors", tasks=TASKS, exam=exam,
     source="Platform report (003), chapter 4, Algorithms 1–3, and appendix B; Athans, Wishner and Bertolini (1968); Julier, Uhlmann and "
            "Durrant-Whyte (2000)",
     words=read_prose(Path(__file__).parent), aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,

@@ -16,7 +16,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "observability", 3, KNOBS, compute, figures, answer=1, answering="modes", tasks=TASKS, exam=exam, kick=False,
+    "observability", 3, KNOBS, compute, figures, answer=3, answering="modes", tasks=TASKS, exam=exam, kick=False,
     source="Observer notes (001), section 2: observability matrix, rank criterion; PBH test; Gramian",
     words=read_prose(Path(__file__).parent), aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
     derived=derived)

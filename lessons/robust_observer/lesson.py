@@ -16,7 +16,7 @@ from .own import adapted
 from .study import compute
 from .tasks import TASKS, exam
 
-LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=1, answering="criterion", tasks=TASKS, exam=exam,
+LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, answering="criterion", tasks=TASKS, exam=exam,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
                 words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "beta", "gamma", "remark", "line", "columns"), kick=False,
                 job=JOB, adapt=adapted, code=code,

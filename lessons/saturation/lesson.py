@@ -16,7 +16,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "saturation", 7, KNOBS, compute, figures, answer=1, answering="error", tasks=TASKS, exam=exam,
+    "saturation", 7, KNOBS, compute, figures, answer=3, answering="error", tasks=TASKS, exam=exam,
     source="Tutorial (000), section on the limits of the separation principle",
     words=read_prose(Path(__file__).parent), job=JOB, pick=pick, adapt=adapted,
     derived=derived)

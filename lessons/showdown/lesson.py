@@ -15,7 +15,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "showdown", 13, KNOBS, compute, figures, answer=1, answering="suppression", tasks=TASKS, exam=exam,
+    "showdown", 13, KNOBS, compute, figures, answer=0, answering="suppression", tasks=TASKS, exam=exam,
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
     words=read_prose(Path(__file__).parent), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,

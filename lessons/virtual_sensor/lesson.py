@@ -15,7 +15,7 @@ from .study import compute
 from .tasks import TASKS, exam
 
 LESSON = Lesson(
-    "virtual-sensor", 1, KNOBS, compute, figures, answer=1, answering="error", tasks=TASKS, exam=exam,
+    "virtual-sensor", 1, KNOBS, compute, figures, answer=0, answering="error", tasks=TASKS, exam=exam,
     source="Tutorial (000), sections on the virtual sensor and on the error's own life",
     words=read_prose(Path(__file__).parent), aside=("power",), adapt=adapted,
     derived=derived)
