@@ -18,6 +18,7 @@ from ..lesson.lesson import Board
 from . import phrases
 from .grips import Grips, Vector
 from .lettering import width
+from .letters import Letters, Size
 from .meshes import bolt, cross, landscape
 from .naming import Frame, Place, free_place, leader, pole_name
 from .pane import DARK, LIGHT, pane
@@ -40,7 +41,7 @@ class BoardView:
     def __init__(self, client: viser.ClientHandle, board: Board, language: str, em: float, dark: bool,
                  drag: Callable[[dict[str, Any], int], object]) -> None:
         self._client, self._scene, self._drag = client, client.scene, drag
-        self._board, self._em, self._language = board, em, language
+        self._board, self._letters, self._language = board, Letters(client.scene, em), language
         self._ink = DARK if dark else LIGHT
         self._root = f"/board/{board.id}"
         (x, y), turn = PLACES[board.side]
@@ -102,8 +103,8 @@ class BoardView:
                           position=(side * WIDTH * 0.42, 0.02, -HEIGHT / 2 - FOOT / 2))
         self._letter_axes()
         title = b.title(language)
-        size = min(1.2, (WIDTH + 3 * MARGIN) / max(width(title, self._em), self._em))  # as wide as the glass, not into the next one's
-        self._label("title", title, (0.0, -0.06, HEIGHT / 2 + MARGIN + 0.06), "bottom-center", size)
+        self._label("title", title, (0.0, -0.06, HEIGHT / 2 + MARGIN + 0.06), "bottom-center",
+                    lambda em: min(1.2, (WIDTH + 3 * MARGIN) / max(width(title, em), em)))  # not into the next one's
         self._asks = self._label("asks", phrases.VEILED_BOARD(language), (0.0, -0.06, 0.0), "center-center", 1.2)
         self._leaders = scene.add_line_segments(f"{root}/leaders", np.array([NOWHERE], dtype=np.float32), self._ink.leader, thickness=0.012)
 
@@ -155,7 +156,7 @@ class BoardView:
         self._nameless = {label.name for label in self._labels} - {label.name for _, _, label in named}
         for pole, text, label in named:
             x, y, z = self.local(pole, 0.1)
-            at = free_place(x, z, text, self._em, FRAME, taken, spots)
+            at = free_place(x, z, text, self._letters.em, FRAME, taken, spots)
             if at is None:
                 self._nameless.add(label.name)
                 continue
@@ -170,8 +171,10 @@ class BoardView:
             self._leaders.points = points
 
     def _make_poles(self, board: Board) -> None:
-        for old in (*self._poles, *self._labels, *self._bolts, *self._bolted):
-            old.remove()
+        for mesh in (*self._poles, *self._bolts):
+            mesh.remove()
+        for label in (*self._labels, *self._bolted):
+            self._letters.remove(label)
         self._poles, self._labels, self._bolts, self._bolted = [], [], [], []
         vertices, faces = cross()
         for i, pole in enumerate(board.poles):
@@ -186,9 +189,8 @@ class BoardView:
                 position=self.local(pole, 0.0)))
             self._bolted.append(self._label(f"bolted{i}", "", (0.0, 0.0, 0.0), "center-center"))
 
-    def _label(self, name: str, words: str, at: Vector, anchor: Any, size: float = 1.0, depth_test: bool = False) -> viser.LabelHandle:
-        return self._scene.add_label(f"{self._root}/{name}", words, position=at, anchor=anchor, font_size_mode="scene",
-                                     font_scene_height=size * self._em, depth_test=depth_test)
+    def _label(self, name: str, words: str, at: Vector, anchor: Any, size: Size = 1.0, depth_test: bool = False) -> viser.LabelHandle:
+        return self._letters.write(f"{self._root}/{name}", words, at, anchor, size, depth_test=depth_test)
 
     def _make_rings(self, board: Board) -> None:
         """Zeros as rings on the glass, those inside the window."""
@@ -202,9 +204,12 @@ class BoardView:
             self._rings.append(self._scene.add_line_segments(
                 f"{self._root}/zero{i}", np.array(list(pairwise(points)), dtype=np.float32), self._ink.axis, thickness=0.025))
 
-    def fit(self) -> bool:
-        """Make what the hand takes hold of as large as the camera asks for; whether that changed anything."""
-        return self._grips.fit()
+    def fit(self, em: float) -> bool:
+        """Make letters, and what the hand takes hold of, as large as camera and window ask for; whether that changed anything."""
+        lettered = self._letters.resize(em)
+        if lettered and self._shown is not None:
+            self._move(self._board)  # names find their places anew
+        return self._grips.fit() or lettered
 
     async def _pulled(self, event: viser.SceneNodeDragEvent) -> None:
         board = self._board

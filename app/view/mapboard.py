@@ -11,6 +11,7 @@ import viser
 from ..lesson.figures import COLOURS, MapFigure
 from ..text import wording
 from . import phrases
+from .letters import Letters
 from .stage import rgb
 from .ticks import ticks
 
@@ -23,7 +24,8 @@ class MapBoard:
     """The map as a picture in the scene; a click gives the point of the map under it."""
 
     def __init__(self, client: viser.ClientHandle, language: str, em: float, pick: Callable[[float, float], object]) -> None:
-        self._scene, self._language, self._em, self._pick = client.scene, language, em * NEARER, pick
+        self._scene, self._language, self._pick = client.scene, language, pick
+        self._letters = Letters(client.scene, em * NEARER)
         self._figure: MapFigure | None = None
         self._image: viser.ImageHandle | None = None
         self._mark: viser.IcosphereHandle | None = None
@@ -74,14 +76,15 @@ class MapBoard:
 
     def _letter(self, figure: MapFigure) -> None:
         for x in ticks(float(figure.x[0]), float(figure.x[-1]), 5):
-            self._scene.add_label(f"/map/x{x:g}", f"{x:g}".replace("-", "−"), anchor="top-center",
-                                  position=self._at(x, float(figure.y[0]), down=0.06), font_size_mode="scene", font_scene_height=self._em)
+            self._letters.write(f"/map/x{x:g}", f"{x:g}".replace("-", "−"), self._at(x, float(figure.y[0]), down=0.06), "top-center")
         for y in ticks(float(figure.y[0]), float(figure.y[-1]), 4):
-            self._scene.add_label(f"/map/y{y:g}", f"{y:g}".replace("-", "−"), anchor="center-right",
-                                  position=self._at(float(figure.x[0]), y, left=0.06), font_size_mode="scene", font_scene_height=self._em)
-        self._title = self._scene.add_label("/map/title", "",
-                              anchor="bottom-center", font_size_mode="scene", font_scene_height=self._em,
-                              position=tuple(CENTRE + self._up * (DEPTH / 2 - 0.2)))
+            self._letters.write(f"/map/y{y:g}", f"{y:g}".replace("-", "−"), self._at(float(figure.x[0]), y, left=0.06), "center-right")
+        x, y, z = (CENTRE + self._up * (DEPTH / 2 - 0.2)).tolist()
+        self._title = self._letters.write("/map/title", "", (x, y, z), "bottom-center")
+
+    def fit(self, em: float) -> bool:
+        """Write in letters as large as the window asks for; whether that changed anything."""
+        return self._letters.resize(em * NEARER)
 
     def _at(self, x: float, y: float, left: float = 0.0, down: float = 0.0) -> tuple[float, float, float]:
         assert self._figure is not None

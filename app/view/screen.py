@@ -263,10 +263,12 @@ class Screen:
         return self._boards[board.id]
 
     def _fit_grips(self) -> None:
-        """Whatever the camera does, what a hand takes hold of stays as large on the screen."""
+        """Whatever camera and window do, what a hand takes hold of stays as large on the screen, and so do words."""
         @self._client.camera.on_update
-        async def _(_: viser.CameraHandle) -> None:
-            if any([board.fit() for board in list(self._boards.values())]):
+        async def _(camera: viser.CameraHandle) -> None:
+            em = letters(camera, self._picture is not None and self._picture.state.lecture)
+            parts = [self._stage, *self._boards.values(), *([self._map] if self._map is not None else [])]
+            if any([part.fit(em) for part in parts]):
                 self._client.flush()
 
     def _show_map(self, picture: Picture) -> None:

@@ -14,6 +14,7 @@ from ..lesson.lesson import Stage
 from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Spring, Vector
 from ..text import wording
 from . import phrases
+from .letters import Letters
 from .meshes import helix
 
 PHONE = 0.62  # width over height below which the panels lie over the lower half
@@ -75,6 +76,7 @@ class StageView:
         self._errors: viser.LineSegmentsHandle | None = None
         self._clouds: list[viser.IcosphereHandle] = []
         self._names: list[viser.LabelHandle] = []
+        self._letters = Letters(self._scene, 1.0)
         self._stage: Stage | None = None
         self._posed: tuple[Stage, int] | None = None
         self._arrived = False  # whether the browser has said that it looks from where it was told to
@@ -151,6 +153,7 @@ class StageView:
         self._forces = self._errors = None
         self._clouds, self._names = [], []
         self._stage, self._body = stage, stage.body if stage is not None else None
+        self._letters = Letters(self._scene, em)
         if stage is None:
             return
         body = stage.body
@@ -166,16 +169,19 @@ class StageView:
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.16, cast_shadow=False,
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
-        self._factor(body, language, em)
-        self._names = [self._scene.add_label(f"/name/{i}", wording(words, language), position=place, anchor="top-center",
-                                             font_size_mode="scene", font_scene_height=em) for i, (words, place) in enumerate(body.labels)]
+        self._factor(body, language)
+        self._names = [self._letters.write(f"/name/{i}", wording(words, language), place, "top-center")
+                       for i, (words, place) in enumerate(body.labels)]
 
-    def _factor(self, body: Body, language: str, em: float) -> None:
+    def fit(self, em: float) -> bool:
+        """Write in letters as large as the window asks for; whether that changed anything."""
+        return self._letters.resize(em)
+
+    def _factor(self, body: Body, language: str) -> None:
         """How many times motion and arrows are exaggerated, beside the plant."""
         factors = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
         words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
-        self._scene.add_label("/factor", words, position=(2.9, -0.6, 0.12), anchor="center-right",
-                              font_size_mode="scene", font_scene_height=em, visible=bool(words))
+        self._letters.write("/factor", words, (2.9, -0.6, 0.12), "center-right", visible=bool(words))
 
     def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
         scene, shape = self._scene, part.shape

@@ -45,7 +45,7 @@ class WireTab:
     """One connection. `widgets` and `nodes` are kept up to date by everything that waits."""
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
-                 camera: bool = True, hosts: Sequence[str] = (), answers: bool = True) -> None:
+                 camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720)) -> None:
         self.widgets: dict[str, dict[str, Any]] = {}  # uuid → message with its props
         self.commands: dict[str, str] = {}  # label → uuid
         self.nodes: dict[str, dict[str, Any]] = {}  # scene nodes by name
@@ -63,7 +63,7 @@ class WireTab:
                                additional_headers=[("Host", host) for host in more],
                                compression=None, max_size=None, open_timeout=PATIENCE, close_timeout=1.0)
         if camera:
-            self.look()
+            self.look(*canvas)
 
     def __enter__(self) -> WireTab:
         return self
@@ -84,10 +84,10 @@ class WireTab:
         """Send anything at all."""
         self._socket.send(data)
 
-    def look(self) -> None:
-        """The camera message after which viser takes a connection for a tab."""
+    def look(self, across: int = 1280, up: int = 720) -> None:
+        """The camera message after which viser takes a connection for a tab, from a canvas of some pixels."""
         self.send("ViewerCameraMessage", wxyz=(1.0, 0.0, 0.0, 0.0), position=(0.0, -13.0, 4.0), fov=0.6, near=0.01,
-                  far=1000.0, image_height=720, image_width=1280, look_at=(0.0, 0.0, 2.0), up_direction=(0.0, 0.0, 1.0))
+                  far=1000.0, image_height=up, image_width=across, look_at=(0.0, 0.0, 2.0), up_direction=(0.0, 0.0, 1.0))
 
     def update(self, label: str, **updates: Any) -> None:
         """Change a widget as its browser would, and see it changed at once."""
