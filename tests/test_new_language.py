@@ -46,6 +46,7 @@ def locale(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_the_form_of_a_lesson_survives_translation() -> None:
     assert prose("# Title\n> Why $x$?\n## task a-b: Do {c1}\n- hint\n### solution\nso") == \
         "# Títlé Títlé\n> Whý $x$? Whý $x$?\n## task a-b: Dó {c1} Dó {c1}\n- híñt híñt\n### solution\nšó šó\n"
+    assert prose("- is $a > b$\n  > no, $a$\n  goes on") == "- íš $a > b$ íš $a > b$\n  > ñó, $a$ ñó, $a$\n  góéš óñ   góéš óñ\n"
     assert accented("a `code` <b>x</b>") == "á `code` <b>x</b>" and doubled("[m]") == "[m] [m]" and doubled("3") == "3"
 
 

@@ -23,9 +23,12 @@ A second paragraph.
 ## predict
 What happens?
 - one
+  > not one
+  > for $x > 1$
 - two
   goes on
 - three
+  > nor three
 ### reveal
 It was so.
 ## step First: with a colon
@@ -51,6 +54,7 @@ def test_every_part_is_read() -> None:
     assert (prose.title, prose.question) == ("A title", "A question over two lines?")
     assert prose.introduction == "Some $x$ words.\n\nA second paragraph."
     assert (prose.predict, prose.options, prose.reveal) == ("What happens?", ("one", "two goes on", "three"), "It was so.")
+    assert prose.refutations == ("not one for $x > 1$", "", "nor three")
     assert prose.steps == (("First: with a colon", "Text of the first."), ("Second", "- a list\n- in a step"))
     task = prose.tasks["do-it"]
     assert (task.title, task.statement, task.hints, task.solution) == (

@@ -8,6 +8,7 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
     ## predict
     question
     - option
+      > why it is wrong, below each option but the right one
     ### reveal
     what is really so, shown after the prediction
     ## step first heading
@@ -57,13 +58,14 @@ class TaskWords:
 
 @dataclass(frozen=True)
 class Prose:
-    """All words of a lesson in one language."""
+    """All words of a lesson in one language. `refutations` stand beside `options`: what refutes each, empty for the right one."""
 
     title: str
     question: str
     introduction: str
     predict: str
     options: tuple[str, ...]
+    refutations: tuple[str, ...]
     reveal: str
     steps: tuple[tuple[str, str], ...]
     tasks: Mapping[str, TaskWords]
@@ -91,7 +93,7 @@ def parse_prose(text: str, name: str = "text") -> Prose:
         raise ProseError(f"{name} must begin with '# title'.")
     question = " ".join(line[2:].strip() for line in lines if line.startswith("> "))
     introduction = "\n".join(line for line in lines[1:] if not line.startswith("> ")).strip()
-    predict, reveal, options, exam, source = "", "", (), "", ""
+    predict, reveal, options, refutations, exam, source = "", "", (), (), "", ""
     steps: list[tuple[str, str]] = []
     derivation: list[Derived] = []
     tasks: dict[str, TaskWords] = {}
@@ -100,7 +102,7 @@ def parse_prose(text: str, name: str = "text") -> Prose:
         kind, _, rest = title.strip().partition(" ")
         if kind == "predict":
             body, _, reveal = body.partition("\n### reveal")
-            predict, options = _bullets(body)
+            predict, options, refutations = _options(body)
         elif kind == "step":
             steps.append((rest.strip(), body.strip()))
         elif kind == "derive":
@@ -116,12 +118,26 @@ def parse_prose(text: str, name: str = "text") -> Prose:
             source = body.strip()
         else:
             raise ProseError(f"{name} has a section '## {title}'; use predict, step, derive, task, exam or source.")
-    prose = Prose(lines[0][2:].strip(), question, introduction, predict, options, reveal.strip(), tuple(steps), tasks,
-                  exam, source, tuple(derivation))
+    prose = Prose(lines[0][2:].strip(), question, introduction, predict, options, refutations, reveal.strip(), tuple(steps),
+                  tasks, exam, source, tuple(derivation))
     for field in ("question", "introduction", "predict", "reveal", "exam", "source"):
         if not getattr(prose, field):
             raise ProseError(f"{name} has no {field}.")
     return prose
+
+
+def _options(body: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
+    """The question, the options, and for each what refutes it: its indented lines that begin with `>`."""
+    kept: list[str] = []
+    refutations: list[str] = []
+    for line in body.strip().splitlines():
+        if line.startswith("- "):
+            refutations.append("")
+        if refutations and line.startswith("  > "):
+            refutations[-1] = f"{refutations[-1]} {line[4:].strip()}".strip()
+        else:
+            kept.append(line)
+    return *_bullets("\n".join(kept)), tuple(refutations)
 
 
 def _bullets(body: str) -> tuple[str, tuple[str, ...]]:

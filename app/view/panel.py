@@ -12,8 +12,6 @@ from ..tab.commands import (
     CheckTask,
     Edit,
     OpenLesson,
-    Predict,
-    Reveal,
     SetLanguage,
     ShowHint,
     ShowSolution,
@@ -21,16 +19,16 @@ from ..tab.commands import (
     ToggleTheme,
 )
 from ..tab.picture import Picture, TaskState
-from ..text import Text, joined, languages, name_of
-from . import phrases, quirks
+from ..text import languages, name_of
+from . import phrases
 from .derivation import Derivation
 from .knobrows import KnobRows
 from .plants import PlantRow
-from .prose import mathml, render, with_minus
+from .prediction import Prediction
+from .prose import judged, mathml, render, with_minus
 from .readback import ReadBack
 
 Post = Callable[[Edit], int]
-LETTERS = "ABCDEFGH"
 
 
 class Panel:
@@ -46,7 +44,7 @@ class Panel:
         self._tasks: dict[str, tuple[viser.GuiMarkdownHandle, viser.GuiButtonGroupHandle]] = {}
         self._plants: PlantRow | None = None
         self._head(picture)
-        self._predict()
+        self._prediction = Prediction(gui, picture, post)
         self._part("knobs")
         self._rows = KnobRows(gui, picture, post)
         if self._lesson.adapt is not None:
@@ -98,25 +96,6 @@ class Panel:
     def _part(self, name: str) -> None:
         """Where a part of the column begins, for the style sheet."""
         self._gui.add_html(f'<i class="ol-part-{name}" hidden></i>')
-
-    def _predict(self) -> None:
-        gui, lang = self._gui, self._lang
-        with gui.add_folder(phrases.PREDICTION(lang)):
-            gui.add_markdown(render(self._words.predict))
-            letters = tuple(LETTERS[: len(self._words.options)])
-            self._letters = gui.add_button_group("", (*letters, phrases.SKIP(lang)), visible=False)
-            self._options = gui.add_html("")
-            self._unveil = gui.add_button(phrases.REVEAL(lang), visible=False)
-            self._answer = gui.add_markdown("")
-
-        @self._letters.on_click
-        async def _(event: viser.GuiEvent) -> None:
-            word = event.target.value
-            self._post(Predict(letters.index(word) if word in letters else -1))
-
-        @self._unveil.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            self._post(Reveal())
 
     def _numbers(self, picture: Picture) -> None:
         if not picture.outcome.formulas and not picture.outcome.live(self._lang):
@@ -179,11 +158,11 @@ class Panel:
         if picture.resting:
             self._show_numbers(picture)
         self._derivation.show(picture)
-        self._show_prediction(picture)
+        self._prediction.show(picture)
         for task_id in self._tasks:
             self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))
         verdict = picture.state.exam
-        _write(self._exam, "" if verdict is None else _judged(verdict.solved, verdict.text(self._lang)))
+        _write(self._exam, "" if verdict is None else judged(verdict.solved, verdict.text(self._lang)))
 
     def _show_numbers(self, picture: Picture) -> None:
         if self._formulas or hasattr(self, "_live"):
@@ -194,38 +173,6 @@ class Panel:
                 _write(self._formulas[formula.id], f'<div class="ol-formula">{mathml(formula.latex, True)}</div>'
                        + (f'<p class="ol-caption">{note}</p>' if note else ""))
 
-    def _show_prediction(self, picture: Picture) -> None:
-        state, lang = picture.state, self._lang
-        if state.predicted is None:
-            text, waiting = f'<div class="ol-veil">{phrases.VEILED(lang)}</div>', False
-        else:
-            said = phrases.SKIPPED if state.predicted < 0 else phrases.YOU_PREDICTED.format(letter=LETTERS[state.predicted])
-            waiting = not state.revealed
-            text = (joined(said, phrases.WATCH_FIRST)(lang) if waiting
-                    else f"{self._told(state.predicted, said)}\n\n{render(self._words.reveal)}")
-        if self._unveil.visible != waiting:
-            self._unveil.visible = waiting
-        _write(self._options, self._sentences(state.predicted))
-        if self._answer.content != text:
-            self._answer.content = text
-
-    def _sentences(self, predicted: int | None) -> str:
-        """The options as sentences to press; afterwards the chosen one is marked and none can be pressed."""
-        skip = phrases.SKIP(self._lang)
-        said = [(letter, f"<b>{letter}</b> {render(words)}") for letter, words in zip(LETTERS, self._words.options, strict=False)]
-        said += [(skip, skip)] if predicted is None else []
-        return "".join(
-            f'<button type="button" class="ol-option{" ol-chosen" if i == predicted else ""}" data-value="{value}" '
-            f'data-to="{quirks.id_of(self._letters)}"{"" if predicted is None else " disabled"}>{words}</button>'
-            for i, (value, words) in enumerate(said))
-
-    def _told(self, predicted: int, said: Text) -> str:
-        """What was predicted and what the run says, with a sign and a colour where something was predicted."""
-        right = predicted == self._lesson.answer
-        says = phrases.WAS_RIGHT if right else phrases.WAS_WRONG.format(letter=LETTERS[self._lesson.answer])
-        words = joined(said, says)(self._lang)
-        return words if predicted < 0 else _judged(right, words)
-
     def _show_task(self, task_id: str, state: TaskState) -> None:
         words, lang = self._words.tasks[task_id], self._lang
         parts = [f"**{words.title}**", render(words.statement)]
@@ -233,7 +180,7 @@ class Panel:
         if state.solution:
             parts.append(f"*{phrases.SOLUTION(lang)}:* {render(words.solution)}")
         if state.verdict is not None:
-            parts.append(_judged(state.verdict.solved, state.verdict.text(lang)))
+            parts.append(judged(state.verdict.solved, state.verdict.text(lang)))
         text = "\n\n".join(parts)
         if self._tasks[task_id][0].content != text:
             self._tasks[task_id][0].content = text
@@ -246,8 +193,3 @@ class Panel:
 def _write(handle: Any, content: str) -> None:
     if handle.content != content:
         handle.content = content
-
-
-def _judged(solved: bool, words: str) -> str:
-    return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {with_minus(words)}</div>'
-

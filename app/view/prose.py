@@ -45,3 +45,8 @@ def render(markdown: str) -> str:
     """Markdown whose $…$ and $$…$$ have become MathML."""
     text = re.sub(r"\$\$(.+?)\$\$", lambda m: mathml(m[1].strip(), True), markdown, flags=re.S)
     return re.sub(r"\$(.+?)\$", lambda m: mathml(m[1].strip()), text, flags=re.S)
+
+
+def judged(solved: bool, words: str) -> str:
+    """Words with a sign and a colour that say whether something was right."""
+    return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {with_minus(words)}</div>'

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import pytest
 from lesson_checks import (
     CJK,
+    MATH,
     check_markdown,
     check_mathml,
     complete,
@@ -29,6 +30,8 @@ from app.view.prose import mathml
 
 MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step, in English and in Chinese
 MOST_REVEALED = 80  # words of the reveal
+MOST_REFUTING, MOST_SIGNS = 40, 90  # words of a refutation, and its characters in Chinese
+FIGURE = re.compile(r"\d+\.\d+|\d\d+")  # a number that no language writes in letters
 
 
 @every_lesson
@@ -116,6 +119,7 @@ def texts(prose: Prose) -> Iterator[tuple[str, str]]:
     for name in ("title", "question", "introduction", "predict", "reveal", "exam", "source"):
         yield name, getattr(prose, name)
     yield from ((f"option {i}", option) for i, option in enumerate(prose.options))
+    yield from ((f"refutation {i}", words) for i, words in enumerate(prose.refutations) if words)
     for heading, text in prose.steps:
         yield f"heading {heading}", heading
         yield f"step {heading}", text
@@ -147,6 +151,20 @@ def test_steps_are_short(lesson: Lesson) -> None:
     for heading, text in lesson.words["zh"].steps:
         assert len(re.sub(r"\s", "", without_math(text))) <= MOST_CHARACTERS, heading
     assert len(without_math(lesson.words["en"].reveal).split()) <= MOST_REVEALED
+
+
+@every_lesson
+def test_every_wrong_option_is_refuted_and_the_right_one_is_not(lesson: Lesson) -> None:
+    """Shortly, and with the same formulas and figures in every language."""
+    for language, prose in lesson.words.items():
+        wrong = [i for i in range(len(prose.options)) if i != lesson.answer]
+        assert [i for i, words in enumerate(prose.refutations) if words] == wrong, language
+        assert len(set(prose.refutations)) == len(prose.refutations) == len(prose.options), language
+    for english, chinese in zip(*(lesson.words[language].refutations for language in languages()), strict=True):
+        assert len(without_math(english).split()) <= MOST_REFUTING, english
+        assert len(re.sub(r"\s", "", without_math(chinese))) <= MOST_SIGNS, chinese
+        assert set(MATH.findall(chinese)) == set(MATH.findall(english)), chinese
+        assert sorted(FIGURE.findall(without_math(chinese))) == sorted(FIGURE.findall(without_math(english))), chinese
 
 
 @every_lesson

@@ -29,8 +29,10 @@ introduction
 ## predict
 what happens
 - this
+  > never this
 - that
 - neither
+  > one of them
 ### reveal
 that
 ## step one
