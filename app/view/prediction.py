@@ -82,7 +82,7 @@ def others(picture: Picture) -> str:
         return ""
     told = [f"<p><b>{letter}</b> {render(words)}</p>" for i, (letter, words)
             in enumerate(zip(LETTERS, picture.lesson.words[lang].refutations, strict=False)) if words and i != state.predicted]
-    return f'<details class="ol-note ol-why"><summary>{phrases.WHY_NOT(lang)}</summary>{"".join(told)}</details>' if told else ""
+    return f'<details class="ol-note ol-others"><summary>{phrases.WHY_NOT(lang)}</summary>{"".join(told)}</details>' if told else ""
 
 
 def _told(picture: Picture, said: Text) -> str:
