@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from types import MappingProxyType
 
 from app.lesson.lesson import Lesson
@@ -48,3 +49,8 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     sandbox,
 ), key=lambda lesson: lesson.number)})
 OPENING = "separation"  # the lesson that the page opens on
+
+
+def folder(id: str) -> Path:
+    """Where a lesson's code and English words stand."""
+    return Path(__file__).parent / id.replace("-", "_")

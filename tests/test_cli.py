@@ -155,6 +155,9 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["run", "separation", "--figure", "x.gif"], ".png, .svg, .pdf"),
     (["run", "separation", "--csv", "no-such-folder/x.csv"], "cannot be written"),
     (["list", "extra"], "extra"),
+    (["teach"], "LESSON"),
+    (["teach", "nope"], "no lesson nope"),
+    (["teach", "kalman", "--lang", "de"], "de"),
     (["status", "127.0.0.1:8080"], "is no address"),
     (["serve", "--data-dir", "a\0b"], "cannot hold the log"),
     (["--port", "abc"], "not a port"),
@@ -251,12 +254,19 @@ def test_verify_prints_every_value_and_is_status_1_when_one_differs(capsys, monk
     assert "DIFFERS" in capsys.readouterr().out
 
 
+def test_teach_prints_the_notes_as_they_are_written(capsys) -> None:
+    for words, path in ((["hidden-modes"], "lessons/hidden_modes/teacher.md"),
+                        (["hidden-modes", "--lang", "zh"], "app/locale/zh/hidden-modes.teacher.md")):
+        assert main(["teach", *words]) == 0
+        assert capsys.readouterr().out == (ROOT / path).read_text(encoding="utf-8")
+
+
 def test_help_is_status_0_and_names_the_commands(capsys) -> None:
     with pytest.raises(SystemExit) as leaving:
         main(["--help"])
     assert leaving.value.code == 0
     told = capsys.readouterr().out
-    assert all(command in told for command in ("serve", "list", "run", "verify"))
+    assert all(command in told for command in ("serve", "list", "teach", "run", "verify"))
 
 
 def test_without_a_command_serve_is_meant(monkeypatch) -> None:

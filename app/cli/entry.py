@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Protocol
 
-from . import export, link, run, serve, status, verify
+from . import export, link, run, serve, status, teach, verify
 from . import list as list_
 from .options import CommandError, Parser
 
@@ -38,9 +38,8 @@ class Command(Protocol):
 
 
 DEFAULT = "serve"
-COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "run": run, "link": link, "export": export,
-                                                    "verify": verify,
-                                                    "status": status})
+COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "teach": teach, "run": run, "link": link,
+                                                    "export": export, "verify": verify, "status": status})
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -79,10 +79,20 @@ def read_prose(folder: Path) -> dict[str, Prose]:
 
     A language that has none yet shows the English. Raises ProseError.
     """
-    own, name = folder / "en.md", f"{folder.name.replace('_', '-')}.md"
+    own, name = folder / "en.md", f"{_id(folder)}.md"
     files = {lang: (folder_of(lang) or folder) / name for lang in languages()}
     return {lang: parse_prose((path if path.is_file() else own).read_text(encoding="utf-8"), f"{lang}/{name}")
             for lang, path in files.items()}
+
+
+def read_notes(folder: Path, language: str) -> str:
+    """The notes for the teacher of a lesson in Markdown: `<id>.teacher.md` of the language, the lesson's own `teacher.md` without it."""
+    path = (folder_of(language) or folder) / f"{_id(folder)}.teacher.md"
+    return (path if path.is_file() else folder / "teacher.md").read_text(encoding="utf-8")
+
+
+def _id(folder: Path) -> str:
+    return folder.name.replace("_", "-")
 
 
 def parse_prose(text: str, name: str = "text") -> Prose:

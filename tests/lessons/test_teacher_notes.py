@@ -1,0 +1,119 @@
+"""The notes for teachers: each lesson has them in every language, in one form, and they call things as the page does."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from functools import lru_cache
+from pathlib import Path
+
+from laws import holds_for_all
+
+from app.lesson.knobs import Choice
+from app.lesson.lesson import Lesson
+from app.lesson.prose import read_notes
+from app.text.languages import HERE
+from app.text.message import wording
+from lessons import LESSONS, folder
+
+TRANSLATED = sorted(path.name for path in HERE.iterdir() if path.is_dir())
+SECTIONS = ("Aim", "Time", "Ask before the reveal", "Misconceptions", "What goes wrong in class", "For the blackboard",
+            "What comes next", "References")
+# what counts as one: a Chinese sign, as in a Chinese word processor, or whatever else stands between spaces and such signs
+COUNTED = re.compile(r"[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]|[^\s\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]+")
+LONGEST = {"zh": 700}
+NAME = "{} ({})".format
+
+
+def notes() -> Iterator[tuple[str, str]]:
+    """Every lesson in every language."""
+    return ((id, language) for id in LESSONS for language in ("en", *TRANSLATED))
+
+
+def headings(words: str) -> tuple[str, ...]:
+    return tuple(re.findall(r"^## (.+)$", words, re.MULTILINE))
+
+
+def sections(words: str) -> list[str]:
+    """What stands under each heading."""
+    return [part.partition("\n")[2].strip() for part in words.split("\n## ")[1:]]
+
+
+@lru_cache(maxsize=1)
+def named() -> dict[tuple[str, str], tuple[set[str], set[str]]]:
+    """By lesson and language: what its knobs and their options are called, and what its tabs are."""
+    return {(lesson.id, language): (set(_knobs(lesson, language)), tabs[language])
+            for lesson in LESSONS.values() for tabs in (_tabs(lesson),) for language in ("en", *TRANSLATED)}
+
+
+def _knobs(lesson: Lesson, language: str) -> Iterator[str]:
+    for knob in lesson.knobs:
+        if not knob.hidden:
+            yield wording(knob.label, language)
+        if isinstance(knob, Choice):
+            yield from (wording(option, language) for _, option in knob.options)
+
+
+def _tabs(lesson: Lesson) -> dict[str, set[str]]:
+    from app.view.phrases import MORE
+    figures = lesson.figures(lesson.compute(lesson.start()))
+    return {language: {wording(figure.tab, language) for figure in figures} | {MORE(language)} for language in ("en", *TRANSLATED)}
+
+
+def test_every_lesson_has_notes_in_every_language() -> None:
+    def law(id: str, language: str) -> None:
+        place = folder(id) / "teacher.md" if language == "en" else HERE / language / f"{id}.teacher.md"
+        assert place.is_file() and read_notes(folder(id), language) == place.read_text(encoding="utf-8")
+    holds_for_all(notes(), law, NAME)
+
+
+def test_notes_that_a_language_lacks_are_english(monkeypatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("app.lesson.prose.folder_of", lambda language: tmp_path)
+    assert read_notes(folder("kalman"), "xx") == read_notes(folder("kalman"), "en") != ""
+
+
+def test_all_notes_of_a_language_have_the_same_headings_and_nothing_under_them_is_empty() -> None:
+    of = {language: headings(read_notes(folder("separation"), language)) for language in ("en", *TRANSLATED)}
+    assert of["en"] == SECTIONS
+
+    def law(id: str, language: str) -> None:
+        words = read_notes(folder(id), language)
+        title = LESSONS[id].words[language].title
+        assert re.match(rf"# {re.escape(title)}[:：]", words), "title"
+        assert headings(words) == of[language] and len(of[language]) == len(SECTIONS) and all(sections(words))
+        assert words.count("“") == words.count("”") and "$" not in words, "quotes pair, and a terminal shows no LaTeX"
+        counts = [len(re.findall(r"^- ", body, re.MULTILINE)) for body in sections(words)]
+        assert 2 <= counts[3] <= 4 and 2 <= counts[7] <= 4, "two to four misconceptions, and references"
+        english = [len(re.findall(r"^- ", body, re.MULTILINE)) for body in sections(read_notes(folder(id), "en"))]
+        assert counts == english, f"{counts}, in English {english}"
+    holds_for_all(notes(), law, NAME)
+
+
+def test_notes_are_short_and_the_minutes_add_up() -> None:
+    def law(id: str, language: str) -> None:
+        words = read_notes(folder(id), language)
+        long = len(COUNTED.findall(words))
+        assert long <= LONGEST.get(language, 350), f"{long} words"
+        whole, _, parts = re.split(r"([:：])", sections(words)[1], maxsplit=1)
+        minutes = [int(found) for found in re.findall(r"(\d+)(?=[,，.。]|$)", parts)]
+        assert sum(minutes) == int(re.findall(r"\d+", whole)[0]), minutes
+    holds_for_all(notes(), law, NAME)
+
+
+def test_what_notes_quote_is_a_knob_or_an_option_and_what_they_stress_a_tab() -> None:
+    def law(id: str, language: str) -> None:
+        words, (knobs, tabs) = read_notes(folder(id), language), named()[id, language]
+        quoted = set(re.findall(r"“([^”]+)”", words))
+        assert quoted and quoted <= knobs, f"no knob: {sorted(quoted - knobs)}"
+        stressed = set(re.findall(r"(?<![\w*])\*([^*\n]+)\*", words))
+        assert stressed <= tabs, f"no tab: {sorted(stressed - tabs)}"
+    holds_for_all(notes(), law, NAME)
+
+
+def test_languages_give_the_same_numbers() -> None:
+    """What has a decimal point, the references aside, which need not be the same."""
+    def law(id: str, language: str) -> None:
+        said = [" ".join(sections(read_notes(folder(id), code))[:-1]) for code in ("en", language)]
+        english, other = (set(re.findall(r"\d+\.\d+", words)) for words in said)
+        assert english == other, english ^ other
+    holds_for_all(((id, language) for id, language in notes() if language != "en"), law, NAME)
