@@ -1,7 +1,7 @@
 """The languages of the lab: English, and one for every folder of catalogues. Adding one touches no code.
 
-A folder holds gettext catalogues (`*.po`), and two Markdown files a lesson: its words and the notes for its teacher. It stands in `app/locale`, or in the folder
-that the environment variable OBSERVER_LAB_LOCALE names.
+A folder holds gettext catalogues (`*.po`) and two Markdown files a lesson, its words and the notes for its teacher. It
+stands in `app/locale`, or in the folder that the environment variable OBSERVER_LAB_LOCALE names.
 """
 
 from __future__ import annotations

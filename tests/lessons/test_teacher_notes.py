@@ -6,8 +6,10 @@ import re
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 from laws import holds_for_all
+from teacher_facts import FACTS, GIVEN
 
 from app.lesson.knobs import Choice
 from app.lesson.lesson import Lesson
@@ -117,3 +119,24 @@ def test_languages_give_the_same_numbers() -> None:
         english, other = (set(re.findall(r"\d+\.\d+", words)) for words in said)
         assert english == other, english ^ other
     holds_for_all(((id, language) for id, language in notes() if language != "en"), law, NAME)
+
+
+def test_every_number_with_a_point_is_what_the_lesson_computes() -> None:
+    """Or it stands in GIVEN: a setting, a pencil's result, a number that a caption says."""
+    printed: dict[str, set[str]] = {id: set(GIVEN.get(id, ())) for id in LESSONS}
+
+    def law(id: str, changes: dict[str, Any], said: dict[str, str], unit: float) -> None:
+        lesson = LESSONS[id]
+        metrics = lesson.compute(lesson.apply(lesson.start(), changes)).metrics
+        for name, words in said.items():
+            last = 10.0 ** -len(words.partition(".")[2])
+            assert abs(abs(metrics[name]) / unit - float(words)) <= 0.5001 * last, f"{name} is {metrics[name]}, the notes say {words}"
+            printed[id].add(words)
+    facts = [(*fact, unit) for unit, group in FACTS for fact in group]
+    holds_for_all(facts, law, lambda id, changes, *_: f"{id} at {changes}")
+
+    def known(id: str) -> None:
+        found = set(re.findall(r"\d+\.\d+", " ".join(sections(read_notes(folder(id), "en"))[:-1])))
+        assert found <= printed[id], f"from where: {sorted(found - printed[id])}"
+        assert {w for w in printed[id] if "." in w} <= found, f"not in the notes: {sorted(printed[id] - found)}"
+    holds_for_all(LESSONS, known)
