@@ -74,6 +74,14 @@ def test_notes_that_a_language_lacks_are_english(monkeypatch, tmp_path: Path) ->
     assert read_notes(folder("kalman"), "xx") == read_notes(folder("kalman"), "en") != ""
 
 
+def test_no_page_of_students_names_the_notes() -> None:
+    root = folder("kalman").parents[1]
+    speaking = [path for path in (*(root / "app").rglob("*"), *(root / "lessons").rglob("*.py")) if path.suffix in {".py", ".js", ".html"}]
+    naming = {path.relative_to(root).as_posix() for path in speaking
+              if re.search(r"read_notes|teacher\.md", path.read_text(encoding="utf-8"))}
+    assert naming == {"app/cli/teach.py", "app/lesson/prose.py"}
+
+
 def test_all_notes_of_a_language_have_the_same_headings_and_nothing_under_them_is_empty() -> None:
     of = {language: headings(read_notes(folder("separation"), language)) for language in ("en", *TRANSLATED)}
     assert of["en"] == SECTIONS
