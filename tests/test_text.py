@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from babel.messages.pofile import read_po
 from catalogues import places, said, unreadable
 
+import app
 from app.engine import EngineError, Plant, RiccatiError, lqr
 from app.text import NO_WORDS, Text, joined, languages, listed, name_of, raised, same, text, text_in, told, written
 from app.text.languages import catalogue, decimal_sign
@@ -32,6 +35,17 @@ def test_every_message_is_translated_and_no_translation_is_left_over(language: s
     left = sorted(set(known) - set(needed))
     assert not missing, "\n".join(missing)
     assert not left, "\n".join(map(str, left))
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_no_message_is_translated_in_two_ways(language: str) -> None:
+    """Two catalogues that say different things of one English word: one of them wants a context, or the other's words."""
+    seen: dict[tuple[str, str], set[str]] = {}
+    for path in (Path(app.__file__).parent / "locale" / language).glob("*.po"):
+        for message in read_po(path.read_text(encoding="utf-8").splitlines(keepends=True)):
+            if message.id and message.string:
+                seen.setdefault((message.context or "", str(message.id)), set()).add(str(message.string))
+    assert {key: words for key, words in seen.items() if len(words) > 1} == {}
 
 
 @pytest.mark.parametrize("language", OTHERS)

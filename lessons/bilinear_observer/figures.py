@@ -46,7 +46,7 @@ def _step(problem: str, o: BilinearObserver, step: int) -> TableFigure:
     caption = (text("The paper works this problem for the pole −30 only; the last column follows your pole.") if moved
                else text("The paper's digits stand beside ours.") if printed
                else text("The paper does not treat this problem, so its column stays empty."))
-    return TableFigure("step", heading, (text("item"), text("printed"), text("ours")),
+    return TableFigure("step", heading, (text("item"), text_in("bilinear-observer", "printed"), text("ours")),
                        rows, tab=STEPS_TAB, caption=caption)
 
 
@@ -67,7 +67,7 @@ def _page(line: str) -> TableFigure:
         caption = text("With only {name} as printed and all else exact, the observer's pole is {pole}.",
                        name=chosen.name, pole=pole)
     return TableFigure("page", text("the paper's lines, for the pole −30"),
-                       (text("line"), text("printed"), text("pole by itself")),
+                       (text("line"), text_in("bilinear-observer", "printed"), text("pole by itself")),
                        tuple(rows), tab=STEPS_TAB, caption=caption)
 
 

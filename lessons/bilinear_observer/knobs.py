@@ -27,7 +27,7 @@ KNOBS = (
         hint=text("u pushes the plant and also multiplies its state; the paper takes sin 2t.")),
     Number("amplitude", r"u_0", text("amplitude"), low=0.0, high=MOST_INPUT, default=1.0, step=0.05,
            when=("input", SHAPED), hint=text("A constant u of 3 makes the plant itself unstable.")),
-    Number("omega", r"\omega", text("frequency"), "rad/s", low=0.5, high=40.0, default=2.0, scale="log",
+    Number("omega", r"\omega", text_in("bilinear-observer", "frequency"), "rad/s", low=0.5, high=40.0, default=2.0, scale="log",
            when=("input", MOVING), hint=text("The sweep is cos ωt².")),
     Number("seed", r"s_0", text("random seed"), low=0, high=9999, default=1, scale="integer",
            when=("input", ("random",)), hint=text("The same seed gives the same input.")),

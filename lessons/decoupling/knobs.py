@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.lesson.knobs import Choice, Number, Poles, Switch
 from app.plants import platform_siso as siso
-from app.text import text
+from app.text import text, text_in
 
 from ..toolkit.knobs import run_knobs
 from .loops import A_EDGE, B_EDGE, BEST, FALLING, GAIN, HORIZON, NONE, OPEN, OWN, POLES, PUBLISHED, SHAPED, WHITE
@@ -45,7 +45,7 @@ KNOBS = (
            scale="log", when=("pitch", (True,)),
            hint=text("Width of the band about the pitch mode in which the loop acts.")),
     Choice("mix", "", text("mixing S"), default=NONE, group=MIXING,
-           options=((NONE, text("none")), (OWN, text("by hand")), (BEST, text("least J"))),
+           options=((NONE, text_in("decoupling", "none")), (OWN, text("by hand")), (BEST, text("least J"))),
            hint=text("S = [1 b; a 1] between the last two virtual inputs and the coils.")),
     Number("a", "a", text("differential force into horizontal, a"), low=-A_EDGE, high=A_EDGE, default=0.0,
            step=0.01, group=MIXING, when=("mix", (OWN,)), hint=text("Newtons of u3 for each newton of "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
-from app.text import text
+from app.text import text, text_in
 
 from .bank import DT, PLACES
 from .diagnosis import MEAN
@@ -21,7 +21,7 @@ def _rare(o: Outcome[Study]) -> Verdict:
     if s.case.place != "VL" or s.case.kind != "bias" or s.case.size > 3:
         return Verdict(False, text("Let VL have a bias of at most 3 mm/s."))
     often, delay = hourly(s), s.forecast.delay
-    when = text("never") if delay is None else text("after {dt:.2f} s", dt=DT * delay)
+    when = text_in("fault-diagnosis", "never") if delay is None else text("after {dt:.2f} s", dt=DT * delay)
     solved = often <= HOURLY * (1 + 1e-9) and delay is not None and DT * delay <= SOONEST
     if solved:
         return Verdict(True, text("{often:.2g} false alarms an hour; all six see it with 99 % {when}: as wanted.", often=often,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.lesson.knobs import Choice, Number, Switch
-from app.text import text
+from app.text import text, text_in
 
 from ..toolkit.knobs import run_knobs
 from .cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF
@@ -11,7 +11,7 @@ from .report import LINES, NONE
 
 HORIZON = 30.0  # s, of the longest record
 KNOBS = (
-    Choice("case", "", text("case"), default=FALL,
+    Choice("case", "", text_in("nonlinear", "case"), default=FALL,
            options=((PLATFORM, text("platform, hardening springs")),
                     (PENDULUM, text("pole in the fog")),
                     (FALL, text("falling body, radar"))),
