@@ -63,6 +63,7 @@ def main() -> None:
             label = label_of(knob, "en")
             tab.until(lambda: tab.has(label), "the lesson", 30)
             tab.press("skip")
+            tab.until(lambda: "Play or pause" in tab.commands, "its commands", 30)
             tab.command("Play or pause")  # a moment that a person has chosen stays: what comes is the answer, no loop
             tab.settle()
             walk = knob.low + (knob.high - knob.low) * (0.5 + 0.4 * np.sin(np.arange(asked.moves)))
