@@ -75,13 +75,13 @@ def array(shape: str = "", *, imaginary: bool = False, missing: bool = False, in
 
 
 def _fit(shape: tuple[int, ...], wanted: list[str], name: str, sizes: Sizes) -> None:
-    known = dict(sizes)
     if len(shape) != len(wanted):
         raise _misfit(shape, wanted, name, sizes)
-    for size, letter in zip(shape, wanted, strict=True):
-        if size != (int(letter) if letter.isdigit() else known.setdefault(letter, size)):
+    known = sizes.copy()
+    for size, letter in zip(shape, wanted):  # noqa: B905 — as long as each other, and this is asked of every argument
+        if known.setdefault(letter, size) != size or (letter.isdigit() and int(letter) != size):
             raise _misfit(shape, wanted, name, sizes)
-    sizes.update(known)
+    sizes |= known
 
 
 def _misfit(shape: tuple[int, ...], wanted: list[str], name: str, sizes: Sizes) -> ShapeError:

@@ -26,7 +26,7 @@ def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bo
     (unless `imaginary`), masked or NaN entries (unless `missing`) and infinity (unless `infinite`), ShapeError for more entries than memory
     should hold.
     """
-    if type(value) is np.ndarray and not imaginary and value.dtype == float and value.size <= LARGEST and np.isfinite(value).all():
+    if type(value) is np.ndarray and not imaginary and value.dtype.kind == "f" and value.size <= LARGEST and np.isfinite(value).all():
         return value
     if isinstance(value, np.ma.MaskedArray):
         value = _unmasked(value, name, missing)
