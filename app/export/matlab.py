@@ -15,7 +15,7 @@ from ..engine.simulation import Run, Scenario, disturbances_of
 from ..lesson.lesson import Lesson, Outcome
 from .gains import directions_of, placed_gain
 from .literals import part_text
-from .script import AGREED, INSTANTS, ScriptError, eigenvalues_of, same_poles
+from .script import AGREED, INSTANTS, ScriptError, poles_of_the_page
 
 __all__ = ["function_name", "matlab_script"]
 
@@ -145,9 +145,7 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
         largest = float(np.abs(values).max())
         yield f"agree('{name}', {name}(at, :), page, {largest!r});"
         yield f"agree('the largest of {name}', max(abs({name}(:))), {largest!r}, {largest!r});"
-    known = dict(eigenvalues_of(s))
-    for name, poles in outcome.poles.items():
-        match = next((key for key, found in known.items() if len(found) == len(poles) and len(poles) and same_poles(found, poles)), None)
+    for name, poles, match in poles_of_the_page(s, outcome):
         if match is None:
             yield f"% The poles that the page calls '{name}' do not belong to this run's matrices; they are not computed here."
         else:

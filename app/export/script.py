@@ -18,7 +18,7 @@ from .gains import gain_lines
 from .literals import array_text, complex_text, part_text
 from .told import told_parts
 
-__all__ = ["AGREED", "INSTANTS", "ScriptError", "eigenvalues_of", "notebook", "parts_of", "python_script", "same_poles"]
+__all__ = ["AGREED", "INSTANTS", "ScriptError", "notebook", "parts_of", "poles_of_the_page", "python_script"]
 
 INSTANTS = 6  # moments of the run that are asserted
 AGREED = 1e-6  # of the largest number: how near the script comes
@@ -138,10 +138,7 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
         yield f"largest = {float(np.abs(values).max())!r}"
         yield f"assert agree({name}[at], {name}_on_the_page, largest), '{name}'"
         yield f"assert agree(np.abs({name}).max(), largest), 'the largest of {name}'"
-    known = dict(eigenvalues_of(s))
-    for name, poles in outcome.poles.items():
-        poles = np.asarray(poles)
-        match = next((key for key, found in known.items() if len(found) == len(poles) and len(poles) and same_poles(found, poles)), None)
+    for name, poles, match in poles_of_the_page(s, outcome):
         if match is None:
             yield f"# The poles that the page calls '{name}' do not belong to this run's matrices; they are not computed here."
         else:
@@ -150,7 +147,15 @@ def _asserted(s: Scenario, run: Run, outcome: Outcome) -> Iterator[str]:
     yield f"print('Observer Lab: the {len(at)} moments of the run, its largest values, gains and poles agree to {AGREED:g}.')"
 
 
-def eigenvalues_of(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
+def poles_of_the_page(s: Scenario, outcome: Outcome) -> Iterator[tuple[str, np.ndarray, str | None]]:
+    """What the page calls poles: name, values, and the matrix of a scenario whose eigenvalues they are, None where it is none."""
+    known = dict(_eigenvalues_of(s))
+    for name, values in outcome.poles.items():
+        poles = np.asarray(values)
+        yield name, poles, next((key for key, found in known.items() if 0 < len(found) == len(poles) and _same_poles(found, poles)), None)
+
+
+def _eigenvalues_of(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
     """What the page may call poles, by name: the eigenvalues of a scenario's matrices."""
     A, model, K, L = s.plant.A, s.model, s.K, s.L
     loop = np.block([[A, -s.plant.B @ K], [L @ s.plant.C, model.A - L @ model.C - (model.B - L @ model.D + L @ s.plant.D) @ K]])
@@ -162,7 +167,7 @@ def eigenvalues_of(s: Scenario) -> Iterator[tuple[str, np.ndarray]]:
     yield "the believed A", np.linalg.eigvals(model.A)
 
 
-def same_poles(found: np.ndarray, poles: np.ndarray) -> bool:
+def _same_poles(found: np.ndarray, poles: np.ndarray) -> bool:
     """Whether two sets have one polynomial, as the script's own `same_poles` compares them."""
     scale = max(1.0, float(np.abs(poles).max()))
     return bool(np.abs(np.poly(found / scale) - np.poly(poles / scale)).max() <= 0.1 * AGREED)

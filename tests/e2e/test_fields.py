@@ -26,13 +26,15 @@ def reader(blank: Page) -> Page:
     ("0.05", "", 0.05), ("5e-2", "", 0.05), ("5E-2", "", 0.05), ("50 m", "", 0.05), ("50m", "", 0.05), (".5", "%", 0.5), ("5 %", "%", 5.0),
     ("5·10⁻¹⁵", "", 5e-15), ("10⁻⁵", "", 1e-5), ("2x10^3", "", 2e3), ("−3", "", -3.0), ("-10³", "", -1e3), ("0,05", "", 0.05),
     ("50 m", "m", 50.0), ("50 mm", "m", 0.05), ("2 m", "mm", 2000.0), ("50 µm", "mm", 0.05), ("50 um", "mm", 0.05), ("3 ms", "ms", 3.0),
-    ("12 s", "ms", 12e3), ("2 k", "N", 2e3), ("2 kN", "N", 2e3), ("3 m/s²", "m/s²", 3.0), ("7", "(m/s)² s", 7.0), ("1 µ", "V", 1e-6)])
+    ("12 s", "ms", 12e3), ("2 k", "N", 2e3), ("2 kN", "N", 2e3), ("3 m/s²", "m/s²", 3.0), ("7", "(m/s)² s", 7.0), ("1 µ", "V", 1e-6),
+    ("2 m²", "mm²", 2e6),
+    ("5 mm² s", "m² s", 5e-6), ("2 mm/s", "m/s", 2e-3), ("3 m/s", "mm/s", 3e3), ("4 mm", "µm", 4e3), ("1 kg", "g", 1e3)])
 def test_a_number_is_read_as_it_is_written(reader: Page, words: str, unit: str, meant: float) -> None:
     assert reader.evaluate("([words, unit]) => observerLabFields.read(words, unit)", [words, unit]) == pytest.approx(meant, rel=1e-15)
 
 
 @each("words, unit", [("", ""), ("abc", ""), ("1,000", ""), ("1 2", ""), ("1.2.3", ""), ("3 Hz", "rad"), ("--1", ""),
-                       ("5 mm", "s"), ("e5", "")])
+                       ("5 mm", "s"), ("e5", ""), ("1 /s", "m/s"), ("1 in", "min"), ("1 k%", "%")])
 def test_what_is_no_number_or_could_be_two_is_not_guessed(reader: Page, words: str, unit: str) -> None:
     assert math.isnan(reader.evaluate("([words, unit]) => observerLabFields.read(words, unit)", [words, unit]))
 

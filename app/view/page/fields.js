@@ -7,13 +7,14 @@
   const POWERS = {f: -15, p: -12, n: -9, µ: -6, μ: -6, u: -6, m: -3, k: 3, M: 6, G: 9, T: 12}, RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
   const plain = words => words.trim().replace(/[−–]/g, '-')
     .replace(/([⁺⁻]?)([⁰¹²³⁴⁵⁶⁷⁸⁹]+)/g, (_, sign, digits) => '^' + (sign === '⁻' ? '-' : '') + [...digits].map(d => RAISED.indexOf(d)).join(''));
+  const BASE = /^(m|s|g|A|V|N|W|K|Hz|rad|Pa|J|C|F|H|T|Ω)(?:\^(-?\d+))?(?![A-Za-z])/;  // what a prefix stands before, and its power
+  const times = symbol => Number(BASE.exec(symbol)?.[2] ?? 1);
   const power = (unit, meant) => {  // of ten by which a number in `unit` becomes one in `meant`; NaN where it cannot
     if (unit === '' || unit === meant) return 0;
-    for (const [sign, tens] of Object.entries(POWERS)) if (unit === sign + meant) return tens;
-    const own = meant.length > 1 ? POWERS[meant[0]] : undefined;  // metres where millimetres are meant
-    if (own !== undefined && unit.endsWith(meant.slice(1)))
-      return unit.length < meant.length ? -own : unit.length === meant.length ? (POWERS[unit[0]] ?? NaN) - own : NaN;
-    return POWERS[unit] ?? NaN;
+    if (BASE.test(meant) && unit.endsWith(meant)) return (POWERS[unit.slice(0, -meant.length)] ?? NaN) * times(meant);
+    const rest = meant.slice(1), own = BASE.test(rest) ? POWERS[meant[0]] : undefined;  // metres where millimetres are meant
+    if (own === undefined || !unit.endsWith(rest)) return POWERS[unit] ?? NaN;
+    return ((unit === rest ? 0 : POWERS[unit.slice(0, -rest.length)] ?? NaN) - own) * times(rest);
   };
   lab.read = (words, unit) => {
     const typed = plain(words);
