@@ -29,7 +29,7 @@
   };
   const raised = power => String(power).replace('-', '⁻').replace(/\d/g, digit => RAISED[digit]);
   lab.written = value => {
-    const size = Math.abs(value), short = Number(value.toPrecision(size >= 1000 ? 6 : 4));
+    const size = Math.abs(value), short = Number(value.toPrecision(size >= 1000 ? 6 : size >= 1 ? 4 : 3));  // what fits the field
     if (size === 0 || (size >= 1e-3 && size < 1e6)) return String(short).replace('-', '−');
     const [mantissa, tens] = value.toExponential(2).split('e');
     return `${String(Number(mantissa)).replace('-', '−')}·10${raised(Number(tens))}`.replace(/^1·/, '');
