@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine import Belief, KalmanFilter, Plant, Scenario, simulate
 from app.engine.design import DiscreteFilter
-from app.engine.filters import AdcNoise, Schedule, Track, independent_errors, joseph, short_form, with_coloured_noise
+from app.engine.filters import AdcNoise, Schedule, Track, independent_errors, posterior_covariances, with_coloured_noise
 from app.plants.platform import deck_disturbance
 
 from .knobs import CARRIED, COLOURED, COUNT, DT, HORIZON, MODEL
@@ -141,33 +141,16 @@ def compare(q: float, r: float, p0: float, single: bool) -> Forms:
     """Both updates beside Joseph's in double precision: in single precision, or in double with the final gain all along."""
     kf, start = _believing(q, r, p0)
     final = None if single else kf.steady.filter_gain
-    true = _covariances(kf, start.covariance, np.float64, final, True)
-    records = np.stack([_covariances(kf, start.covariance, np.float32 if single else np.float64, final, safe)
-                        for safe in (True, False)])
+
+    def along(form: str, single: bool) -> np.ndarray:
+        record = posterior_covariances(kf.A, kf.C, kf.Q, kf.R, start.covariance, steps=STEPS, form=form, gain=final, single=single)
+        return np.clip(record, -HUGE, HUGE)
+
+    true = along("joseph", False)
+    records = np.stack([along("joseph", True) if single else true, along("short", single)])
     gaps = np.abs((records - true) * SCALE).max(axis=(2, 3)) / np.abs(true * SCALE).max(axis=(1, 2))
     spread = np.sqrt(np.maximum(np.abs(np.diagonal(records, axis1=2, axis2=3)), 1e-30))
     even = (records + np.swapaxes(records, 2, 3)) / (2 * spread[..., None] * spread[..., None, :])
     least = np.clip(np.linalg.eigvalsh(even)[..., 0].min(axis=1), -1.0, 1.0)
     gaps = np.minimum(gaps, HUGE)
     return Forms(gaps[0], gaps[1], float(least[0]), float(least[1]))
-
-
-def _covariances(kf: KalmanFilter, P: np.ndarray, size: type, final: np.ndarray | None, safe: bool) -> np.ndarray:
-    """P[k|k] (STEPS, 6, 6) in the precision `size`, with the optimal gain or the `final` one, by Joseph's form or the short one."""
-    A, C, Q, R, P = (np.asarray(M, dtype=size) for M in (kf.A, kf.C, kf.Q, kf.R, P))
-    record = np.empty((STEPS, len(A), len(A)))
-    for k in range(STEPS):
-        M = _gain(P, C, R) if final is None else final
-        P = joseph(P, C, R, M) if safe else short_form(P, C, M)
-        record[k] = P
-        P = A @ P @ A.T + Q
-    return np.clip(record, -HUGE, HUGE)
-
-
-def _gain(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> np.ndarray:
-    CP = C @ P
-    S = CP @ C.T + R
-    try:
-        return np.linalg.solve(S, CP).T
-    except np.linalg.LinAlgError:  # single precision may lose R beside C P Cᵀ
-        return (np.linalg.pinv(S) @ CP).T

@@ -303,6 +303,8 @@ def _filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "whiteness": {"innovations": nu, "lags": 5, "level": 0.95},
         "joseph": {"P": P, "C": C, "R": ONE, "M": np.ones((2, 1))},
         "short_form": {"P": P, "C": C, "M": np.ones((2, 1))},
+        "posterior_covariances": {"A": dplant.A, "C": C, "Q": P, "R": ONE, "P": P, "steps": 3, "form": "short", "gain": np.ones((2, 1)),
+                                  "single": True},
         "means_along": {"A": dplant.A, "C": C, "schedule": schedule, "start": np.zeros(2), "known": y, "push": np.zeros((12, 2))},
         "nees": {"x": nu, "xhat": nu + 1, "P": ONE, "level": 0.95, "independent": 20.0},
         "nis": {"innovations": nu, "S": ONE, "level": 0.95},

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2, norm
+from scipy.special import chdtrc, ndtri
 
 from ..systems.errors import EngineError, phrase
 from .squared_error import SquaredError, chi2_band, covariances_of, nis, record_of, squared
@@ -91,9 +91,9 @@ def whiteness(innovations: object, *, lags: int = 20, level: float = 0.95) -> Wh
     left = np.linalg.solve(C0, np.swapaxes(C, 1, 2))  # C₀⁻¹ C_lᵀ
     right = np.linalg.solve(C0, C)
     joint = float(weight @ np.einsum("lij,lji->l", left, right))
-    band = float(norm.ppf((1 + level) / 2) / np.sqrt(N))
+    band = float(ndtri((1 + level) / 2) / np.sqrt(N))
     return Whiteness(correlation, band, float((np.abs(correlation) > band).mean()), statistics,
-                     chi2.sf(statistics, lags), joint, float(chi2.sf(joint, p * p * lags)), level)
+                     chdtrc(lags, statistics), joint, float(chdtrc(p * p * lags, joint)), level)
 
 
 def innovation_test(innovations: object, S: object, *, lags: int = 20, level: float = 0.95) -> InnovationTest:
@@ -112,7 +112,7 @@ def innovation_test(innovations: object, S: object, *, lags: int = 20, level: fl
     third = 1 - (1 - level) / 3
     white, size, mean = whiteness(nu, lags=lags, level=third), nis(nu, covariances, level=third), nu.mean(axis=0)
     bias = float(N * squared(mean[None], S_bar, "S")[0])
-    bias_p_value = float(chi2.sf(bias, p))
+    bias_p_value = float(chdtrc(p, bias))
     failures = (("biased",) if bias_p_value < 1 - third else ()) + (() if white.white else ("coloured",))
     if size.verdict != "consistent":
         failures += (size.verdict,)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from types import MappingProxyType
 
 from ..systems.gates import (
+    BOOLEAN,
     GENERATOR,
     LEVEL,
     MOST_NUMBERS,
@@ -15,6 +16,7 @@ from ..systems.gates import (
     SEED,
     SERIES,
     array,
+    choice,
     count,
     covariance,
     gated,
@@ -27,7 +29,7 @@ from ..systems.gates import (
     vector,
 )
 from ..systems.plant import Plant
-from . import adc, consistency, filter_trial, kalman, many_runs, sigma_points, squared_error, track, trade_off
+from . import adc, consistency, filter_trial, kalman, many_runs, sigma_points, squared_error, track, trade_off, two_forms
 from .linear_filter import LinearFilter
 
 _PLANT = instance(Plant)
@@ -40,6 +42,8 @@ correct = gated(C=matrix("p n"), R=matrix("p p"), mean=vector("n"), P=matrix("n 
 predict = gated(A=matrix("n n"), Q=matrix("n n"), mean=vector("n"), P=matrix("n n"))(kalman.predict)
 joseph = gated(P=array("… n n"), C=array("… p n"), R=array("… p p"), M=array("… n p"))(kalman.joseph)
 short_form = gated(P=array("… n n"), C=array("… p n"), M=array("… n p"))(kalman.short_form)
+posterior_covariances = gated(A=matrix("n n"), C=matrix("p n"), Q=matrix("n n"), R=matrix("p p"), P=matrix("n n"), steps=_SAMPLES,
+                              form=choice(*two_forms.FORMS), gain=optional(matrix("n p")), single=BOOLEAN)(two_forms.posterior_covariances)
 error_parts = gated(plant=_PLANT, L=matrix("n p"), **_NOISE)(trade_off.error_parts)
 noise_ladder = gated(plant=_PLANT, **_NOISE, ratio=SERIES)(trade_off.noise_ladder)
 growing_error = gated(plant=_PLANT, L=matrix("n p"), parts=instance(trade_off.ErrorParts), V=covariance("p"), dt=SECONDS,

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg.lapack import dposv  # pyright: ignore[reportAttributeAccessIssue]
 
-from ..systems.arrays import symmetric
+from ..systems.arrays import frozen, symmetric
 from ..systems.errors import EngineError
 from .belief import Belief
 from .linear_filter import LinearFilter
@@ -75,8 +76,13 @@ def joseph(P: np.ndarray, C: np.ndarray, R: np.ndarray, M: np.ndarray) -> np.nda
 
     P (…, n, n), C (…, p, n) and M (…, n, p) may be stacks. Computed in the precision given.
     """
-    keep = np.eye(P.shape[-1], dtype=P.dtype) - M @ C
+    keep = _one(P.shape[-1], P.dtype) - M @ C
     return symmetric(keep @ P @ keep.swapaxes(-1, -2) + M @ R @ M.swapaxes(-1, -2))
+
+
+@lru_cache(maxsize=64)
+def _one(n: int, dtype: np.dtype) -> np.ndarray:
+    return frozen(np.eye(n, dtype=dtype))
 
 
 def short_form(P: np.ndarray, C: np.ndarray, M: np.ndarray) -> np.ndarray:

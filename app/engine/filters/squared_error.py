@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import gammaincinv
 
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import as_matrix
@@ -53,7 +53,7 @@ def chi2_band(dof: int, *, count: float = 1, level: float = 0.95) -> Band:
     if not (dof >= 1 and count > 0):
         raise EngineError("A χ² band needs at least one degree of freedom and one value.")
     tail = (1 - level) / 2
-    low, high = chi2.ppf([tail, 1 - tail], dof * count) / count
+    low, high = 2 * gammaincinv(dof * count / 2, [tail, 1 - tail]) / count  # χ²(ν) is twice a gamma variable of shape ν/2
     return float(low), float(high)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import qr, schur
+from scipy.linalg import schur
 
 from .balance import balance
 from .errors import EngineError
@@ -12,6 +12,7 @@ __all__ = ["settled_covariance", "settled_factor"]
 
 EPS = float(np.finfo(float).eps)
 UNEVEN = 1e-4  # deviations further apart than this, in balanced states, cost the small ones digits
+WIDE = 4  # times as many columns as states, before a factor is compressed
 LARGEST = 1e150  # a factor as large as this has variances that overflow
 
 
@@ -48,12 +49,15 @@ def _factor(A: np.ndarray, G: np.ndarray, dt: float) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(64):
             more = power @ R
-            if np.linalg.norm(more) <= EPS * np.linalg.norm(R):
+            added = np.vdot(more, more)
+            if added <= EPS**2 * np.vdot(R, R):
                 break
-            if not np.linalg.norm(more) < LARGEST:
+            if not added < LARGEST**2:
                 raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be told; choose gentler "
                                   "gains or other units.")
-            R = _compress(np.hstack([R, more]))
+            R = np.hstack([R, more])
+            if R.shape[1] > WIDE * len(A):
+                R = _compress(R)
             power = power @ power
     R = _compress(R)
     return np.pad(turn @ R, ((0, 0), (0, len(A) - R.shape[1])))
@@ -69,4 +73,4 @@ def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _compress(R: np.ndarray) -> np.ndarray:
     """A factor of R Rᵀ with no more columns than rows."""
-    return np.transpose(qr(R.T, mode="r")[0][: min(R.shape)]) if R.size else R
+    return np.linalg.qr(R.T, mode="r").T if R.size else R
