@@ -1,4 +1,4 @@
-"""`export`: a design as code that proves itself, as data, or as figures."""
+"""`export`: a design as code that proves itself, as data, as figures, or as a sheet for print."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 
 from .options import PLANT_HELP, STATE_HELP, CommandError
 
-HELP = "a design as a script that proves itself, as data or as figures"
+HELP = "a design as a script that proves itself, as data, as figures or as a sheet for print"
 SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("matlab", ".m"), ("json", ".json"), ("csv", ".csv"), ("pdf", ".pdf"),
             ("svg", ".svg"), ("png", ".png"))
 CODE = ("python", "notebook", "matlab")
@@ -14,8 +14,12 @@ CODE = ("python", "notebook", "matlab")
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `export`."""
+    from ..text.languages import languages
+
     parser.add_argument("lesson", metavar="LESSON")
-    parser.add_argument("--to", required=True, choices=[kind for kind, _ in SUFFIXES], help="what to make of it")
+    parser.add_argument("--to", required=True, choices=[kind for kind, _ in SUFFIXES],
+                        help="what to make of it; pdf is the sheet of the lesson for print, svg and png are its figures on one page")
+    parser.add_argument("--lang", choices=languages(), default="en", help="language of figures and sheet (default %(default)s)")
     parser.add_argument("-o", "--output", metavar="FILE", help="where to (default: the lesson's name in this folder)")
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                         help="set a knob; may be repeated, and comes after --state")
@@ -28,12 +32,13 @@ def execute(options: argparse.Namespace) -> int:
     """Compute the design and write the file; prints its name."""
     from ..engine import EngineError
     from ..export.data import json_text, save_csv
+    from ..export.files import FileError, Taken, sheet_file
     from ..export.matlab import function_name, matlab_script
     from ..export.script import ScriptError, notebook, python_script
     from ..tab.state import Saved
     from ..tab.token import write_token
     from .inputs import design_of, find_lesson, fitted, outcome_of
-    from .outputs import save_page, save_words, write
+    from .outputs import save_bytes, save_page, save_words, write
 
     origin = find_lesson(options.lesson)
     design = design_of(origin, options.plant, options.state, options.changes)
@@ -49,13 +54,16 @@ def execute(options: argparse.Namespace) -> int:
             write(name, lambda path: save_words(json_text(design, outcome, token), path))
         elif options.to == "csv":
             write(name, lambda path: save_csv(lesson.figures(outcome), path))
+        elif not name.lower().endswith(dict(SUFFIXES)[options.to]):
+            raise CommandError(f"{name[:80]} does not end in {dict(SUFFIXES)[options.to]}; name it so.")
+        elif options.to == "pdf":
+            file = sheet_file(Taken(lesson, outcome, tuple(lesson.figures(outcome)), token, options.lang))
+            write(name, lambda path: save_bytes(file.content, path))
         else:
-            if not name.lower().endswith(dict(SUFFIXES)[options.to]):
-                raise CommandError(f"{name[:80]} does not end in {dict(SUFFIXES)[options.to]}; name it so.")
-            write(name, lambda path: save_page(lesson.figures(outcome), path))
+            write(name, lambda path: save_page(lesson.figures(outcome), path, options.lang))
     except EngineError as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
-    except ScriptError as problem:
+    except (FileError, ScriptError) as problem:
         raise CommandError(str(problem)) from problem
     print(name)
     return 0

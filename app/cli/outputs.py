@@ -26,14 +26,19 @@ def write(name: str, save: Callable[[str], None]) -> None:
         raise CommandError(f"{name[:80]} cannot be written ({cause(problem)}); choose another place.") from problem
 
 
-def save_page(figures: Sequence[Figure], path: str) -> None:
+def save_page(figures: Sequence[Figure], path: str, language: str = "en") -> None:
     """All figures on one page: .png, .svg or .pdf. Raises CommandError at another suffix."""
     from ..export.figure import ExportError, save_figures  # matplotlib is loaded only when a figure is drawn
 
     try:
-        save_figures(figures, path)
+        save_figures(figures, path, language)
     except ExportError as problem:
         raise CommandError(str(problem)) from problem
+
+
+def save_bytes(content: bytes, path: str) -> None:
+    """A file as it is."""
+    Path(path).write_bytes(content)
 
 
 def save_words(words: str, path: str) -> None:

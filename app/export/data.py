@@ -23,7 +23,7 @@ from ..lesson.figures import (
 from ..lesson.lesson import Design, Outcome
 from ..text import languages, wording
 
-__all__ = ["HEADER", "csv_rows", "json_text", "plain", "run_record", "save_csv"]
+__all__ = ["HEADER", "csv_rows", "distinct", "json_text", "plain", "run_record", "save_csv"]
 
 HEADER = ("figure", "kind", "series", "x", "y", "value")
 Row = tuple[str, str, str, float, float | str, float | str]
@@ -74,14 +74,15 @@ def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
 
 
 def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:
-    names = _distinct([curve.name("en") for curve in curves])
+    names = distinct([curve.name("en") for curve in curves])
     for name, curve in zip(names, curves, strict=True):
         own = np.arange(len(curve.y)) if curve.x is None else curve.x
         for x, y in zip(own if common is None else common, curve.y, strict=True):
             yield id, kind, name, float(x), float(y), ""
 
 
-def _distinct(names: list[str]) -> list[str]:
+def distinct(names: list[str]) -> list[str]:
+    """The names, later ones of a kind with a number behind them: a, b, a (2)."""
     counts = [names[:k].count(name) for k, name in enumerate(names)]
     return [f"{name} ({count + 1})" if count else name for name, count in zip(names, counts, strict=True)]
 

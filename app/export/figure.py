@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -17,7 +18,7 @@ from .panels import draw_lines, draw_map, draw_plane
 from .style import INK, SMALL, TITLE, look, words
 from .wrap import wrap
 
-__all__ = ["SUFFIXES", "ExportError", "draw_page", "save_figures"]
+__all__ = ["SUFFIXES", "Cell", "ExportError", "cell_of", "draw_page", "figures_as", "letter_of", "place", "save_figures"]
 
 # What would differ from one run to the next is left out of each kind of file.
 SUFFIXES: Mapping[str, dict[str, Any]] = MappingProxyType({
@@ -25,6 +26,7 @@ SUFFIXES: Mapping[str, dict[str, Any]] = MappingProxyType({
     ".svg": {"metadata": {"Date": None, "Creator": "Observer Lab"}},
     ".pdf": {"metadata": {"CreationDate": None, "Creator": "Observer Lab", "Producer": None}},
 })
+ABOUT: Mapping[str, str] = MappingProxyType({"png": "Description", "svg": "Description", "pdf": "Subject"})
 DPI = 200
 CELL, MARGIN = 3.55, 0.12  # width of a figure with its words, edge of the page, in inches
 LEFT, RIGHT, HEAD, FOOT = 0.58, 0.14, 0.26, 0.36  # room for numbers and words around the axes, in inches
@@ -39,7 +41,7 @@ class ExportError(ValueError):
 
 
 @dataclass(frozen=True)
-class _Cell:
+class Cell:
     """What one figure needs: inches for its axes and what is around them, and its caption in lines."""
 
     figure: Figure
@@ -64,9 +66,21 @@ def save_figures(figures: Sequence[Figure], path: str | Path, language: str = "e
     kind = path.suffix.lower()
     if kind not in SUFFIXES:
         raise ExportError(f"A figure is written as {', '.join(SUFFIXES)}; {path.name} ends in none of these.")
+    path.write_bytes(figures_as(figures, kind[1:], language))
+
+
+def figures_as(figures: Sequence[Figure], kind: str, language: str = "en", token: str = "") -> bytes:
+    """All figures on one page as "png", "svg" or "pdf", with the token of their state among what the file says of itself.
+
+    Raises ExportError without figures.
+    """
+    metadata = dict(SUFFIXES[f".{kind}"]["metadata"])
+    if token:
+        metadata[ABOUT[kind]] = token
+    out = BytesIO()
     with look(language):
-        page = _draw(figures, language)
-        page.savefig(path, format=kind[1:], dpi=DPI, **SUFFIXES[kind])
+        _draw(figures, language).savefig(out, format=kind, dpi=DPI, metadata=metadata)
+    return out.getvalue()
 
 
 def draw_page(figures: Sequence[Figure], language: str = "en") -> Page:
@@ -79,7 +93,7 @@ def _draw(figures: Sequence[Figure], language: str) -> Page:
     if not figures:
         raise ExportError("There is no figure to draw.")
     across = 1 if len(figures) == 1 else 2
-    cells = [_cell(figure, language) for figure in figures]
+    cells = [cell_of(figure, language) for figure in figures]
     rows = [cells[i:i + across] for i in range(0, len(cells), across)]
     heights = [max(cell.height for cell in row) for row in rows]
     size = (across * CELL + 2 * MARGIN, sum(heights) + 2 * MARGIN)
@@ -88,25 +102,26 @@ def _draw(figures: Sequence[Figure], language: str) -> Page:
     top = size[1] - MARGIN
     for i, (row, height) in enumerate(zip(rows, heights, strict=True)):
         for j, cell in enumerate(row):
-            letter = "" if len(cells) == 1 else f"({_letters(i * across + j)})  "
-            _place(page, size, cell, MARGIN + j * CELL, top, letter, language)
+            letter = "" if len(cells) == 1 else f"({letter_of(i * across + j)})  "
+            place(page, size, cell, MARGIN + j * CELL, top, letter, language)
         top -= height
     return page
 
 
-def _cell(figure: Figure, language: str) -> _Cell:
+def cell_of(figure: Figure, language: str) -> Cell:
+    """The room that a figure takes, with its words."""
     caption = tuple(wrap(figure.caption(language), (CELL - 0.2) * 72 / SMALL))
     if isinstance(figure, TableFigure):
-        return _Cell(figure, ROW * (len(figure.rows) + 1), 0.04, 0.06, caption)
+        return Cell(figure, ROW * (len(figure.rows) + 1), 0.04, 0.06, caption)
     if isinstance(figure, MatrixFigure):
         rows, columns = figure.matrix.shape
         wide = CELL - LEFT - RIGHT
-        return _Cell(figure, wide * min(1.0, rows / max(columns, 1)) * 0.86,
+        return Cell(figure, wide * min(1.0, rows / max(columns, 1)) * 0.86,
                      COLUMN_NAMES if figure.columns else 0.04, 0.06, caption)
-    return _Cell(figure, CURVES, 0.0, FOOT, caption)
+    return Cell(figure, CURVES, 0.0, FOOT, caption)
 
 
-def _place(page: Page, size: tuple[float, float], cell: _Cell, left: float, top: float, letter: str,
+def place(page: Page, size: tuple[float, float], cell: Cell, left: float, top: float, letter: str,
            language: str) -> None:
     """Title, axes and caption of one figure, placed in inches from the upper left corner of its cell."""
     wide, high = size
@@ -122,6 +137,6 @@ def _place(page: Page, size: tuple[float, float], cell: _Cell, left: float, top:
                   va="top", color=INK)
 
 
-def _letters(index: int) -> str:
+def letter_of(index: int) -> str:
     """a … z, then aa, ab …"""
-    return (_letters(index // 26 - 1) if index >= 26 else "") + chr(ord("a") + index % 26)
+    return (letter_of(index // 26 - 1) if index >= 26 else "") + chr(ord("a") + index % 26)

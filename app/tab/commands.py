@@ -1,4 +1,4 @@
-"""What a person can ask of a tab: one frozen record a command, in four unions that their rooms match exhaustively.
+"""What a person can ask of a tab: one frozen record a command, in unions that their rooms match exhaustively.
 
 A field of type `object` holds what a browser sent and is judged where the command is obeyed; nothing is trusted here.
 """
@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..text import Text
+from .orders import Taking
 
 
 @dataclass(frozen=True)
@@ -271,5 +272,5 @@ Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolutio
 Sharing = OpenState | Placed | ToggleTake | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp | Answer
           | Recalled)
-Command = Playing | Designing | Studying | Sharing | Paging
+Command = Playing | Designing | Studying | Sharing | Taking | Paging
 Edit = SetKnobs | Command

@@ -16,9 +16,11 @@ from typing import assert_never
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
-from . import designing, paging, playing, sharing, studying
+from . import designing, paging, playing, sharing, studying, taking
 from .commands import Answer, Command, Designing, Edit, Paging, Placed, Playing, Recalled, SeeWindow, Sharing, Studying, Watched
+from .errands import Errands
 from .mailbox import Mailbox, grouped
+from .orders import Made, Taking
 from .picture import Picture, State, View
 from .presenter import Presenter
 from .reload import PATIENCE, Recall, recalled
@@ -43,6 +45,7 @@ class Session:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
         self._show = Presenter(lessons, view, lesson, State(language=language, exam_seed=exam_seed, plant=plant), clock)
+        self._errands = Errands(self.post)
         self._recall = Recall(self._show, lambda *kept: self.post(Recalled(*kept)))
 
     # --- outside ---------------------------------------------------------------------------------------------------
@@ -57,6 +60,7 @@ class Session:
 
     def close(self) -> None:
         """End the worker; safe from any thread."""
+        self._errands.forget()
         self._mailbox.close()
 
     @property
@@ -79,7 +83,7 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched, Placed))
+            self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched, Placed, Made))
             try:
                 if isinstance(edits, list):
                     self._show.set_knobs(edits)
@@ -108,6 +112,8 @@ class Session:
             studying.obey(self._show, command)
         elif isinstance(command, Sharing):
             sharing.obey(self._show, command)
+        elif isinstance(command, Taking):
+            taking.obey(self._show, self._errands, command)
         elif isinstance(command, Paging):
             paging.obey(self._show, command)
         else:

@@ -194,8 +194,8 @@ class Screen:
 
     def offer(self, token: str) -> None:
         """Open the dialog in which a state can be taken away, or close it."""
-        if self._take is not None:
-            self._take.toggle(token)
+        if self._take is not None and self._picture is not None:
+            self._take.toggle(token, self._picture)
             self._client.flush()
 
     def hand_over(self, name: str, content: bytes) -> None:

@@ -1,11 +1,11 @@
-"""The dialog "Take it with you": the link, its code for a hall's cameras, the state as a file."""
+"""The dialog "Take it with you": the link with its code for a hall's cameras, the state as a file, figures, scripts, a sheet."""
 
 from __future__ import annotations
 
 import html
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import segno
@@ -13,13 +13,16 @@ import viser
 
 from ..lesson.figures import tabs
 from ..tab.commands import Edit, OpenState, Placed, SaveState, ToggleTake
+from ..tab.orders import TakeFile
 from ..tab.picture import Picture
 from ..tab.state import LONGEST
 from ..tab.token import LONGEST_LINK, LONGEST_TOKEN
+from ..text import Text
 from . import phrases, quirks
 
 HOME = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
 LONGEST_CODE = 700  # characters of a link whose code a telephone reads from the back of a hall
+KINDS = ("PNG", "SVG", "PDF", "CSV", "JSON")  # of a figure
 BORDER = 4  # modules of white around a code, as its standard asks for
 
 
@@ -28,6 +31,7 @@ class Take:
 
     def __init__(self, client: viser.ClientHandle, picture: Picture, post: Callable[[Edit], int], home: str) -> None:
         self._client, self._post, self._home, self._lang = client, post, home, picture.state.language
+        self._picture = picture
         self._modal: Any = None
         gui, state = client.gui, picture.state
         button = gui.add_button(phrases.TAKE(self._lang), color="gray")
@@ -47,31 +51,76 @@ class Take:
             if edit is not None:
                 post(edit)
 
-    def toggle(self, token: str) -> None:
-        """Open the dialog on a state, or close it."""
+    def toggle(self, token: str, picture: Picture) -> None:
+        """Open the dialog on a state and what is shown of it, or close it."""
+        self._picture = picture
         if self._modal is not None:
             self._close()
             return
         gui, lang = self._client.gui, self._lang
         self._modal = gui.add_modal(phrases.TAKE(lang))
         with self._modal:
-            gui.add_html(self._link(token))
-            save = gui.add_button(phrases.SAVE(lang))
-            upload = gui.add_upload_button(phrases.OPEN(lang), color="gray", mime_type=".json,.txt", hint=phrases.OPEN_HINT(lang))
+            parts = gui.add_tab_group()
+            with parts.add_tab(phrases.LINK(lang)):
+                self._offer_state(token)
+            if self._picture.figures:
+                with parts.add_tab(phrases.FIGURES(lang)):
+                    self._offer_figures()
+            with parts.add_tab(phrases.SCRIPTS(lang)):
+                self._note(phrases.PROVES)
+                self._button_each({phrases.PYTHON: TakeFile("python"), phrases.NOTEBOOK: TakeFile("notebook"),
+                                   phrases.MATLAB: TakeFile("matlab")})
+            with parts.add_tab(phrases.PAPER(lang)):
+                self._note(phrases.SHEET_HAS)
+                self._button_each({phrases.SHEET: TakeFile("sheet")})
             close = gui.add_button(phrases.CLOSE(lang), color="gray")
 
-        @save.on_click
+        @close.on_click
         async def _(_: viser.GuiEvent) -> None:
-            self._post(SaveState())
+            self._close()
+
+    def _offer_state(self, token: str) -> None:
+        """The link with its code, and the state as a file."""
+        gui, lang = self._client.gui, self._lang
+        gui.add_html(self._link(token))
+        self._button_each({phrases.SAVE: SaveState()})
+        upload = gui.add_upload_button(phrases.OPEN(lang), color="gray", mime_type=".json,.txt", hint=phrases.OPEN_HINT(lang))
 
         @upload.on_upload
         async def _(event: viser.GuiEvent) -> None:
             self._close()
             self._post(OpenState(event.target.value.content[:LONGEST + 1]))
 
-        @close.on_click
+    def _offer_figures(self) -> None:
+        """A figure to choose, the one that is on top first, with its kinds of file; all of them; the stage."""
+        gui, lang, figures, name = self._client.gui, self._lang, self._picture.figures, self._picture.state.tab
+        titles = {f"{k}. {figure.title(lang)}": figure.id for k, figure in enumerate(figures, 1)}
+        shown = next((k for k, figure in enumerate(figures) if figure.tab("en") == name), 0)
+        every = phrases.ALL_FIGURES(lang)
+        choice = gui.add_dropdown(phrases.FIGURE(lang), (*titles, every), initial_value=list(titles)[shown])
+        row = gui.add_button_group("", KINDS)
+        self._button_each({phrases.ZIP: TakeFile("zip")})
+        if self._picture.outcome.stage is not None:
+            gui.add_html(f'<button type="button" class="ol-wide ol-snapshot" data-name="{self._picture.lesson.id}-stage.png">'
+                         f"{phrases.STAGE_PICTURE(lang)}</button>")
+
+        @row.on_click
+        async def _(event: viser.GuiEvent) -> None:
+            if event.target.value in KINDS:
+                self._post(TakeFile(event.target.value.lower(), titles.get(choice.value, "")))
+
+    def _note(self, words: Text) -> None:
+        self._client.gui.add_html(f'<p class="ol-note">{html.escape(words(self._lang))}</p>')
+
+    def _button_each(self, edits: Mapping[Text, Edit]) -> None:
+        """A button for each of these, under its words."""
+        for words, edit in edits.items():
+            self._bind(self._client.gui.add_button(words(self._lang)), edit)
+
+    def _bind(self, button: viser.GuiButtonHandle, edit: Edit) -> None:
+        @button.on_click
         async def _(_: viser.GuiEvent) -> None:
-            self._close()
+            self._post(edit)
 
     def _close(self) -> None:
         if self._modal is not None:

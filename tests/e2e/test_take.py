@@ -1,9 +1,9 @@
-"""A link is copied in one browser and opened in another; reload, back and a bad link do what a person expects."""
+"""A link is copied in one browser and opened in another; reload, back and a bad link do what a person expects; files come."""
 
 from __future__ import annotations
 
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Locator
 from tab import Tab, eventually
 
 STIFFNESS = {"en": "stiffness believed wrong by [%]", "zh": "模型刚度误差 [%]"}
@@ -16,6 +16,13 @@ def open_link(browser: Browser, link: str) -> Tab:
 def address(tab: Tab) -> str:
     """What stands in the address bar now; Playwright's own copy of it is older."""
     return tab.page.evaluate("location.href")
+
+
+def kept(tab: Tab, button: Locator) -> bytes:
+    """The file that a press on a button brings."""
+    with tab.page.expect_download() as download:
+        button.click()
+    return download.value.path().read_bytes()
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
@@ -31,6 +38,9 @@ def test_a_link_copied_in_one_browser_opens_the_same_in_another(tab: Tab, browse
     tab.page.locator(".ol-copy").click()
     assert tab.page.locator(".ol-code").count() == 1
     link = eventually(lambda: tab.page.locator(".ol-link").input_value(), lambda words: words.startswith(tab.address), "a link")
+    tab.page.locator(".mantine-Modal-content").get_by_role("tab").nth(1).click()
+    assert f"state {link.rpartition('#')[2]}\n" in kept(tab, tab.page.get_by_text("CSV", exact=True)).decode("utf-8-sig")
+    assert kept(tab, tab.page.locator(".ol-snapshot")).startswith(b"\x89PNG")
     other = open_link(browser, link)
     assert address(other) == address(tab) and other.value(STIFFNESS[language]) == tab.value(STIFFNESS[language]) == 3
     assert other.question() == tab.question()

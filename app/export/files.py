@@ -1,0 +1,108 @@
+"""What a person can take away of a lesson, as named files: figures, their data, all of it packed, scripts, the sheet."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from ..lesson.figures import Figure
+from ..lesson.lesson import Lesson, Outcome
+from ..text import Text, text
+from .data import json_text
+from .figure import figures_as
+from .fonts import HAN, chinese_font
+from .matlab import function_name, matlab_script
+from .script import ScriptError, notebook, python_script
+from .sheet import sheet
+from .tables import figure_csv, figure_json
+
+__all__ = ["FIGURES", "SCRIPTS", "File", "FileError", "Taken", "all_in_one", "figure_file", "script_file", "sheet_file"]
+
+DRAWN = ("png", "svg", "pdf")
+FIGURES = (*DRAWN, "csv", "json")
+SCRIPTS: Mapping[str, tuple[Callable[[Lesson, Outcome, str], str], str]] = MappingProxyType({
+    "python": (python_script, "py"), "notebook": (notebook, "ipynb"), "matlab": (matlab_script, "m")})
+BORN = (2020, 1, 1, 0, 0, 0)  # of every file in a zip, so that the same records give the same bytes
+NO_FONT = text("The server has no font that holds Chinese, so this file would have boxes for words; switch the page to English for it.")
+NO_SCRIPT = text("No script is written for this lesson yet: its run is of a kind of its own; take its data as JSON or CSV.")
+NO_MATLAB = text("No MATLAB file is written for this lesson yet: its run is of a kind of its own; take its Python script.")
+
+
+class FileError(ValueError):
+    """A file that cannot be made; `text` says why in every language."""
+
+    def __init__(self, said: Text) -> None:
+        super().__init__(said("en"))
+        self.text = said
+
+
+@dataclass(frozen=True)
+class File:
+    """What a browser keeps: a name and bytes."""
+
+    name: str
+    content: bytes
+
+
+@dataclass(frozen=True, eq=False)
+class Taken:
+    """What a file is made of: all that the page shows now, its token, and the language of its words."""
+
+    lesson: Lesson
+    outcome: Outcome
+    figures: tuple[Figure, ...]
+    token: str
+    language: str = "en"
+
+
+def figure_file(taken: Taken, figure: str, kind: str) -> File:
+    """One figure, or all on one page for "", as one of FIGURES. Raises FileError."""
+    chosen = [each for each in taken.figures if figure in ("", each.id)]
+    if not chosen or kind not in FIGURES:
+        raise FileError(text("There is no such figure here any more; open the dialog again."))
+    name = f"{taken.lesson.id}{f'-{figure}' if figure else ''}.{kind}"
+    if kind in DRAWN:
+        _letters(taken.language)
+        return File(name, figures_as(chosen, kind, taken.language, taken.token))
+    if len(chosen) == 1:
+        return File(name, {"csv": figure_csv, "json": figure_json}[kind](chosen[0], taken.token, taken.language))
+    if kind == "json":
+        return File(name, (json_text(taken.outcome.design, taken.outcome, taken.token) + "\n").encode())
+    raise FileError(text("One table holds one figure: choose a figure, or take all of them as one zip."))
+
+
+def all_in_one(taken: Taken) -> File:
+    """A zip with every figure in every form, and the run as JSON. Raises FileError."""
+    name, out = taken.lesson.id, io.BytesIO()
+    files = [figure_file(taken, figure.id, kind) for figure in taken.figures for kind in FIGURES]
+    files.append(File(f"{name}-run.json", (json_text(taken.outcome.design, taken.outcome, taken.token) + "\n").encode()))
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as packed:
+        for file in files:
+            packed.writestr(zipfile.ZipInfo(f"{name}/{file.name}", BORN), file.content, zipfile.ZIP_DEFLATED)
+    return File(f"{name}.zip", out.getvalue())
+
+
+def script_file(taken: Taken, kind: str) -> File:
+    """The script of the design as one of SCRIPTS. Raises FileError where the lesson has none in that language."""
+    write, suffix = SCRIPTS[kind]
+    name = function_name(taken.lesson) if kind == "matlab" else taken.lesson.id
+    try:
+        return File(f"{name}.{suffix}", (write(taken.lesson, taken.outcome, taken.token) + "\n").encode())
+    except ScriptError as problem:
+        written = kind == "matlab" and taken.lesson.code is not None
+        raise FileError(NO_MATLAB if written else NO_SCRIPT) from problem
+
+
+def sheet_file(taken: Taken) -> File:
+    """The sheet of the lesson for print. Raises FileError."""
+    _letters(taken.language)
+    return File(f"{taken.lesson.id}-sheet.pdf", sheet(taken.lesson, taken.outcome, taken.figures, taken.token, taken.language))
+
+
+def _letters(language: str) -> None:
+    """Raises FileError where the words of a language could not be drawn."""
+    if language.split("_")[0] in HAN and chinese_font() is None:
+        raise FileError(NO_FONT)
