@@ -94,7 +94,7 @@ def test_a_lesson_from_the_question_to_the_run(lesson: Lesson, walking: Tab, art
     assert "You predicted B" in tab.page.locator("body").inner_text()
     eventually(tab.clock, lambda t: t > 0.0, "the run plays")
     tab.press("reset")
-    tab.page.set_viewport_size({"width": 1600, "height": 900})
+    tab.page.set_viewport_size({"width": 1366, "height": 768})
     tab.press("kick") if lesson.kick else tab.press("▶ play")
     eventually(tab.clock, lambda t: t > 0.1, "the run plays again")
     tab.button("‖ pause").or_(tab.button("▶ play")).first.click()

@@ -92,7 +92,7 @@ def test_a_run_lost_within_its_first_step_is_said_in_a_sentence() -> None:
 
 
 @adaptable
-@settings(max_examples=25, deadline=None, derandomize=True, database=None,
+@settings(max_examples=12, deadline=None, derandomize=True, database=None,
           suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(plant=plants())
 def test_any_plant_gives_a_finite_picture_or_one_sentence(lesson: Lesson, plant: str) -> None:
@@ -179,7 +179,7 @@ def test_the_example_plants_open_everywhere_or_say_why_not(lesson: Lesson) -> No
 
 
 def knobs_move_something_on(lesson: Lesson, name: str) -> None:
-    """Every knob of a lesson on an example plant, where it fits."""
+    """Every knob of a lesson on an example plant, where it fits; two of its values are looked at, more where they change nothing."""
     own = fitted(lesson.id, name)
     if own is None:
         return
@@ -189,8 +189,11 @@ def knobs_move_something_on(lesson: Lesson, name: str) -> None:
     for knob in own.knobs:
         if not own.shown(knob, start):
             continue
-        changed = 0
+        changed = tried = 0
         for value in others(knob, start):
+            if changed and tried > 1:
+                break
+            tried += 1
             try:
                 new = own.compute(own.apply(start, {knob.name: value}))
                 drawn = tuple(own.figures(new))
