@@ -9,7 +9,7 @@ import pytest
 from laws import each
 
 import lessons
-from app.lesson.prose import ProseError, parse_prose, read_prose
+from app.lesson.prose import ExamWords, ProseError, parse_prose, read_prose
 from app.text import Text, same, text
 from app.view import phrases
 from app.view.prose import mathml, render, with_minus
@@ -42,8 +42,10 @@ The statement.
 - hint two
 ### solution
 The solution.
-## exam
-What is ${a}$ in $x^{{2}}$?
+## exam square: The square
+What is $[[a]]$ in $x^{2}$?
+### derivation
+$$[[a]]^2=[[answer]]$$
 ## source
 Here.
 """
@@ -59,13 +61,13 @@ def test_every_part_is_read() -> None:
     task = prose.tasks["do-it"]
     assert (task.title, task.statement, task.hints, task.solution) == (
         "Do it", "The statement.", ("hint one", "hint two"), "The solution.")
-    assert prose.exam.format(a=3) == "What is $3$ in $x^{2}$?"
+    assert prose.exams == {"square": ExamWords("The square", "What is $[[a]]$ in $x^{2}$?", "$$[[a]]^2=[[answer]]$$")}
     assert prose.source == "Here."
 
 
 @each("lost, name", [("> A question\n> over two lines?\n", "question"), ("What happens?\n", "predict"),
                      ("It was so.\n", "reveal"), ("## source\nHere.\n", "source"),
-                     ("## exam\nWhat is ${a}$ in $x^{{2}}$?\n", "exam"),
+                     ("## exam square: The square\nWhat is $[[a]]$ in $x^{2}$?\n### derivation\n$$[[a]]^2=[[answer]]$$\n", "exams"),
                      ("Some $x$ words.\n\nA second paragraph.\n", "introduction")])
 def test_what_is_missing_is_named(lost: str, name: str) -> None:
     assert lost in GOOD

@@ -13,7 +13,7 @@ from .latex import MOST_ENTRIES, matrix, number
 Value = float | np.ndarray  # a number, a matrix, or a row of numbers that may be complex
 PLACE = re.compile(r"\[\[(\w+)\]\]")
 DIGITS = 4
-BEFORE = ("", "\n", "=", "(", "&", "{", "\\", ",", "|")  # after these a number that is negative needs no brackets
+BEFORE = ("", "\n", "=", "(", "&", "{", "\\", ",", "|", "$", "<", ">", "[")  # after these a number that is negative needs no brackets
 
 
 @dataclass(frozen=True)
@@ -60,19 +60,27 @@ def put_in(step: Derived, values: Mapping[str, Value]) -> str:
     known = [values.get(name) for name in step.places]
     if not known or not all(value is not None and _readable(value) for value in known):
         return ""
-    return PLACE.sub(lambda place: _written(values[place[1]], step.now[:place.start()], step.now[place.end():]), step.now)
+    return fill(step.now, values)
+
+
+def fill(words: str, values: Mapping[str, Value | str]) -> str:
+    """Words with the values in their places `[[name]]`, as they stand in LaTeX; one that is written already stays as it is.
+
+    Raises KeyError for a place without a value.
+    """
+    return PLACE.sub(lambda place: _written(values[place[1]], words[:place.start()], words[place.end():]), words)
 
 
 def _readable(value: Value) -> bool:
     return 0 < np.size(value) <= MOST_ENTRIES and bool(np.all(np.isfinite(value)))
 
 
-def _written(value: Value, before: str, after: str) -> str:
-    if np.ndim(value) == 2:
+def _written(value: Value | str, before: str, after: str) -> str:
+    if not isinstance(value, str) and np.ndim(value) == 2:
         return matrix(np.asarray(value), DIGITS)
-    if np.ndim(value) == 1:
+    if not isinstance(value, str) and np.ndim(value) == 1:
         return r",\;".join(_complex(complex(v)) for v in np.asarray(value))
-    words = number(float(np.real(value)), DIGITS)
+    words = value if isinstance(value, str) else number(float(np.real(value)), DIGITS)
     stuck = re.sub(r"(\\[,;:! ]|\\left|[ \t])+$", "", before)[-1:]
     raised = after.lstrip().startswith("^") and not re.fullmatch(r"[\d.]+", words)
     return f"({words})" if raised or (words.startswith("-") and stuck not in BEFORE) else words

@@ -18,6 +18,7 @@ from ..text import NO_WORDS, Text, joined, text
 from .code import Code
 from .derivation import Value, no_numbers
 from .design import Design as Design
+from .exam import Exam
 from .figures import Figure
 from .knobs import Knob, KnobError
 from .typed import Typed
@@ -159,15 +160,6 @@ def pencil(id: str, typed: Typed, check: Callable[[Outcome[Any]], Verdict] = lam
 
 
 @dataclass(frozen=True)
-class ExamItem:
-    """One exam item: numbers for the text's placeholders, the right answer, and how near an answer must be."""
-
-    numbers: Mapping[str, str]
-    answer: float
-    tolerance: float
-
-
-@dataclass(frozen=True)
 class Job(Generic[S, R]):
     """A longer computation that a person starts, and on what its result depends.
 
@@ -209,7 +201,7 @@ class Lesson(Generic[S]):
     figures: Callable[[Outcome[S]], tuple[Figure, ...]]
     answer: int
     tasks: tuple[Task[S], ...]
-    exam: Callable[[int], ExamItem]
+    exams: tuple[Exam, ...]
     source: str
     words: Mapping[str, Any]  # language → Prose
     answering: str = ""
@@ -284,6 +276,6 @@ def _whose(model: Model, universal: bool, sampled: bool) -> Text:
                  name=name, n=p.n, m=p.m, p=p.p)
     if universal:
         return shown
-    others = text("Text, prediction and exam item speak of the lesson's own plant.")
+    others = text("Text, prediction and exams speak of the lesson's own plant.")
     hold = text("It came sampled; here it is the continuous plant that a held input turns into those samples.")
     return joined(shown, others, hold) if sampled else joined(shown, others)

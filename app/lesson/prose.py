@@ -26,8 +26,10 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
     - hint
     ### solution
     why the solution works
-    ## exam
-    item with {placeholders}
+    ## exam id: title
+    statement with $[[places]]$ for the numbers given
+    ### derivation
+    how the answer follows, and $$equations with [[places]]$$; `[[answer]]` is the answer
     ## source
     where it comes from
 """
@@ -57,6 +59,15 @@ class TaskWords:
 
 
 @dataclass(frozen=True)
+class ExamWords:
+    """Statement of an exam, and how its answer follows, both with places for the numbers drawn."""
+
+    title: str
+    statement: str
+    derivation: str
+
+
+@dataclass(frozen=True)
 class Prose:
     """All words of a lesson in one language. `refutations` stand beside `options`: what refutes each, empty for the right one."""
 
@@ -69,7 +80,7 @@ class Prose:
     reveal: str
     steps: tuple[tuple[str, str], ...]
     tasks: Mapping[str, TaskWords]
-    exam: str
+    exams: Mapping[str, ExamWords]
     source: str
     derivation: tuple[Derived, ...] = ()
 
@@ -103,10 +114,11 @@ def parse_prose(text: str, name: str = "text") -> Prose:
         raise ProseError(f"{name} must begin with '# title'.")
     question = " ".join(line[2:].strip() for line in lines if line.startswith("> "))
     introduction = "\n".join(line for line in lines[1:] if not line.startswith("> ")).strip()
-    predict, reveal, options, refutations, exam, source = "", "", (), (), "", ""
+    predict, reveal, options, refutations, source = "", "", (), (), ""
     steps: list[tuple[str, str]] = []
     derivation: list[Derived] = []
     tasks: dict[str, TaskWords] = {}
+    exams: dict[str, ExamWords] = {}
     for section in sections:
         title, _, body = section.partition("\n")
         kind, _, rest = title.strip().partition(" ")
@@ -123,14 +135,16 @@ def parse_prose(text: str, name: str = "text") -> Prose:
             statement, hints = _bullets(body)
             tasks[key.strip()] = TaskWords(label.strip(), statement, hints, solution.strip())
         elif kind == "exam":
-            exam = body.strip()
+            key, _, label = rest.partition(":")
+            statement, _, derived = body.partition("\n### derivation")
+            exams[key.strip()] = ExamWords(label.strip(), statement.strip(), derived.strip())
         elif kind == "source":
             source = body.strip()
         else:
             raise ProseError(f"{name} has a section '## {title}'; use predict, step, derive, task, exam or source.")
     prose = Prose(lines[0][2:].strip(), question, introduction, predict, options, refutations, reveal.strip(), tuple(steps),
-                  tasks, exam, source, tuple(derivation))
-    for field in ("question", "introduction", "predict", "reveal", "exam", "source"):
+                  tasks, exams, source, tuple(derivation))
+    for field in ("question", "introduction", "predict", "reveal", "exams", "source"):
         if not getattr(prose, field):
             raise ProseError(f"{name} has no {field}.")
     return prose

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ..text import Text
+from .examined import Examining
 from .orders import Taking
 
 
@@ -152,13 +153,6 @@ class ShowSolution:
 
 
 @dataclass(frozen=True)
-class AnswerExam:
-    """An answer to the exam item."""
-
-    answer: object
-
-
-@dataclass(frozen=True)
 class RunJob:
     """Start the lesson's long computation, or cancel it."""
 
@@ -268,9 +262,9 @@ class SaveState:
 
 Playing = Play | Rewind | Seek | ChangeSpeed | Kick | Watched
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
-Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | AnswerExam | RunJob
+Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
 Sharing = OpenState | Placed | ToggleTake | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp | Answer
           | Recalled)
-Command = Playing | Designing | Studying | Sharing | Taking | Paging
+Command = Playing | Designing | Studying | Examining | Sharing | Taking | Paging
 Edit = SetKnobs | Command

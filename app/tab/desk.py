@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from ..lesson.lesson import Verdict
 from .history import History
-from .picture import State, TaskState
+from .picture import ExamState, State, TaskState
 
 
 @dataclass
@@ -18,17 +17,17 @@ class Desk:
     predicted: int | None = None
     revealed: bool = False
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
-    exam: Verdict | None = None
+    exams: Mapping[str, ExamState] = field(default_factory=dict)
     text: str = ""  # as it was last written down, for a reload
 
     def keep(self, state: State) -> None:
         """Take over what the tab's state says of this lesson."""
-        self.predicted, self.revealed, self.tasks, self.exam = state.predicted, state.revealed, state.tasks, state.exam
+        self.predicted, self.revealed, self.tasks, self.exams = state.predicted, state.revealed, state.tasks, state.exams
 
     def laid_out(self, state: State) -> State:
         """The tab's state with this lesson open, at the start of its run."""
         return replace(state, playing=False, loop=None, stopped=False, t=0.0, predicted=self.predicted,
-                       revealed=self.revealed, tasks=self.tasks, exam=self.exam)
+                       revealed=self.revealed, tasks=self.tasks, exams=self.exams)
 
     def take_back(self, old: Desk) -> bool:
         """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.
@@ -38,5 +37,5 @@ class Desk:
         if self.predicted is None:
             self.predicted, self.revealed = old.predicted, old.revealed
         self.tasks = {**old.tasks, **self.tasks}
-        self.exam = self.exam or old.exam
+        self.exams = {**old.exams, **self.exams}
         return self.history.slip_in(old.history.design)

@@ -7,17 +7,18 @@ opened.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson, Verdict
+from ..lesson.typed import LONGEST
 from ..plants.own import canonical, plant_of
 from ..text import languages, text
 from .desk import Desk
 from .history import History
-from .picture import State, TaskState
+from .picture import MOST_ANSWERS, MOST_VARIANTS, Answered, ExamState, State, TaskState
 from .state import judged, plain
 
 VERSION = 2
@@ -34,6 +35,9 @@ class Memory:
     lecture: bool = False
     dark: bool | None = None
     plant: str = ""
+    key: str = ""
+    fresh: str = ""
+    withheld: bool = False
     desks: Mapping[str, object] = field(default_factory=dict)
 
 
@@ -42,13 +46,14 @@ def write_desk(lesson: Lesson, design: Design, state: State) -> str:
     tasks = {name: [task.hints, task.solution, task.verdict is not None and task.verdict.solved]
              for name, task in state.tasks.items()}
     return json.dumps({**plain(lesson, design), "predicted": state.predicted, "revealed": state.revealed,
-                       "tasks": tasks, "exam": state.exam is not None and state.exam.solved}, ensure_ascii=False)
+                       "tasks": tasks, "exams": {name: [exam.variant, [[a.student, a.variant, a.said] for a in exam.answers]]
+                                 for name, exam in state.exams.items()}}, ensure_ascii=False)
 
 
 def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) -> str:
     """The tab as JSON: the lesson that is open and, latest first, as many written desks as there is room for."""
     head = {"version": VERSION, "lesson": lesson, "language": state.language, "lecture": state.lecture,
-            "dark": state.dark}
+            "dark": state.dark, "key": state.key, "fresh": state.fresh, "withheld": state.withheld}
     if state.plant:
         head["yours"] = json.loads(state.plant)
     start = json.dumps(head, ensure_ascii=False)[:-1] + ', "desks": {'
@@ -75,7 +80,8 @@ def read_memory(written: str | None, lessons: Mapping[str, Lesson]) -> Memory | 
         return None
     return Memory(lesson, language if language in languages() else "en", data.get("lecture") is True,
                   dark if isinstance(dark := data.get("dark"), bool) else None,
-                  _plant(data.get("yours")), {name: desk for name, desk in desks.items() if name in lessons})
+                  _plant(data.get("yours")), _short(data.get("key")), _short(data.get("fresh")), data.get("withheld") is True,
+                  {name: desk for name, desk in desks.items() if name in lessons})
 
 
 def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk | None:
@@ -89,7 +95,7 @@ def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk 
     options, predicted = len(lessons[lesson].words["en"].options), data.get("predicted")
     known = isinstance(predicted, int) and not isinstance(predicted, bool) and -1 <= predicted < options
     return Desk(History(design), predicted if known else None, known and data.get("revealed") is True,
-                _tasks(data.get("tasks"), lessons[lesson]), _solved(data.get("exam")))
+                _tasks(data.get("tasks"), lessons[lesson]), _exams(data.get("exams"), lessons[lesson]))
 
 
 def _tasks(data: object, lesson: Lesson) -> dict[str, TaskState]:
@@ -99,6 +105,27 @@ def _tasks(data: object, lesson: Lesson) -> dict[str, TaskState]:
             case [int(hints), bool(solution), bool(solved)] if 0 <= hints <= 100:
                 out[task.id] = TaskState(_solved(solved), hints, solution)
     return out
+
+
+def _exams(data: object, lesson: Lesson) -> dict[str, ExamState]:
+    out = {}
+    for exam in lesson.exams:
+        match data.get(exam.id) if isinstance(data, dict) else None:
+            case [int(variant), list(answers)] if 1 <= variant <= MOST_VARIANTS:
+                given = (Answered(_short(who), int(count), _short(said)) for who, count, said in _triples(answers[-MOST_ANSWERS:]))
+                out[exam.id] = ExamState(variant, tuple(given))
+    return out
+
+
+def _triples(answers: list[object]) -> Iterator[tuple[str, int, str]]:
+    for answer in answers:
+        match answer:
+            case [str(student), int(variant), str(said)] if 0 <= variant <= MOST_VARIANTS:
+                yield student, int(variant), said
+
+
+def _short(words: object) -> str:
+    return words[:LONGEST] if isinstance(words, str) else ""
 
 
 def _solved(solved: object) -> Verdict | None:

@@ -23,6 +23,27 @@ class TaskState:
     typed: str = ""  # what was typed when it was last checked
 
 
+MOST_ANSWERS = 20  # kept of an exam
+MOST_VARIANTS = 10**6
+
+
+@dataclass(frozen=True)
+class Answered:
+    """An answer to one variant of an exam, drawn for one key."""
+
+    student: str
+    variant: int
+    said: str
+
+
+@dataclass(frozen=True)
+class ExamState:
+    """How far a person is with one exam: the variant that is practised, and what was answered, latest last."""
+
+    variant: int = 1
+    answers: tuple[Answered, ...] = ()
+
+
 USUAL = (1366.0, 768.0)  # px of a window that has not told its size
 
 
@@ -57,8 +78,10 @@ class State:
     predicted: int | None = None  # index of the option; −1 when skipped
     revealed: bool = False
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
-    exam: Verdict | None = None
-    exam_seed: int = 1
+    exams: Mapping[str, ExamState] = field(default_factory=dict)
+    key: str = ""  # the student's; the same numbers are drawn for it everywhere
+    fresh: str = ""  # a random one for as long as there is none
+    withheld: bool = False  # whether answers to exams are noted and nothing is told of them
     landscape: bool = False
     plant: str = ""  # the plant that the person brought last, shown now or not
     tab: str | None = None  # the English name of the figures' tab that is open, None for the first
@@ -71,6 +94,11 @@ class State:
     def darkness(self) -> bool:
         """Whether the page is dark now."""
         return self.night if self.dark is None else self.dark
+
+    @property
+    def student(self) -> str:
+        """The key that numbers are drawn for."""
+        return self.key or self.fresh
 
     @property
     def moving(self) -> bool:

@@ -123,7 +123,7 @@ class Presenter:
         self._drafts.draw(self.lessons[design.lesson].fit(design.plant), design)
         self.desks.lay(design.lesson, design, self.clock())
         self.state = replace(state, language=saved.language, lecture=saved.lecture, tab=saved.tab, step=saved.step,
-                             camera=saved.camera, plant=design.plant or state.plant)
+                             camera=saved.camera, plant=design.plant or state.plant, withheld=saved.withheld or state.withheld)
         if self._shown is None:
             self.lesson = self.lessons[design.lesson]
         else:
@@ -291,7 +291,7 @@ class Presenter:
     def saved(self) -> Saved:
         """The state as a link carries it."""
         state = self.state
-        return Saved(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye())
+        return Saved(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye(), state.withheld)
 
     def _write_down(self) -> None:
         self.desk.text = write_desk(self.lesson, self.design, self.state)

@@ -65,7 +65,8 @@ def _go_on(show: Presenter, memory: Memory | None) -> None:
         show.desks.take_back(memory.desks)
         show.lesson = show.lessons[memory.lesson]
         show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
-                             plant=memory.plant or show.state.plant)
+                             plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
+                             withheld=memory.withheld or show.state.withheld)
         if show.shown is not None:
             show.open()
 
@@ -73,7 +74,8 @@ def _go_on(show: Presenter, memory: Memory | None) -> None:
 def _put_beside(show: Presenter, memory: Memory) -> None:
     met = show.desks.take_back(memory.desks)
     desk = show.desk
-    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, tasks=desk.tasks, exam=desk.exam,
-                        plant=show.state.plant or memory.plant))
+    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, tasks=desk.tasks, exams=desk.exams,
+                        plant=show.state.plant or memory.plant, key=show.state.key or memory.key, fresh=memory.fresh or show.state.fresh,
+                        withheld=show.state.withheld or memory.withheld))
     if met:
         show.view.say(LATE, False)

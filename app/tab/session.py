@@ -8,6 +8,7 @@ paging; what the tab shows is in presenter.
 from __future__ import annotations
 
 import logging
+import secrets
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -16,9 +17,10 @@ from typing import assert_never
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
-from . import designing, paging, playing, sharing, studying, taking
+from . import designing, examining, paging, playing, sharing, studying, taking
 from .commands import Answer, Command, Designing, Edit, Paging, Placed, Playing, Recalled, SeeWindow, Sharing, Studying, Watched
 from .errands import Errands
+from .examined import Examining
 from .mailbox import Mailbox, grouped
 from .orders import Made, Taking
 from .picture import Picture, State, View
@@ -38,13 +40,16 @@ class Session:
     """
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
-                 clock: Callable[[], float] = time.monotonic, exam_seed: int = 1, plant: str = "",
+                 clock: Callable[[], float] = time.monotonic, plant: str = "",
                  state: str = "") -> None:
-        """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it."""
+        """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
+
+        Exams are drawn for a random key until the person gives one.
+        """
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
-        self._show = Presenter(lessons, view, lesson, State(language=language, exam_seed=exam_seed, plant=plant), clock)
+        self._show = Presenter(lessons, view, lesson, State(language=language, fresh=secrets.token_hex(8), plant=plant), clock)
         self._errands = Errands(self.post)
         self._recall = Recall(self._show, lambda *kept: self.post(Recalled(*kept)))
 
@@ -110,6 +115,8 @@ class Session:
             designing.obey(self._show, command)
         elif isinstance(command, Studying):
             studying.obey(self._show, command)
+        elif isinstance(command, Examining):
+            examining.obey(self._show, command)
         elif isinstance(command, Sharing):
             sharing.obey(self._show, command)
         elif isinstance(command, Taking):

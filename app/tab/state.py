@@ -24,8 +24,8 @@ VERSION = 1
 LONGEST = 200_000  # characters of a written state that are read at all
 FAR = 100.0  # stage units: no camera stands farther off
 LONGEST_NAME = 60  # characters of a figure tab's name
-FIELDS = frozenset({"version", "lesson", "knobs", "plant", "defaults", "language", "print", "tab", "step", "camera"})
-DESK = frozenset({"predicted", "revealed", "tasks", "exam"})  # what a tab keeps beside a design, read by `memory`
+FIELDS = frozenset({"version", "lesson", "knobs", "plant", "defaults", "language", "print", "tab", "step", "camera", "withheld"})
+DESK = frozenset({"predicted", "revealed", "tasks", "exam", "exams"})  # what a tab keeps beside a design, read by `memory`
 NO_STATE = text("This is not a design of Observer Lab; save one with the app and give that.")
 TOO_LARGE = text("The design holds a number or a nesting too large for a computer; simplify it.")
 OTHER_DEFAULTS = text("The lesson's defaults have changed since this was saved; what it does not name stands as it is today.")
@@ -36,7 +36,8 @@ class Saved:
     """What a link restores: the design, and how the page showed it.
 
     `tab` is the English name of the figures' tab, `step` the index of the opened step of thought, `camera` position and
-    target in stage units; None where the page stood as it opens. `notes` say what could not be taken over.
+    target in stage units; None where the page stood as it opens. `withheld` says that nothing is told of answers to exams.
+    `notes` say what could not be taken over.
     """
 
     design: Design
@@ -45,6 +46,7 @@ class Saved:
     tab: str | None = None
     step: int | None = None
     camera: tuple[float, ...] | None = None
+    withheld: bool = False
     notes: tuple[Text, ...] = ()
 
 
@@ -92,7 +94,8 @@ def judged(data: object, lessons: Mapping[str, Lesson]) -> Saved:
     language, tab, step = data.get("language"), data.get("tab"), data.get("step")
     return Saved(design, language if isinstance(language, str) and language in languages() else "en", data.get("print") is True,
                  tab if isinstance(tab, str) and len(tab) <= LONGEST_NAME else None,
-                 step if _index(step, len(lesson.words["en"].steps)) else None, _camera(data.get("camera")), tuple(notes))
+                 step if _index(step, len(lesson.words["en"].steps)) else None, _camera(data.get("camera")),
+                 data.get("withheld") is True, tuple(notes))
 
 
 def _designed(lesson: Lesson, knobs: Mapping[str, object]) -> tuple[Design, list[Text]]:
@@ -140,7 +143,7 @@ def short(lesson: Lesson, saved: Saved) -> dict[str, object]:
     record = {"lesson": lesson.id, "knobs": {name: words for name, words in _shown(own, design) if words != start[name]},
               "plant": None if not design.plant else named or json.loads(design.plant), "defaults": defaults_of(lesson),
               "language": saved.language, "print": saved.lecture or None, "tab": saved.tab, "step": saved.step,
-              "camera": None if saved.camera is None else [_rounded(v) for v in saved.camera]}
+              "camera": None if saved.camera is None else [_rounded(v) for v in saved.camera], "withheld": saved.withheld or None}
     return {key: value for key, value in record.items() if value is not None}
 
 

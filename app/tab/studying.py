@@ -1,4 +1,4 @@
-"""Predictions, tasks, the exam item, and the long computation that a person starts."""
+"""Predictions, tasks, and the long computation that a person starts."""
 
 from __future__ import annotations
 
@@ -8,11 +8,10 @@ from dataclasses import replace
 from typing import assert_never
 
 from ..lesson.knobs import KnobError
-from ..lesson.lesson import Task, Verdict
+from ..lesson.lesson import Task
 from ..lesson.typed import LONGEST
 from ..text import text
 from .commands import (
-    AnswerExam,
     CheckNextTask,
     CheckTask,
     Predict,
@@ -49,8 +48,6 @@ def obey(show: Presenter, command: Studying) -> None:
             _hint(show, _find(show, task))
         case ShowSolution(task):
             _solve(show, _find(show, task))
-        case AnswerExam(answer):
-            _judge(show, number(answer, finite=False))
         case RunJob():
             _start_or_cancel(show)
         case _:
@@ -105,13 +102,6 @@ def _hint(show: Presenter, task: Task) -> None:
 def _solve(show: Presenter, task: Task) -> None:
     show.adopt(show.lesson.apply(show.design, task.solution))
     _see(show, task, replace(_seen(show, task), solution=True))
-
-
-def _judge(show: Presenter, value: float) -> None:
-    item = show.lesson.exam(show.state.exam_seed)
-    right = abs(value - item.answer) <= item.tolerance  # false for NaN
-    said = text("Right.") if right else text("{value:g} is not it; work it out again.", value=value)
-    show.change(replace(show.state, exam=Verdict(right, said)))
 
 
 # --- the long computation ------------------------------------------------------------------------------------------

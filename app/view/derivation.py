@@ -8,7 +8,7 @@ from ..lesson.derivation import Derived, put_in
 from ..lesson.lesson import Outcome
 from ..tab.picture import Picture
 from . import phrases
-from .prose import mathml, render
+from .prose import drawn, render
 
 
 class Derivation:
@@ -33,7 +33,7 @@ class Derivation:
                     self._now.append(gui.add_html(""))
 
     def _told(self, step: Derived) -> str:
-        return (f'{_drawn(step.equation)}<p class="ol-note">{render(step.text)}</p>'
+        return (f'{drawn(step.equation)}<p class="ol-note">{render(step.text)}</p>'
                 f'<details class="ol-note ol-why"><summary>{phrases.WHY(self._lang)}</summary>{render(step.why)}</details>')
 
     def show(self, picture: Picture) -> None:
@@ -49,10 +49,6 @@ class Derivation:
         values = picture.lesson.derived(picture.outcome)
         for handle, step in zip(self._now, self._steps, strict=True):
             line = put_in(step, values)
-            content = "" if not line else f'<p class="ol-caption">{phrases.PUT_IN(self._lang)}</p>{_drawn(line)}'
+            content = "" if not line else f'<p class="ol-caption">{phrases.PUT_IN(self._lang)}</p>{drawn(line)}'
             if handle.content != content:
                 handle.content = content
-
-
-def _drawn(equation: str) -> str:
-    return '<div class="ol-formula ol-derived">' + "".join(f"<div>{mathml(line, True)}</div>" for line in equation.split("\n")) + "</div>"

@@ -1,4 +1,4 @@
-"""The left column: question, prediction, knobs, explanation, tasks, exam item."""
+"""The left column: question, prediction, knobs, explanation, tasks, exams."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import Any
 import viser
 
 from ..tab.commands import (
-    AnswerExam,
     CheckTask,
     Edit,
     OpenLesson,
@@ -22,6 +21,7 @@ from ..tab.picture import Picture, TaskState
 from ..text import languages, name_of
 from . import phrases
 from .derivation import Derivation
+from .exams import Exams
 from .knobrows import KnobRows
 from .plants import PlantRow
 from .prediction import Prediction
@@ -55,7 +55,8 @@ class Panel:
         self._derivation = Derivation(gui, picture)
         self._part("tasks")
         self._make_tasks(picture)
-        self._make_exam(picture)
+        self._exams = Exams(gui, picture, post)
+        gui.add_markdown(f"*{phrases.SOURCE(self._lang)}: {render(self._words.source)}*")
 
     @property
     def fields(self) -> dict[str, dict[str, object]]:
@@ -134,20 +135,6 @@ class Panel:
             elif word in commands:
                 self._post(commands[word])
 
-    def _make_exam(self, picture: Picture) -> None:
-        gui, lang = self._gui, self._lang
-        item = self._lesson.exam(picture.state.exam_seed)
-        with gui.add_folder(phrases.EXAM(lang), expand_by_default=False):
-            gui.add_markdown(render(self._words.exam.format(**item.numbers)))
-            answer = gui.add_number(phrases.ANSWER(lang), 0.0, step=0.001)
-            button = gui.add_button(phrases.CHECK(lang))
-            self._exam = gui.add_html("")
-        gui.add_markdown(f"*{phrases.SOURCE(lang)}: {render(self._words.source)}*")
-
-        @button.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            self._post(AnswerExam(answer.value))
-
     # --- showing ---------------------------------------------------------------------------------------------------
     def show(self, picture: Picture) -> None:
         """Everything in the column that may have changed."""
@@ -161,8 +148,7 @@ class Panel:
         self._prediction.show(picture)
         for task_id in self._tasks:
             self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))
-        verdict = picture.state.exam
-        _write(self._exam, "" if verdict is None else judged(verdict.solved, verdict.text(self._lang)))
+        self._exams.show(picture)
 
     def _show_numbers(self, picture: Picture) -> None:
         if self._formulas or hasattr(self, "_live"):

@@ -47,6 +47,11 @@ def render(markdown: str) -> str:
     return re.sub(r"\$(.+?)\$", lambda m: mathml(m[1].strip()), text, flags=re.S)
 
 
+def drawn(equation: str) -> str:
+    """The lines of an equation in a derivation."""
+    return '<div class="ol-formula ol-derived">' + "".join(f"<div>{mathml(line, True)}</div>" for line in equation.split("\n")) + "</div>"
+
+
 def judged(solved: bool, words: str) -> str:
     """Words with a sign and a colour that say whether something was right."""
     return f'<div class="ol-note {"ol-right" if solved else "ol-wrong"}">{"✓" if solved else "✗"} {with_minus(words)}</div>'

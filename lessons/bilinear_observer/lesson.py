@@ -9,12 +9,13 @@ from app.lesson.prose import read_prose
 
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
-LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answering="error", tasks=TASKS, exam=exam,
+LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answering="error", tasks=TASKS, exams=EXAMS,
                 source="Synthesis of functional observers for bilinear plants (004), Avtometriya 53 (2017) no. 4, "
                        "equations (1)–(24) and the worked example",
                 words=read_prose(Path(__file__).parent), aside=("amplitude", "omega", "seed", "tau", "chi0", "line"), code=code,

@@ -1,10 +1,8 @@
-"""Tasks of the lesson and its exam item: the slip, the plant that runs away, no derivative, three sensors."""
+"""Tasks of the lesson: the slip, the plant that runs away, no derivative, three sensors."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.plants.bilinear import POLE
 from app.text import text
 
@@ -87,10 +85,3 @@ TASKS = (
     Task("lag", _lag, {"form": FILTERED, "tau": 0.004}),
     Task("three-sensors", _three, {"problem": "three-fitting", "chi0": 4.5}),
 )
-
-
-def exam(seed: int) -> ExamItem:
-    """Scalar A*, B* and a pole p: π = (A* − p)/B*."""
-    rng = np.random.default_rng(seed)
-    a, b, p = -float(rng.integers(10, 90)) / 10, float(rng.integers(11, 49)) / 10, -float(rng.integers(12, 45))
-    return ExamItem({"a": f"{a:g}", "b": f"{b:g}", "p": f"{p:g}"}, (a - p) / b, 0.006)

@@ -9,12 +9,13 @@ from app.lesson.prose import read_prose
 
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures, pick
 from .knobs import KNOBS
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
-LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="spectrum-rotation", tasks=TASKS, exam=exam,
+LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="spectrum-rotation", tasks=TASKS, exams=EXAMS,
                 source="Platform report (003), chapter 2: equations (2)–(38), figures 3–6; section 5.3.3",
                 words=read_prose(Path(__file__).parent), aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
     derived=derived, code=code)

@@ -1,12 +1,10 @@
-"""Tasks of the lesson: what C_v really is, a mixing that works, the claim about pitch, living with pitch closed; the exam item."""
+"""Tasks of the lesson: what C_v really is, a mixing that works, the claim about pitch, living with pitch closed."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .loops import BEST, NONE, POLES, SHAPED
@@ -93,10 +91,3 @@ TASKS = (
         "horizontal": POLES, "pitch": True, "bandwidth": 5.0, "control_poles": (-20 + 15j, -20 - 15j, *NEAR_THE_ZEROS),
         "observer_poles": (-60 + 45j, -60 - 45j, *NEAR_THE_ZEROS)})),
 )
-
-
-def exam(seed: int) -> ExamItem:
-    """A = s − a, B = k, Φ = (s + c)²: E = s + a + 2c and F = (c + a)²/k."""
-    rng = np.random.default_rng(seed)
-    a, c, k = int(rng.integers(1, 6)), int(rng.integers(2, 9)), int(rng.integers(2, 6))
-    return ExamItem({"a": str(a), "c": str(c), "k": str(k)}, (c + a) ** 2 / k, 1e-3 * (c + a) ** 2 / k)

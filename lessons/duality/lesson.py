@@ -9,14 +9,15 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .derive import derived
+from .exams import EXAMS
 from .figures import all_figures
 from .knobs import KNOBS
 from .own import adapted
 from .study import BLOCK, compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "duality", 5, KNOBS, partial(compute, BLOCK), partial(all_figures, BLOCK), answer=2, answering="gains", tasks=TASKS, exam=exam,
+    "duality", 5, KNOBS, partial(compute, BLOCK), partial(all_figures, BLOCK), answer=2, answering="gains", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), duality section: L = K_dᵀ; observer notes (001), spring-damper example",
     words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted,
     derived=derived)

@@ -1,10 +1,8 @@
-"""Tasks of duality, checked on the outcome, and its exam item."""
+"""Tasks of duality, checked on the outcome."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
@@ -47,16 +45,6 @@ def _mirror_image(outcome: Outcome[Twins]) -> Verdict:
                                   m=100 * m))
     return Verdict(False, text("Mirrored at the q axis, the ellipses still differ by {m:.0f} %; bring it to 2 %.",
                                m=100 * m))
-
-
-def exam(seed: int) -> ExamItem:
-    """Spring-damper with m = 1: a feedback for (Aᵀ, Cᵀ) with poles −a, −c is given; what is the second entry of L?"""
-    rng = np.random.default_rng(seed)
-    b, k = float(rng.integers(1, 9)) / 4, float(rng.integers(1, 7))
-    a, c = (float(v) for v in rng.choice(np.arange(2, 9), 2, replace=False))
-    first = a + c - b
-    return ExamItem({"b": f"{b:g}", "k": f"{k:g}", "p1": f"-{a:g}", "p2": f"-{c:g}", "first": f"{first:g}"},
-                    a * c - k - b * first, 0.0051)  # two decimals
 
 
 TASKS = (

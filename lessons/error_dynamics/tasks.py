@@ -1,10 +1,10 @@
-"""The tasks of lesson 2 and its exam item."""
+"""The tasks of lesson 2."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -73,13 +73,6 @@ def confused(outcome: Outcome[Study]) -> Verdict:
                                   "this plant.",
                                   moved=moved))
     return Verdict(False, text("The input moves the error by {moved:.0e}; look for a way to 0.1.", moved=moved))
-
-
-def exam(seed: int) -> ExamItem:
-    """A block m = 1 with other b and k, both observer poles at −p: l₂ = p² − k − b l₁ with l₁ = 2p − b."""
-    rng = np.random.default_rng(seed)
-    b, k, p = float(rng.integers(1, 10)) / 10, float(rng.integers(1, 7)), float(rng.integers(2, 7))
-    return ExamItem({"b": f"{b:g}", "k": f"{k:g}", "p": f"-{p:g}"}, p**2 - k - b * (2 * p - b), 0.005)
 
 
 TASKS = (

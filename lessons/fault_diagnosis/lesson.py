@@ -9,14 +9,15 @@ from app.lesson.prose import read_prose
 
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "fault-diagnosis", 17, KNOBS, compute, figures, answer=0, answering="isolation", tasks=TASKS, exam=exam,
+    "fault-diagnosis", 17, KNOBS, compute, figures, answer=0, answering="isolation", tasks=TASKS, exams=EXAMS,
     source="Chen and Patton, Robust Model-Based Fault Diagnosis for Dynamic Systems (1999), chapter 3; platform report (003), section 3.1",
     words=read_prose(Path(__file__).parent), aside=("force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived)

@@ -1,10 +1,10 @@
-"""Tasks: rare false alarms, a coil that half works, a fault that nothing shows, the loop that limps on; and the exam."""
+"""Tasks: rare false alarms, a coil that half works, a fault that nothing shows, the loop that limps on."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text, text_in
 
 from .bank import DT, PLACES
@@ -66,15 +66,6 @@ def _limp(o: Outcome[Study]) -> Verdict:
     if pitch > CALM:
         return Verdict(False, text("{said}; at most {calm:.1f} mrad are wanted.", said=said, calm=CALM))
     return Verdict(True, text("{said} and the deck goes on without VR.", said=said))
-
-
-def exam(seed: int) -> ExamItem:
-    """The zero of (A, E, C) for two states, the first one measured: s = d − b e₂/e₁."""
-    rng = np.random.default_rng(seed)
-    a, b, c, d = (int(v) for v in (rng.integers(-4, 0), rng.integers(1, 5), rng.integers(-4, 0), rng.integers(-6, 0)))
-    e1, e2 = int(rng.integers(1, 5)), int(rng.integers(1, 6)) * int(rng.choice([-1, 1]))
-    numbers = {"a": str(a), "b": str(b), "c": str(c), "d": str(d), "e1": str(e1), "e2": str(e2)}
-    return ExamItem(numbers, d - b * e2 / e1, 0.01)
 
 
 TASKS = (

@@ -8,13 +8,14 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .derive import derived
+from .exams import EXAMS
 from .figures import all_figures
 from .knobs import KNOBS
 from .own import adapted
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
-LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answering="error_parts", tasks=TASKS, exam=exam,
+LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answering="error_parts", tasks=TASKS, exams=EXAMS,
                 source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
                 words=read_prose(Path(__file__).parent), adapt=adapted,
     derived=derived)

@@ -1,10 +1,10 @@
-"""Tasks of the lesson: slow but fine, the twin, silence, the cure; and the exam item."""
+"""Tasks of the lesson: slow but fine, the twin, silence, the cure."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -63,15 +63,6 @@ def _cure(outcome: Outcome[Case]) -> Verdict:
                                    error=_number(error), state=_number(state)))
     return Verdict(True, text("Nothing is hidden: observer {error}, controller {state}, as asked.",
                               error=_number(error), state=_number(state)))
-
-
-def exam(seed: int) -> ExamItem:
-    """A = [a b; b a], C = [1 −1]: which eigenvalue of A − LC is the same for every L? The one of (1, 1): a + b."""
-    rng = np.random.default_rng(seed)
-    a, b = -float(rng.integers(2, 9)), float(rng.integers(1, 12))
-    if a + b == 0:
-        b += 1.0
-    return ExamItem({"a": f"{a:g}", "b": f"{b:g}"}, a + b, 1e-6)
 
 
 TASKS = (

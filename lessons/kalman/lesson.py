@@ -11,12 +11,13 @@ from app.plants.model import Model
 
 from .code import code, own_code
 from .derive import derived
+from .exams import EXAMS
 from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 
 def _adapted(lesson: Lesson, model: Model) -> Lesson:
@@ -25,7 +26,7 @@ def _adapted(lesson: Lesson, model: Model) -> Lesson:
 
 
 LESSON = Lesson(
-    "kalman", 9, KNOBS, compute, all_figures, answer=2, answering="nees", tasks=TASKS, exam=exam,
+    "kalman", 9, KNOBS, compute, all_figures, answer=2, answering="nees", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
     words=read_prose(Path(__file__).parent), aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
     derived=derived)

@@ -1,10 +1,8 @@
-"""Tasks of the lesson, judged over all records and not by the luck of one; and the exam item."""
+"""Tasks of the lesson, judged over all records and not by the luck of one."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import Text, text
 
 from .knobs import NEAR_R, NONE, SLIPS
@@ -70,14 +68,6 @@ def _report(o: Outcome[Study]) -> Verdict:
     return Verdict(True, text("Tuned, and yet the innovations have {over_r:.2f} R over all records; S promised "
                               "{s_over_r:.2f} R.",
                               over_r=e.over_R, s_over_r=e.S_over_R))
-
-
-def exam(seed: int) -> ExamItem:
-    """One step of a scalar filter: p⁻ = a² p + Q, p⁺ = p⁻ R/(p⁻ + R)."""
-    rng = np.random.default_rng(seed)
-    a, p, Q, R = float(rng.integers(5, 15)) / 10, int(rng.integers(1, 7)), int(rng.integers(1, 6)), int(rng.integers(1, 9))
-    prior = a * a * p + Q
-    return ExamItem({"a": f"{a:g}", "p": str(p), "Q": str(Q), "R": str(R)}, prior * R / (prior + R), 0.01)
 
 
 TASKS = (

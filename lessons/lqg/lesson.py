@@ -12,18 +12,19 @@ from app.plants.model import Model
 from .cases import Case, case_of, doyle_case, report_case
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import all_figures
 from .job import JOB
 from .knobs import knobs_for
 from .study import compute_for
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 
 def build(cases: tuple[Case, ...]) -> Lesson:
     """The lesson on these cases."""
     return Lesson(
         "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, answering="margins",
-        tasks=TASKS, exam=exam,
+        tasks=TASKS, exams=EXAMS,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
         words=read_prose(Path(__file__).parent), aside=("cut", "filter", "rule"),
         job=JOB, code=code)

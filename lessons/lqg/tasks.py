@@ -1,12 +1,11 @@
-"""Tasks of the lesson: margins vanish, recovery, twenty decibels with time to spare, a rule turned round; the exam."""
+"""Tasks of the lesson: margins vanish, recovery, twenty decibels with time to spare, a rule turned round."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.lesson.typed import Typed
-from app.plants.doyle import gains
 from app.text import text
 
 from .cases import DOYLE, REPORT
@@ -80,16 +79,6 @@ def _rule(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("Ten times β_R leaves {more:.3g} times the noise in the input: suppressed more, not "
                               "less.",
                               more=more))
-
-
-def exam(seed: int) -> ExamItem:
-    """By how many per cent may the input's gain exceed the model's: 100/(d f)."""
-    rng = np.random.default_rng(seed)
-    roots = rng.integers(3, 13, size=2)  # √(4 + q) and √(4 + σ) are whole
-    q, sigma = int(roots[0] ** 2 - 4), int(roots[1] ** 2 - 4)
-    f, d = gains(q, sigma)
-    answer = 100 / (d * f)
-    return ExamItem({"q": str(q), "sigma": str(sigma)}, answer, 0.01 * answer)
 
 
 TASKS = (

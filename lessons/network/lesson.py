@@ -9,14 +9,15 @@ from app.lesson.prose import read_prose
 
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "network", 18, KNOBS, compute, figures, answer=3, answering="means", tasks=TASKS, exam=exam,
+    "network", 18, KNOBS, compute, figures, answer=3, answering="means", tasks=TASKS, exams=EXAMS,
     source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004; "
            "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
     words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB, code=code,

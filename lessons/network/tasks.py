@@ -1,12 +1,8 @@
-"""Tasks of the lesson: the edge, faster sampling, the gap between the bounds, the wall; and the exam item."""
+"""Tasks of the lesson: the edge, faster sampling, the gap between the bounds, the wall."""
 
 from __future__ import annotations
 
-import math
-
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -67,13 +63,6 @@ def _wall(outcome: Outcome[Study]) -> Verdict:
                                    "{designed:.3f} at most.", loop_radius=m["loop_radius"], designed=m["designed_radius"]))
     return Verdict(True, text("The meter reads 0 and the largest modulus is {loop_radius:.3f}, as designed.",
                               loop_radius=m["loop_radius"]))
-
-
-def exam(seed: int) -> ExamItem:
-    """ẋ = s x + u sampled every h: 100 e^{−2 s h} per cent may be lost."""
-    rng = np.random.default_rng(seed)
-    s, h = int(rng.integers(2, 13)) / 2, int(rng.integers(2, 11)) * 10
-    return ExamItem({"s": f"{s:g}", "h": str(h)}, 100 * math.exp(-2 * s * h / 1000), 0.2)
 
 
 TASKS = (

@@ -8,15 +8,16 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .derive import derived
+from .exams import EXAMS
 from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "noise", 8, KNOBS, compute, all_figures, answer=0, answering="valley", tasks=TASKS, exam=exam,
+    "noise", 8, KNOBS, compute, all_figures, answer=0, answering="valley", tasks=TASKS, exams=EXAMS,
     source="Observer notes (001) on fast poles; platform report (003), section 4.1, equations (43)–(50)",
     words=read_prose(Path(__file__).parent),
     job=JOB, adapt=adapted,

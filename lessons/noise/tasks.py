@@ -1,10 +1,10 @@
-"""Tasks of the lesson: the bottom by hand, the other side of the valley, a quiet start; and the exam item."""
+"""Tasks of the lesson: the bottom by hand, the other side of the valley, a quiet start."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .knobs import KNOBS
@@ -64,13 +64,6 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("{numbers}; wanted at most {peak:g} m/s and {settled:g} s.",
                                    numbers=numbers, peak=PEAK, settled=SETTLED))
     return Verdict(True, text("{numbers}: fast enough, and the estimate never leaps.", numbers=numbers))
-
-
-def exam(seed: int) -> ExamItem:
-    """ẋ = −a x + w, y = x + v: the Kalman gain L = −a + √(a² + W/V)."""
-    rng = np.random.default_rng(seed)
-    a, W, V = int(rng.integers(1, 7)), int(rng.integers(2, 40)), float(rng.choice([0.1, 0.2, 0.5, 1.0, 2.0]))
-    return ExamItem({"a": str(a), "W": str(W), "V": f"{V:g}"}, float(-a + np.sqrt(a * a + W / V)), 0.01)
 
 
 TASKS = (

@@ -9,14 +9,15 @@ from app.lesson.prose import read_prose
 
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "nonlinear", 14, KNOBS, compute, figures, answer=3, answering="errors", tasks=TASKS, exam=exam,
+    "nonlinear", 14, KNOBS, compute, figures, answer=3, answering="errors", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4, Algorithms 1–3, and appendix B; Athans, Wishner and Bertolini (1968); Julier, Uhlmann and "
            "Durrant-Whyte (2000)",
     words=read_prose(Path(__file__).parent), aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,

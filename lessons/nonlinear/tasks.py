@@ -1,10 +1,8 @@
-"""Tasks of the lesson: back to linear, a start small enough, a filter that deceives itself, the report; and the exam item."""
+"""Tasks of the lesson: back to linear, a start small enough, a filter that deceives itself, the report."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import Text, text
 
 from .cases import FALL, PLATFORM
@@ -73,13 +71,6 @@ def _report(o: Outcome[Study]) -> Verdict:
     return Verdict(True, text("On a linear plant the printed UKF leaves the Kalman filter by up to "
                               "{apart_ukf:.2g} σ.",
                               apart_ukf=m["apart_ukf"]))
-
-
-def exam(seed: int) -> ExamItem:
-    """The mean of a x² that sigma points find, a (m² + P)."""
-    rng = np.random.default_rng(seed)
-    a, m, P = int(rng.integers(2, 6)), int(rng.integers(1, 8)), float(rng.integers(1, 13)) / 4
-    return ExamItem({"a": str(a), "m": str(m), "P": f"{P:g}"}, a * (m * m + P), 0.01)
 
 
 TASKS = (

@@ -1,10 +1,8 @@
-"""The tasks of lesson 3 and its exam item: one sensor for all, a wrong sentence, full rank nearly hidden, low rank."""
+"""The tasks of lesson 3: one sensor for all, a wrong sentence, full rank nearly hidden, low rank."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -90,12 +88,3 @@ TASKS = (
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),
     Task("low-rank", _low_rank, {"plant": "many", "count": 20}, Typed(lambda o: o.design["count"] ** (o.design["count"] - 1))),
 )
-
-
-def exam(seed: int) -> ExamItem:
-    """A = [a b; c d], C = [1 0], y(0) and ẏ(0) given: x₂(0) = (ẏ(0) − a y(0))/b."""
-    rng = np.random.default_rng(seed)
-    a, b, c, d = (float(v) for v in (rng.integers(-4, 5), rng.choice([-5, -4, -2, 2, 4, 5]), *rng.integers(-4, 5, 2)))
-    y, x2 = float(rng.integers(1, 6)), float(rng.integers(-12, 13)) / 2
-    return ExamItem({k: f"{v:g}" for k, v in (("a", a), ("b", b), ("c", c), ("d", d), ("y", y), ("dy", a * y + b * x2))},
-                    x2, 1e-6)

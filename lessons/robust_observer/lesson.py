@@ -9,14 +9,15 @@ from app.lesson.prose import read_prose
 
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import all_figures
 from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
-LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, answering="criterion", tasks=TASKS, exam=exam,
+LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, answering="criterion", tasks=TASKS, exams=EXAMS,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
                 words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "beta", "gamma", "remark", "line", "columns"), kick=False,
                 job=JOB, adapt=adapted, code=code,

@@ -1,10 +1,8 @@
-"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper; and the exam item."""
+"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -67,14 +65,6 @@ def _sizes(outcome: Outcome[Story]) -> Verdict:
                               "{right} columns here.",
                               lines=LINES[d["line"]], true=true[0], true2=true[1], printed=printed[0],
                               printed2=printed[1], columns=COLUMNS[d["columns"]], right=right))
-
-
-def exam(seed: int) -> ExamItem:
-    """J of example 1 at an integer s with integer weights: 2α|s| + β|s² + 4s + 3| + γ|50 + 30s|."""
-    rng = np.random.default_rng(seed)
-    s, a, b, c = -int(rng.integers(2, 10)), int(rng.integers(1, 5)), int(rng.integers(1, 5)), int(rng.integers(1, 5))
-    answer = 2 * a * abs(s) + b * abs(s * s + 4 * s + 3) + c * abs(50 + 30 * s)
-    return ExamItem({"s": str(s), "a": str(a), "b": str(b), "c": str(c)}, float(answer), 1e-6)
 
 
 TASKS = (

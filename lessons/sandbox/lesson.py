@@ -14,11 +14,12 @@ from app.plants.own import own_model, plant_of
 
 from ..toolkit.tasks import fair
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .job import job_on
 from .knobs import knobs
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
@@ -30,7 +31,7 @@ def build(model: Model) -> Lesson:
     """The sandbox for a plant."""
     return Lesson(
         "sandbox", 19, knobs(model), partial(compute, model), partial(figures, model), answer=1, answering="lights",
-        tasks=TASKS, exam=exam, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
+        tasks=TASKS, exams=EXAMS, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
         words=read_prose(Path(__file__).parent), aside=("sensor", "belief", "tolerance"), job=job_on(model),
         adapt=adapted, universal=True, derived=partial(derived))
 

@@ -1,10 +1,8 @@
-"""Tasks of the sandbox, for any plant on which they can be done, and its exam item."""
+"""Tasks of the sandbox, for any plant on which they can be done."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .analyses import Refusal
@@ -57,13 +55,6 @@ def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("rank(O) = {rank} of {n} now, and not one mode is hidden: the tolerance decided, "
                               "not the plant.",
                               rank=rank, n=n))
-
-
-def exam(seed: int) -> ExamItem:
-    """A = [a 1; 0 b], C = [1 c]: the mode at b has the direction (1, b − a) and is hidden where 1 + c (b − a) = 0."""
-    rng = np.random.default_rng(seed)
-    a, b = (int(v) for v in rng.choice(np.arange(-9, 0), 2, replace=False))
-    return ExamItem({"a": str(a), "b": str(b)}, 1.0 / (a - b), 0.0051)  # two decimals
 
 
 TASKS = (

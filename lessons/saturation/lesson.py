@@ -8,15 +8,16 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .job import JOB, pick
 from .knobs import KNOBS
 from .own import adapted
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "saturation", 7, KNOBS, compute, figures, answer=3, answering="error", tasks=TASKS, exam=exam,
+    "saturation", 7, KNOBS, compute, figures, answer=3, answering="error", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), section on the limits of the separation principle",
     words=read_prose(Path(__file__).parent), job=JOB, pick=pick, adapt=adapted,
     derived=derived)

@@ -1,12 +1,10 @@
-"""The tasks of lesson 7 and its exam item."""
+"""The tasks of lesson 7."""
 
 from __future__ import annotations
 
 from types import MappingProxyType
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .knobs import APPLIED, KNOBS
@@ -61,13 +59,6 @@ def _better_observer(outcome: Outcome[Study]) -> Verdict:
                                    "{worst:.3g}.",
                                    stopped_at=m["stopped_at"], worst=worst))
     return Verdict(True, text("It comes home with {u_max:g} N; only the observer has changed.", u_max=d["u_max"]))
-
-
-def exam(seed: int) -> ExamItem:
-    """Double integrator, observer poles both −p, told u but given less by d: e₂ settles at −2d/p (e = x − x̂)."""
-    rng = np.random.default_rng(seed)
-    p, limit, excess = int(rng.integers(2, 9)), int(rng.integers(1, 5)), int(rng.integers(1, 7))
-    return ExamItem({"p": str(p), "asked": str(limit + excess), "given": str(limit)}, -2.0 * excess / p, 6e-3)
 
 
 TASKS = (

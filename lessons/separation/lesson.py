@@ -9,13 +9,14 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
 from .study import DECK, compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1, answering="spectrum", tasks=TASKS, exam=exam,
+    "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1, answering="spectrum", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), separation section, equations of the augmented loop",
     words=read_prose(Path(__file__).parent), adapt=adapted, derived=partial(derived, DECK))

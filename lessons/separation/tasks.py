@@ -1,4 +1,4 @@
-"""The tasks of lesson 4 and its exam item."""
+"""The tasks of lesson 4."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .knobs import KNOBS
@@ -60,15 +60,6 @@ def _unstable_compensator(outcome: Outcome[Study]) -> Verdict:
     return Verdict(False, text("The compensator's rightmost pole is {own:.3g}; it must cross into the right half "
                                "plane while the loop stays stable.",
                                own=own))
-
-
-def exam(seed: int) -> ExamItem:
-    """A double integrator, two poles on each board: the trace of the loop's matrix is the sum of all four."""
-    rng = np.random.default_rng(seed)
-    c = sorted(float(v) for v in rng.choice(np.arange(2, 9), 2, replace=False))
-    o = sorted(float(v) for v in rng.choice(np.arange(10, 20), 2, replace=False))
-    answer = -(c[0] + c[1] + o[0] + o[1])
-    return ExamItem({"c1": f"-{c[0]:g}", "c2": f"-{c[1]:g}", "o1": f"-{o[0]:g}", "o2": f"-{o[1]:g}"}, answer, 1e-6)
 
 
 TASKS = (

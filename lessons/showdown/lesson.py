@@ -8,14 +8,15 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .job import JOB
 from .knobs import KNOBS
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "showdown", 13, KNOBS, compute, figures, answer=0, answering="suppression", tasks=TASKS, exam=exam,
+    "showdown", 13, KNOBS, compute, figures, answer=0, answering="suppression", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
     words=read_prose(Path(__file__).parent), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,

@@ -1,12 +1,10 @@
-"""Tasks of the lesson: twenty decibels everywhere, an optimum that is beaten, a delay that one side survives; the exam."""
+"""Tasks of the lesson: twenty decibels everywhere, an optimum that is beaten, a delay that one side survives."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .players import ORDER, SISO
@@ -86,13 +84,6 @@ def _late(outcome: Outcome[Study]) -> Verdict:
                                    got=_words(got), kept=KEPT))
     return Verdict(True, text("At {delay:g} ms the SISO loops are lost; the full LQG still gains {got} dB.",
                               delay=d["delay"], got=_words(got)))
-
-
-def exam(seed: int) -> ExamItem:
-    """Two coils with u = −k v each on a free mass m, sampled at f and held: v⁺ = (1 − 2k/(m f)) v, stable up to k = m f."""
-    rng = np.random.default_rng(seed)
-    m, f = int(rng.integers(4, 25)), int(rng.choice([200, 250, 400, 500, 800, 1000, 1200, 1600, 2000]))
-    return ExamItem({"m": str(m), "f": str(f)}, float(m * f), 0.005 * m * f)
 
 
 TASKS = (

@@ -8,14 +8,15 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .own import adapted
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
 LESSON = Lesson(
-    "virtual-sensor", 1, KNOBS, compute, figures, answer=0, answering="error", tasks=TASKS, exam=exam,
+    "virtual-sensor", 1, KNOBS, compute, figures, answer=0, answering="error", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), sections on the virtual sensor and on the error's own life",
     words=read_prose(Path(__file__).parent), aside=("power",), adapt=adapted,
     derived=derived)

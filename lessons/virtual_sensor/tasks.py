@@ -1,10 +1,8 @@
-"""The tasks of lesson 1 and its exam item."""
+"""The tasks of lesson 1."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .knobs import HORIZON, RUNAWAY, TAME
@@ -67,13 +65,6 @@ def wrong_fan(outcome: Outcome[Study]) -> Verdict:
     return Verdict(False, text("The core error at the end is {error:.2g} K; bring it to 0.05 K. The core's entry "
                                "of L is {first:.3g}.",
                                error=error, first=first))
-
-
-def exam(seed: int) -> ExamItem:
-    """A runaway chip with one state: e decays as e^{(a − L)t}; which L leaves a tenth of the error at time t?"""
-    rng = np.random.default_rng(seed)
-    a, t = float(rng.integers(2, 10)) / 10, float(rng.integers(2, 9)) / 2
-    return ExamItem({"a": f"{a:g}", "t": f"{t:g}"}, a + float(np.log(10.0)) / t, 0.01)
 
 
 TASKS = (

@@ -9,12 +9,13 @@ from app.lesson.prose import read_prose
 
 from .code import code
 from .derive import derived
+from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
 from .study import compute
-from .tasks import TASKS, exam
+from .tasks import TASKS
 
-LESSON = Lesson("weak-states", 12, KNOBS, compute, figures, answer=1, answering="shapes", tasks=TASKS, exam=exam, kick=False,
+LESSON = Lesson("weak-states", 12, KNOBS, compute, figures, answer=1, answering="shapes", tasks=TASKS, exams=EXAMS, kick=False,
                 source="Platform report (003), chapter 3: rank, Hankel values (39), truncation, section 3.3",
                 words=read_prose(Path(__file__).parent), aside=("ground", "measure", "h", "a", "mu", "kp", "v0", "pressed"), code=code,
     derived=derived)

@@ -1,10 +1,8 @@
-"""Tasks of the lesson: the face of what is cut, the wider gap, rank by another clock, geometry; and the exam item."""
+"""Tasks of the lesson: the face of what is cut, the wider gap, rank by another clock, geometry."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict
 from app.text import text
 
 from .body import NOMINAL, share
@@ -74,13 +72,6 @@ def _geometry(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("σ₉ = {weakest}, {times:.3g} times the old one; 10 times within 5 % are wanted.",
                                    weakest=show(weakest), times=times))
     return Verdict(True, text("σ₉ = {weakest}, {times:.3g} times the old one, by geometry alone.", weakest=show(weakest), times=times))
-
-
-def exam(seed: int) -> ExamItem:
-    """g s/(s² + c s + k) is cut away: both its Hankel values are g/(2c), so the bound 2Σσ is 2g/c."""
-    rng = np.random.default_rng(seed)
-    g, c, k = float(rng.integers(1, 10)), float(rng.choice([0.2, 0.4, 0.5, 0.8, 1.6, 2.5])), float(rng.integers(20, 90))
-    return ExamItem({"g": f"{g:g}", "c": f"{c:g}", "k": f"{k:g}"}, 2 * g / c, 1e-6)
 
 
 TASKS = (

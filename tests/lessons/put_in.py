@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 TOKEN = re.compile(r"\[\[(?P<place>\w+)\]\]|(?P<number>\d+(?:\.\d+)?)|(?P<word>\\[A-Za-z]+)|(?P<mark>[-+()^{}/])")
-FUNCTIONS = {"\\sqrt": np.sqrt, "\\lg": np.log10, "\\exp": np.exp}
+FUNCTIONS = {"\\sqrt": np.sqrt, "\\lg": np.log10, "\\ln": np.log, "\\exp": np.exp}
 SKIPPED = re.compile(r"\\[,;:! ]|\\left|\\right|\\bigl|\\bigr|\\Bigl|\\Bigr|\\mathrm\{(?:rad|dB|Hz)\}|\^\\circ|\s")
 
 

@@ -1,21 +1,17 @@
-"""Tasks, predictions and exam items of every lesson."""
+"""Tasks and predictions of every lesson."""
 
 from __future__ import annotations
 
-import math
-import string
 from collections import Counter
 from typing import Any
 
 import pytest
 from laws import each
-from lesson_checks import check_markdown, complete, every_lesson, shown
+from lesson_checks import complete, every_lesson, shown
 
-from app.lesson.lesson import ExamItem, Lesson
+from app.lesson.lesson import Lesson
 from app.text import languages
 from lessons import LESSONS
-
-SEEDS = range(1, 13)
 
 
 def every_task() -> list[Any]:
@@ -48,22 +44,3 @@ def test_the_letters_of_right_predictions_are_spread_evenly() -> None:
     """Whoever always presses the same letter is right in at most three lessons of ten."""
     letters = Counter(lesson.answer for lesson in LESSONS.values())
     assert set(letters) == set(range(4)) and max(letters.values()) <= 0.3 * len(LESSONS), letters
-
-
-@every_lesson
-def test_exam_items_differ_between_students_and_fit_the_text(lesson: Lesson) -> None:
-    items: list[ExamItem] = [lesson.exam(seed) for seed in SEEDS]
-    assert len({item.answer for item in items}) > len(items) // 3
-    assert all(math.isfinite(item.answer) and math.isfinite(item.tolerance) and item.tolerance > 0 for item in items)
-    for seed, item in zip(SEEDS, items, strict=True):
-        assert lesson.exam(seed) == item
-        drawn = [lesson.words[language].exam.format(**item.numbers) for language in languages()]
-        for language, text in zip(languages(), drawn, strict=True):
-            check_markdown(text, f"exam {language}")
-            assert "None" not in text and "nan" not in text
-
-
-@every_lesson
-def test_the_exam_text_uses_the_same_numbers_in_both_languages(lesson: Lesson) -> None:
-    used = {lang: {name for _, name, _, _ in string.Formatter().parse(lesson.words[lang].exam) if name} for lang in languages()}
-    assert used["en"] == used["zh"] == set(lesson.exam(1).numbers)

@@ -116,7 +116,7 @@ def test_figures_keep_their_ids_when_knobs_move(lesson: Lesson) -> None:
 
 def texts(prose: Prose) -> Iterator[tuple[str, str]]:
     """Every piece of a lesson's prose with a name for it."""
-    for name in ("title", "question", "introduction", "predict", "reveal", "exam", "source"):
+    for name in ("title", "question", "introduction", "predict", "reveal", "source"):
         yield name, getattr(prose, name)
     yield from ((f"option {i}", option) for i, option in enumerate(prose.options))
     yield from ((f"refutation {i}", words) for i, words in enumerate(prose.refutations) if words)
@@ -171,8 +171,7 @@ def test_every_wrong_option_is_refuted_and_the_right_one_is_not(lesson: Lesson) 
 @pytest.mark.parametrize("language", languages())
 def test_the_mathematics_of_the_prose_is_drawn(lesson: Lesson, language: str) -> None:
     for name, text in texts(lesson.words[language]):
-        if name != "exam":
-            check_markdown(text, f"{language} {name}")
+        check_markdown(text, f"{language} {name}")
 
 
 @every_lesson

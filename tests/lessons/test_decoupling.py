@@ -168,13 +168,6 @@ def test_the_closed_spectrum_is_the_loops_own_response() -> None:
         assert 1e-12 * (np.abs(z)**2).sum(axis=1) == pytest.approx((s.closed - s.sensors)[k], rel=1e-5)
 
 
-def test_the_exam_answer_places_both_poles() -> None:
-    for seed in range(5):
-        item = LESSON.exam(seed)
-        a, c, k = (float(item.numbers[n]) for n in "ack")
-        assert np.polyadd(np.polymul([1, -a], [1, a + 2 * c]), [k * item.answer]) == pytest.approx(np.poly([-c, -c]))
-
-
 def test_no_line_is_drawn_for_a_loop_that_is_open() -> None:
     figures = {f.id: f for f in LESSON.figures(LESSON.compute(LESSON.start()))}
     rotation = figures["controllers"].curves[2]

@@ -14,7 +14,6 @@ from lessons.error_dynamics.knobs import DT, HORIZON
 from lessons.error_dynamics.lesson import LESSON
 from lessons.error_dynamics.notes import PLANT, PRINTED_MATRIX, notes_figures, printed_model, taken_at_its_word
 from lessons.error_dynamics.study import force
-from lessons.error_dynamics.tasks import exam
 
 INPUTS = ({"input": "none"}, {"input": "step", "amplitude": 2.0}, {"input": "sine", "frequency": 0.16},
           {"input": "square", "frequency": 0.5}, {"input": "random", "seed": 7},
@@ -144,14 +143,6 @@ def test_the_numbers_in_the_text_are_the_engines(language):
                    rf"{own.real:.2g}\pm{own.imag:.3f}j", rf"L=({double[0, 0]:.3g},\ {double[1, 0]:.3g})",
                    *(f"{p.real:.3f}".replace("-", "−") for p in (*gain, *printed))):
         assert number in text, number
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_the_exam_answer_puts_both_poles_where_asked(seed):
-    item = exam(seed)
-    b, k, p = (float(item.numbers[name]) for name in ("b", "k", "p"))
-    A = np.array([[-(-2 * p - b), 1.0], [-k - item.answer, -b]])
-    assert np.poly(A) == pytest.approx([1.0, -2 * p, p * p])
 
 
 def test_a_hand_beyond_the_limits_is_refused_with_a_sentence():

@@ -248,13 +248,6 @@ def test_runs_carry_over_to_another_sample_only():
     assert carried(LESSON, done.design, done.study.trials, outcome(q=1.1, r=1.0)).study.trials is None
 
 
-@pytest.mark.parametrize("seed", range(1, 5))
-def test_the_exam_answer_is_the_product_of_information(seed):
-    item = LESSON.exam(seed)
-    a, p, Q, R = (float(item.numbers[k]) for k in ("a", "p", "Q", "R"))
-    assert 1 / item.answer == pytest.approx(1 / (a * a * p + Q) + 1 / R)
-
-
 @pytest.mark.parametrize("seed", range(1, 13))
 @pytest.mark.parametrize("noise", ["white", "carried"])
 def test_a_filter_is_not_condemned_by_one_record(noise: str, seed: int) -> None:

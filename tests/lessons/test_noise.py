@@ -123,14 +123,6 @@ def test_runs_carry_over_to_another_view_of_the_same_design_only():
     assert carried(LESSON, done.design, done.study.trials, outcome(w=0.05)).study.trials is None
 
 
-@pytest.mark.parametrize("seed", range(1, 6))
-def test_the_exam_answer_is_control_lqe(seed):
-    item = LESSON.exam(seed)
-    a, w, v = (float(item.numbers[k]) for k in ("a", "W", "V"))
-    L, _, _ = control.lqe(np.array([[-a]]), np.eye(1), np.eye(1), np.array([[w]]), np.array([[v]]))
-    assert item.answer == pytest.approx(float(L[0, 0]), abs=1e-9)
-
-
 @pytest.mark.parametrize("kick", [-1.0, 1.0])
 def test_a_peak_names_its_causes(kick: float) -> None:
     caption = next(f for f in LESSON.figures(outcome(kick=kick)) if f.id == "peaks").caption("en")

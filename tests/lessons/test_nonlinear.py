@@ -134,13 +134,6 @@ def test_the_job_keeps_what_only_the_view_changes():
     assert carried(LESSON, done.design, done.study, after) is after  # another filter steers: other runs
 
 
-def test_exam_is_the_second_moment():
-    item = LESSON.exam(5)
-    a, m, P = (float(item.numbers[k]) for k in "amP")
-    x = m + np.sqrt(P) * np.random.default_rng(0).standard_normal(2_000_000)
-    assert item.answer == pytest.approx(a * np.mean(x**2), rel=5e-3)
-
-
 # --- what the page claims ----------------------------------------------------------------------------------------------------
 def test_a_known_start_leaves_the_kf_five_times_overconfident_and_the_ekf_honest():
     """Solution of the second task, by the two hundred runs of the button."""

@@ -285,16 +285,6 @@ def test_the_columns_of_the_free_parameter():
         functional_observer(plant, K, 2, poles=[-4, -3], free=np.zeros((1, 2)))  # n + p − r*
 
 
-@pytest.mark.parametrize("seed", range(8))
-def test_the_exams_answer_is_the_engines_J(seed):
-    item = LESSON.exam(seed)
-    n = {k: float(v) for k, v in item.numbers.items()}
-    w = EXAMPLE_1.wrong
-    wrong = type(w)(w.A, w.C, n["a"] * w.alpha, n["b"] * w.beta, n["c"] * w.gamma)
-    o = functional_observer(EXAMPLE_1.plant, EXAMPLE_1.K, 1, poles=[n["s"]], wrong=wrong, norm=1)
-    assert pytest.approx(item.answer) == o.J
-
-
 def test_no_steady_amplitude_is_told_of_a_loop_that_is_unstable() -> None:
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"a1": -0.5}))
     said = next(f.caption("en") for f in LESSON.figures(outcome) if f.id == "e_u")

@@ -13,7 +13,6 @@ from app.plants.examples import EXAMPLES, example
 from app.plants.own import canonical, own_model, plant_of
 from lessons.sandbox.analyses import RUNGS, Refusal, trial
 from lessons.sandbox.lesson import LESSON
-from lessons.sandbox.tasks import exam
 
 
 def opened(plant: Plant | str, **changes: object) -> tuple[Lesson, Outcome]:
@@ -122,14 +121,6 @@ def test_what_was_recovered_stays_while_only_the_observer_moves() -> None:
     assert carried(lesson, start.design, found, observer).study.steps == found.steps
     moved = lesson.apply(start.design, {"controller_poles": [1.2 * p for p in start.design["controller_poles"]]})
     assert not carried(lesson, start.design, found, lesson.compute(moved)).study.steps
-
-
-@pytest.mark.parametrize("seed", range(1, 9))
-def test_the_exam_answer_hides_the_mode(seed: int) -> None:
-    item = exam(seed)
-    a, b = float(item.numbers["a"]), float(item.numbers["b"])
-    plant = Plant(np.array([[a, 1.0], [0.0, b]]), np.ones((2, 1)), np.array([[1.0, item.answer]]))
-    assert observability(plant).unobservable == pytest.approx((b,))
 
 
 @pytest.mark.parametrize("controller", [(-3.0, -1.0, 0.0, 0.0), (-1.0, 0.0, 0.0, 0.0), (-2.0, -1.0, -0.5, 0.0)], ids=str)

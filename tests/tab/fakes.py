@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 
 from app.engine import EngineError
+from app.lesson.exam import Exam, ExamItem, Lot, decimals
 from app.lesson.figures import Curve as Line
 from app.lesson.figures import LineFigure
 from app.lesson.knobs import Choice, Number, Poles, Track
-from app.lesson.lesson import Design, ExamItem, Job, Lesson, Outcome, Stage, Task, Verdict
+from app.lesson.lesson import Design, Job, Lesson, Outcome, Stage, Task, Verdict
 from app.lesson.prose import parse_prose
 from app.plants import MODELS
 from app.tab.commands import Command, SetKnobs
@@ -49,8 +50,10 @@ statement
 - hint
 ### solution
 because
-## exam
-item {{a}}
+## exam twice: Twice
+twice $[[a]]$
+### derivation
+$$2\\cdot[[a]]=[[answer]]$$
 ## source
 source
 """
@@ -163,7 +166,7 @@ def toy(name: str = "toy", **changes: Any) -> Lesson:
     lesson = Lesson(
         name, 1, knobs, toy_compute, toy_figures, answer=1,
         tasks=(Task("high", _at_least, {"gain": 5.0}), Task("low", _at_most, {"gain": 0.5})),
-        exam=toy_exam, source="none",
+        exams=(Exam("twice", decimals(2), toy_exam),), source="none",
         words={lang: parse_prose(WORDS.format(title=f"{name} {lang}")) for lang in ("en", "zh")})
     return replace(lesson, **changes)
 
@@ -186,8 +189,9 @@ def toy_figures(outcome: Outcome) -> tuple[LineFigure, ...]:
     return (LineFigure("x", same("x"), outcome.stage.t, (Line(same("x"), outcome.stage.x[:, 0]),)),)
 
 
-def toy_exam(seed: int) -> ExamItem:
-    return ExamItem({"a": str(seed)}, 2.0 * seed, 0.01)
+def toy_exam(lot: Lot) -> ExamItem:
+    a = lot.part(1, 900, 100)
+    return ExamItem({"a": a}, 2 * a)
 
 
 def _at_least(outcome: Outcome) -> Verdict:

@@ -9,7 +9,6 @@ import pytest
 from fakes import BROKEN, FORBIDDEN, UNDRAWABLE, UNSHOWABLE, Tab, toy, toy_compute
 
 from app.tab.commands import (
-    AnswerExam,
     CheckTask,
     ChoosePlant,
     Command,
@@ -26,6 +25,7 @@ from app.tab.commands import (
     Undo,
     UploadPlant,
 )
+from app.tab.examined import AnotherVariant, AnswerExam
 from app.tab.history import MERGE
 from app.text import Text, text
 
@@ -90,8 +90,9 @@ def test_a_bad_value_does_not_take_a_good_one_of_another_knob_with_it(tab: Tab) 
 @pytest.mark.parametrize("command", [
     object(), "play", Play, Predict("first"), Predict(None), Predict(1e9), Predict(float("nan")), Predict(10**400),
     Seek("soon"), Seek([1.0]), OpenLesson("nowhere"), OpenLesson(None), OpenLesson(["toy"]), CheckTask("nothing"),
-    CheckTask(None), ShowHint("nothing"), ShowHint(None), ShowSolution("nothing"), AnswerExam("a lot"),
-    AnswerExam(None), DrawByHand("gain", 1.0), ChoosePlant("nowhere"), UploadPlant("a.json", None),
+    CheckTask(None), ShowHint("nothing"), ShowHint(None), ShowSolution("nothing"), AnswerExam("twice", "a lot"), AnswerExam("nothing", "1"),
+    AnswerExam("twice", None), AnswerExam("twice", " "), AnotherVariant("nothing"), AnotherVariant(None),
+    DrawByHand("gain", 1.0), ChoosePlant("nowhere"), UploadPlant("a.json", None),
     Refuse(text("No.")),
 ], ids=lambda command: type(command).__name__)
 def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, command: Command) -> None:
@@ -104,7 +105,7 @@ def test_commands_that_do_not_exist_or_make_no_sense(tab: Tab, command: Command)
 
 def test_a_sentence_about_a_command_does_not_speak_of_computing_a_design(tab: Tab) -> None:
     """What happened and what to change: a task that does not exist has nothing to do with the design."""
-    for command in (ShowSolution("nothing"), AnswerExam("a lot"), Predict("first"), Seek("soon")):
+    for command in (ShowSolution("nothing"), AnswerExam("twice", "a lot"), Predict("first"), Seek("soon")):
         tab.do(command)
     assert not [s("en") for s in tab.view.scolded() if "could not compute this design" in s("en")]
 

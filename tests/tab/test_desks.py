@@ -10,7 +10,6 @@ import pytest
 from fakes import FakeView, Tab, toy
 
 from app.tab.commands import (
-    AnswerExam,
     CheckTask,
     OpenLesson,
     Predict,
@@ -21,6 +20,7 @@ from app.tab.commands import (
     TurnPage,
     Undo,
 )
+from app.tab.examined import AnswerExam
 from app.tab.history import MERGE
 from app.tab.session import Session
 
@@ -64,20 +64,20 @@ def test_every_lesson_keeps_its_own_desk() -> None:
     tab.do(Predict(1))
     tab.do(ShowHint("high"))
     tab.do(CheckTask("high"))
-    tab.do(AnswerExam(2.0))
+    tab.do(AnswerExam("twice", "2"))
     tab.do(Reveal())
     mine = tab.picture.state
     tab.do(OpenLesson("second"))
     other = tab.picture
     assert other.lesson.id == "second" and other.design == tab.lessons["second"].start()
     assert other.state.predicted is None and not other.state.revealed and not other.state.tasks
-    assert other.state.exam is None and not other.state.can_undo and not other.state.playing and other.state.t == 0.0
+    assert not other.state.exams and not other.state.can_undo and not other.state.playing and other.state.t == 0.0
     tab.set(gain=3.0)
     tab.do(OpenLesson("first"))
     back = tab.picture
     assert back.design["gain"] == 5.0
     assert (back.state.predicted, back.state.revealed) == (mine.predicted, mine.revealed)
-    assert (back.state.tasks, back.state.exam) == (mine.tasks, mine.exam)
+    assert (back.state.tasks, back.state.exams) == (mine.tasks, mine.exams) and mine.exams
     tab.do(Undo())
     assert tab["gain"] == 2.0
     tab.do(OpenLesson("second"))

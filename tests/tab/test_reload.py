@@ -14,7 +14,6 @@ from fakes import BROKEN, Clock, FakeView, Tab, toy
 from app.lesson.lesson import Lesson
 from app.tab import memory
 from app.tab.commands import (
-    AnswerExam,
     CheckTask,
     LookFrom,
     OpenLesson,
@@ -29,7 +28,9 @@ from app.tab.commands import (
     ToggleLecture,
     Undo,
 )
+from app.tab.examined import AnswerExam, SetKey, Withhold
 from app.tab.history import DEPTH, History
+from app.tab.picture import Answered
 from app.tab.reload import LATE, PATIENCE
 from app.tab.session import Session
 
@@ -47,7 +48,9 @@ def worked() -> Tab:
     tab.do(Reveal())
     tab.do(ShowHint("low"))
     tab.do(CheckTask("high"))
-    tab.do(AnswerExam(2.0))
+    tab.do(SetKey("me"))
+    tab.do(Withhold(True))
+    tab.do(AnswerExam("twice", "2"))
     tab.do(OpenLesson("second"))
     tab.set(gain=2.123456789012345, mode="b", poles=[(-0.123456789, 0.987654321), (-0.123456789, -0.987654321)])
     tab.do(SetLanguage("zh"))
@@ -91,7 +94,8 @@ def test_a_reload_brings_back_every_lesson_that_was_worked_on() -> None:
     assert first.state.tasks["low"].hints == 1 and first.state.tasks["low"].verdict is None
     verdict = first.state.tasks["high"].verdict
     assert verdict is not None and verdict.solved
-    assert first.state.exam is not None and first.state.exam.solved
+    assert first.state.exams["twice"].answers == (Answered("me", 0, "2"),) and first.state.key == "me" and first.state.withheld
+    assert first.state.fresh == before.picture.state.fresh != ""
 
 
 def test_a_lesson_that_is_left_before_its_knobs_rest_is_kept_as_it_was_left() -> None:
@@ -288,7 +292,8 @@ def test_a_torn_memory_of_the_tab_opens_the_lesson_at_its_start(kept: str) -> No
 @pytest.mark.parametrize("more", [
     {"predicted": 7}, {"predicted": "1"}, {"predicted": True}, {"tasks": 3}, {"tasks": {"high": 3}},
     {"tasks": {"high": [1, 2]}}, {"tasks": {"high": [-1, False, True]}}, {"tasks": {"high": ["1", False, True]}},
-    {"tasks": {"nobody": [1, True, True]}}, {"exam": "yes"}, {"revealed": True},
+    {"tasks": {"nobody": [1, True, True]}}, {"exams": "yes"}, {"exams": {"nobody": [1, []]}},
+    {"exams": {"twice": [0, []]}}, {"exams": {"twice": [1, 2]}}, {"revealed": True},
 ])
 def test_what_was_never_done_is_not_believed(more: dict[str, Any]) -> None:
     session = Session({"toy": toy()}, FakeView(), "toy")
@@ -296,7 +301,7 @@ def test_what_was_never_done_is_not_believed(more: dict[str, Any]) -> None:
     session.open()
     assert session.picture is not None and session.picture.design["gain"] == 3.0
     state = session.picture.state
-    assert state.predicted is None and not state.revealed and not state.tasks and state.exam is None
+    assert state.predicted is None and not state.revealed and not state.tasks and not state.exams
 
 
 @pytest.mark.parametrize("walked", [0, 1, 3])

@@ -1,4 +1,4 @@
-"""Tasks, the exam item, and computations that take long: progress, cancelling, failing."""
+"""Tasks, and computations that take long: progress, cancelling, failing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from fakes import Tab, job_of, toy
 from app.engine import EngineError
 from app.lesson.lesson import Job, Outcome
 from app.tab.commands import (
-    AnswerExam,
     CheckNextTask,
     CheckTask,
     Command,
@@ -79,17 +78,6 @@ def test_the_next_unsolved_task_is_checked_in_order() -> None:
     count = len(tab.view.sentences())
     tab.do(CheckNextTask())
     assert len(tab.view.sentences()) == count
-
-
-@pytest.mark.parametrize("answer, right",
-                         [(6.0, True), (6.009, True), (6.02, False), ("6", True), (float("nan"), False),
-                                           (float("inf"), False), (1e300, False)])
-def test_the_exam_item_is_judged_with_its_own_seed_and_tolerance(answer: object, right: bool) -> None:
-    tab = Tab(exam_seed=3)
-    tab.do(AnswerExam(answer))
-    verdict = tab.shown.state.exam
-    assert verdict is not None and verdict.solved is right
-    assert not tab.view.scolded()
 
 
 # --- jobs ----------------------------------------------------------------------------------------------------------

@@ -1,0 +1,101 @@
+"""Exams: a student's key, variants, answers in practice and answers that are noted alone.
+
+What was answered is kept as it was typed; whether it is right follows from the key and the variant. Withheld exams have a
+variant of their own, which practice never shows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import assert_never
+
+from ..lesson.exam import Exam, ExamItem, number_of, seed_of
+from ..lesson.knobs import KnobError
+from ..lesson.lesson import Verdict
+from ..lesson.typed import LONGEST, Unreadable
+from ..text import text
+from .examined import AnotherVariant, AnswerExam, Examining, SetKey, Withhold
+from .picture import MOST_ANSWERS, MOST_VARIANTS, Answered, ExamState, State
+from .presenter import Presenter
+
+WITHHELD = 0  # the variant that is asked where nothing is told
+LONGEST_KEY = 60
+
+
+def obey(show: Presenter, command: Examining) -> None:
+    """Do what a command about exams asks. Raises KnobError."""
+    match command:
+        case AnswerExam(exam, said):
+            _note(show, _find(show, exam), said)
+        case AnotherVariant(exam):
+            _turn(show, _find(show, exam))
+        case SetKey(key):
+            show.change(replace(show.state, key=key.strip()[:LONGEST_KEY] if isinstance(key, str) else ""))
+        case Withhold(on):
+            show.change(replace(show.state, withheld=on is True))
+        case _:
+            assert_never(command)
+
+
+def variant_of(state: State, exam: Exam) -> int:
+    """The variant that is asked now."""
+    return WITHHELD if state.withheld else state.exams.get(exam.id, ExamState()).variant
+
+
+def item_of(state: State, lesson: str, exam: Exam) -> ExamItem:
+    """The numbers that are asked now."""
+    return exam.item(seed_of(state.student, lesson, exam.id, variant_of(state, exam)))
+
+
+def said_of(state: State, exam: Exam) -> str:
+    """The last answer to what is asked now, "" where there is none."""
+    now = state.student, variant_of(state, exam)
+    answers = state.exams.get(exam.id, ExamState()).answers
+    return next((a.said for a in reversed(answers) if (a.student, a.variant) == now), "")
+
+
+def verdict_of(state: State, lesson: str, exam: Exam) -> Verdict | None:
+    """What is told of the last answer; None without one, and where nothing is told."""
+    said = said_of(state, exam)
+    if not said or state.withheld:
+        return None
+    try:
+        right = exam.digits.accepts(item_of(state, lesson, exam).answer, number_of(said))
+    except Unreadable:
+        return None
+    return Verdict(right, text("Right.") if right else text("{said} is not it; compare with how it goes.", said=said))
+
+
+def _find(show: Presenter, exam_id: object) -> Exam:
+    for exam in show.lesson.exams:
+        if exam.id == exam_id:
+            return exam
+    raise KnobError(text("There is no exam {exam_id}.", exam_id=str(exam_id)[:40]))
+
+
+def _seen(show: Presenter, exam: Exam) -> ExamState:
+    return show.state.exams.get(exam.id, ExamState())
+
+
+def _see(show: Presenter, exam: Exam, seen: ExamState) -> None:
+    show.change(replace(show.state, exams={**show.state.exams, exam.id: seen}))
+
+
+def _note(show: Presenter, exam: Exam, said: object) -> None:
+    words = said.strip()[:LONGEST] if isinstance(said, str) else ""
+    if not words:
+        raise KnobError(text("Type an answer first."))
+    try:
+        number_of(words)
+    except Unreadable:
+        raise KnobError(text("{said} is no number; write one like 0.05, −1.2, 5e-2 or 1/3, without a unit.", said=words[:40])) from None
+    state, seen = show.state, _seen(show, exam)
+    now = Answered(state.student, variant_of(state, exam), words)
+    others = tuple(a for a in seen.answers if (a.student, a.variant) != (now.student, now.variant))
+    _see(show, exam, replace(seen, answers=(*others, now)[-MOST_ANSWERS:]))
+
+
+def _turn(show: Presenter, exam: Exam) -> None:
+    seen = _seen(show, exam)
+    if not show.state.withheld:
+        _see(show, exam, replace(seen, variant=seen.variant % MOST_VARIANTS + 1))

@@ -1,0 +1,105 @@
+"""Every exam over many seeds: its answer beside independent code, its digits, its words in every language, its derivation.
+
+    python tests/lessons/all_exams.py [seeds] [lesson …]
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+if __name__ == "__main__":
+    tests = Path(__file__).resolve().parents[1]
+    sys.path[:0] = [str(tests.parent), str(tests), str(tests / "lessons")]
+
+from exam_oracles import ORACLES
+from put_in import sides
+
+from app.lesson.derivation import PLACE, fill
+from app.lesson.exam import Exam, ExamItem
+from app.lesson.lesson import Lesson
+from lessons import LESSONS
+
+EQUATION = re.compile(r"\$\$(.+?)\$\$", re.S)
+MARKED = re.compile(r"[_^](\{[^{}]*\}|\\?\w+)")  # indices and powers are no numbers given
+NUMBER = re.compile(r"\d+(?:\.\d+)?")
+CLOSE = 1e-6  # relative, of an answer beside its oracle and of the two sides of an equation
+FEW, OF = 10, 50  # so many different answers at least over so many seeds
+
+
+def wrong_item(lesson: Lesson, exam: Exam, item: ExamItem) -> Iterator[str]:
+    """What is wrong with one draw."""
+    values, answer, digits = {**item.given, **item.steps}, item.answer, exam.digits
+    if not all(np.all(np.isfinite(v)) for v in values.values()):
+        yield "a number is not finite"
+    found = float(ORACLES[lesson.id, exam.id](dict(item.given)))
+    if not abs(found - answer) <= CLOSE * max(1.0, abs(answer)):
+        yield f"the answer is {answer!r} and independently {found!r}"
+    said, unit = float(digits.written(answer)), digits.unit(answer)
+    if not digits.accepts(answer, said) or any(digits.accepts(answer, said + slip * unit) for slip in (-1, 1)):
+        yield f"{digits.written(answer)} for {answer!r} is judged wrongly"
+    for language, prose in lesson.words.items():
+        statement = fill(prose.exams[exam.id].statement, item.given)
+        shown = [float(n) for n in NUMBER.findall(MARKED.sub("", statement))]
+        if any(abs(n - abs(answer)) <= unit * 0.5 for n in shown):
+            yield f"{language}: the statement contains the answer {answer!r}: {statement}"
+        given = [abs(float(v)) for name in PLACE.findall(prose.exams[exam.id].statement) for v in np.ravel(item.given[name])]
+        if not all(any(math.isclose(v, n, rel_tol=1e-9) for n in shown) for v in given):
+            yield f"{language}: the statement rounds a number: {item.given}: {statement}"
+    for line in EQUATION.findall(lesson.words["en"].exams[exam.id].derivation):
+        for equation, both in sides(line.replace(r"\approx", "="), {**values, "answer": answer}):
+            scale = max((float(np.max(np.abs(v))) for v in (*values.values(), answer)), default=1.0)
+            if any(np.shape(v) != np.shape(both[0]) or not np.allclose(v, both[0], rtol=CLOSE, atol=CLOSE * scale) for v in both[1:]):
+                yield f"{equation} gives {both}"
+
+
+def wrong_words(lesson: Lesson, exam: Exam) -> Iterator[str]:
+    """What is wrong with the words of an exam, whatever is drawn."""
+    item = exam.item(0)
+    values = exam.values(item)
+    lines = {language: EQUATION.findall(prose.exams[exam.id].derivation) for language, prose in lesson.words.items()}
+    if len({tuple(found) for found in lines.values()}) != 1:
+        yield "the languages derive by different equations"
+    for language, prose in lesson.words.items():
+        words = prose.exams[exam.id]
+        missing = (set(PLACE.findall(words.statement)) - set(item.given)) | (set(PLACE.findall(words.derivation)) - set(values))
+        if missing:
+            yield f"{language}: no number for {missing}"
+        if PLACE.search(re.sub(r"\$\$?.+?\$\$?", "", words.statement + words.derivation, flags=re.S)):
+            yield f"{language}: a number stands outside mathematics"
+        if "[[answer]]" not in words.derivation:
+            yield f"{language}: the derivation does not end in the answer"
+    if not any(list(sides(line.replace(r"\approx", "="), {**item.given, **item.steps, "answer": item.answer})) for line in lines["en"]):
+        yield "no equation of the derivation can be computed"
+
+
+def wrong(lesson: Lesson, exam: Exam, seeds: range) -> Iterator[str]:
+    """What is wrong with an exam over these seeds."""
+    yield from (f"{lesson.id}/{exam.id}: {found}" for found in wrong_words(lesson, exam))
+    for seed in seeds:
+        yield from (f"{lesson.id}/{exam.id}, seed {seed}: {found}" for found in wrong_item(lesson, exam, exam.item(seed)))
+    differing = {exam.digits.written(exam.item(seed).answer) for seed in range(OF)}
+    if len(differing) < FEW:
+        yield f"{lesson.id}/{exam.id}: only {len(differing)} different answers over {OF} seeds"
+
+
+def main(seeds: int = 500, *ids: str) -> None:
+    """A row for each exam: how many draws were wrong, the range of its answers, and the first faults."""
+    total = bad = 0
+    for lesson in LESSONS.values():
+        for exam in lesson.exams if not ids or lesson.id in ids else ():
+            found = list(wrong(lesson, exam, range(seeds)))
+            answers = [exam.item(seed).answer for seed in range(seeds)]
+            print(f"{lesson.id + '/' + exam.id:36s} {len(found):4d} wrong, answers {min(answers):10.4g} … {max(answers):10.4g}, "
+                  f"{len(set(answers)):4d} different", *(f"\n    {line}" for line in found[:3]), flush=True)
+            total, bad = total + 1, bad + bool(found)
+    print(f"{total} exams over {seeds} seeds each, {bad} with faults")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else 500, *sys.argv[2:])
