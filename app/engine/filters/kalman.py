@@ -8,10 +8,12 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg.lapack import dposv  # pyright: ignore[reportAttributeAccessIssue]
 
+from ..kernels.recursion import joseph_steps
 from ..systems.arrays import frozen, symmetric
 from ..systems.errors import EngineError
 from .belief import Belief
-from .linear_filter import LinearFilter
+from .linear_filter import LOOK_EVERY, LinearFilter
+from .quick import Goal, quick_schedule
 
 __all__ = ["KalmanFilter", "ahead", "correct", "gain_of", "joseph", "predict", "short_form"]
 
@@ -113,6 +115,11 @@ class KalmanFilter(LinearFilter):
     def covariance(self, spread: np.ndarray) -> np.ndarray:
         """P itself."""
         return spread
+
+    def quickly(self, sizes: tuple[int, int, int], spread: np.ndarray, seen: np.ndarray | None,
+                goal: Goal) -> tuple[np.ndarray, ...] | None:
+        """As `LinearFilter`, in Joseph's form."""
+        return quick_schedule(joseph_steps, (self.A, self.C, self.Q, self.R), spread, sizes, seen, goal, LOOK_EVERY)
 
     def forward(self, spread: np.ndarray) -> np.ndarray:
         """A P Aᵀ + Q."""

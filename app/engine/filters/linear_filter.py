@@ -17,6 +17,7 @@ from ..systems.noise import step_covariance
 from ..systems.plant import Plant, as_matrix
 from ..systems.sampling import discretise
 from .belief import Belief, Correction
+from .quick import Goal
 from .track import Schedule, Track, as_record, means_along
 
 __all__ = ["LinearFilter"]
@@ -134,6 +135,8 @@ class LinearFilter(ABC):
                              name="seen", value=steps, columns=len(self.C), array_shape=seen.shape)
         goal = self._goal() if seen is None else None
         n, p = self.n, len(self.C)
+        if (stored := self.quickly((steps, n, p), spread, seen, goal)) is not None:
+            return Schedule(steps, *stored)
         room, k = min(steps, FIRST_ROOM), -1
         stored = tuple(np.empty((room, *shape)) for shape in ((n, n), (n, n), (p, p), (n, p)))
         for k in range(steps):
@@ -174,7 +177,12 @@ class LinearFilter(ABC):
                              steps=schedule.steps, count=len(y))
         return Track(*means_along(self.A, self.C, schedule, self._fitting(start).mean, known, push), schedule)
 
-    def _goal(self) -> tuple[np.ndarray, np.ndarray] | None:
+    def quickly(self, sizes: tuple[int, int, int], spread: np.ndarray, seen: np.ndarray | None,
+                goal: Goal) -> tuple[np.ndarray, ...] | None:
+        """What a `Schedule` holds of sizes = (steps, n, p), by a compiled kernel; None where there is none."""
+        return None
+
+    def _goal(self) -> Goal:
         """The Riccati solution and how near counts as there, None where it cannot be had."""
         try:
             P = self.steady.solution

@@ -8,10 +8,12 @@ from functools import cached_property
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from ..kernels.recursion import root_steps
 from ..systems.errors import EngineError
 from ..systems.noise import root
 from .belief import Belief, RootBelief
-from .linear_filter import LinearFilter
+from .linear_filter import LOOK_EVERY, LinearFilter
+from .quick import Goal, quick_schedule
 
 __all__ = ["SquareRootFilter"]
 
@@ -50,6 +52,12 @@ class SquareRootFilter(LinearFilter):
     def covariance(self, spread: np.ndarray) -> np.ndarray:
         """U Uᵀ."""
         return spread @ spread.T
+
+    def quickly(self, sizes: tuple[int, int, int], spread: np.ndarray, seen: np.ndarray | None,
+                goal: Goal) -> tuple[np.ndarray, ...] | None:
+        """As `LinearFilter`, in roots."""
+        fixed = self.A, self.C, self.noise_roots[0], self.R, self.noise_roots[1]
+        return quick_schedule(root_steps, fixed, spread, sizes, seen, goal, LOOK_EVERY)
 
     def forward(self, spread: np.ndarray) -> np.ndarray:
         """The root of A U Uᵀ Aᵀ + Q."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..kernels import given, kernel
+from ..kernels.recursion import mean_steps
 from ..systems.arrays import as_numbers
 from ..systems.errors import ShapeError
 from ..systems.scan import affine_scan
@@ -116,31 +119,39 @@ def means_along(A: np.ndarray, C: np.ndarray, schedule: Schedule, start: np.ndar
     x̂[k+1|k] = A (I − M C) x̂[k|k−1] + A M (y − D u) + B u: one step after another while M changes, in parallel blocks
     once it is constant.
     """
-    steps = len(known)
+    steps, n = len(known), len(start)
     tail = steps if schedule.settled is None else schedule.settled  # a record with gaps never settles
-    heard = known if tail < steps else np.nan_to_num(known)
-    predicted = np.empty((steps + 1, len(start)))
-    predicted[0] = x = start
-    gains = schedule.gains[:tail]
-    AM = A @ gains
-    Phi = A - AM @ C
-    forcing = (AM @ heard[:tail, :, None])[..., 0]
-    if push is not None:
-        forcing += push[:tail]
-    for k in range(tail):
-        x = Phi[k] @ x
-        x += forcing[k]
-        predicted[k + 1] = x
+    predicted, means, innovations, x = np.empty((steps, n)), np.empty((steps, n)), np.empty(known.shape), np.array(start)
+    head = predicted[:tail], means[:tail], innovations[:tail]
+    if tail and (quick := kernel(mean_steps)) is not None:
+        forced = np.zeros((0, n)) if push is None else given(push[:tail])
+        quick(given(A), given(C), given(schedule.gains[:tail]), x, given(known[:tail]), forced, *head)
+    else:
+        x = _means_while_changing(A, C, schedule.gains[:tail], x, known[:tail], push, *head)
     if tail < steps:
-        AM = A @ schedule.gains[-1]
-        forcing = heard[tail:] @ AM.T
+        M = schedule.gains[-1]
+        AM = A @ M
+        forcing = known[tail:] @ AM.T
         if push is not None:
             forcing += push[tail:]
-        predicted[tail:] = affine_scan(A - AM @ C, forcing, x, steps - tail)
-    predicted = predicted[:-1]
-    innovations = known - predicted @ C.T
-    nu = innovations if tail < steps else np.nan_to_num(innovations)
-    means = np.empty_like(predicted)
-    np.add(predicted[:tail], (gains @ nu[:tail, :, None])[..., 0], out=means[:tail])
-    np.add(predicted[tail:], nu[tail:] @ schedule.gains[-1].T, out=means[tail:])
+        predicted[tail:] = affine_scan(A - AM @ C, forcing, x, steps - tail)[:-1]
+        np.subtract(known[tail:], predicted[tail:] @ C.T, out=innovations[tail:])
+        np.add(predicted[tail:], innovations[tail:] @ M.T, out=means[tail:])
     return predicted, means, innovations
+
+
+def _means_while_changing(A: np.ndarray, C: np.ndarray, gains: np.ndarray, x: np.ndarray, known: np.ndarray, push: np.ndarray | None,
+                          predicted: np.ndarray, means: np.ndarray, innovations: np.ndarray) -> np.ndarray:
+    """As `kernels.recursion.mean_steps`; the next x̂."""
+    AM = A @ gains
+    Phi = A - AM @ C
+    forcing = (AM @ np.nan_to_num(known)[:, :, None])[..., 0]
+    if push is not None:
+        forcing += push[:len(forcing)]
+    for k, step in enumerate(Phi):
+        predicted[k] = x
+        x = step @ x
+        x += forcing[k]
+    np.subtract(known, predicted @ C.T, out=innovations)
+    np.add(predicted, (gains @ np.nan_to_num(innovations)[:, :, None])[..., 0], out=means)
+    return x

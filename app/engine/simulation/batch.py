@@ -9,6 +9,7 @@ import numpy as np
 from ..systems.errors import ShapeError, phrase
 from .disturbance import disturbances
 from .loop import Loop, ramped
+from .runner import Runner, beside
 from .saturation import ROUNDING, TERMS, Mode, Switcher, bounds
 from .scenario import Scenario
 from .simulate import loop_of
@@ -16,6 +17,8 @@ from .simulate import loop_of
 __all__ = ["simulate_starts"]
 
 NEWTON = 60
+CHUNK = 500_000  # numbers that the compiled march finds at once
+NOTHING = np.array([0.0, np.inf, np.inf, np.inf, np.inf])  # to judge
 
 
 def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarray]:
@@ -28,18 +31,67 @@ def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarr
     if starts.shape[1] != s.plant.n + s.model.n:
         raise ShapeError("{name} must have {length} entries; it has {vector_size}.",
                          name=phrase("A start"), length=s.plant.n + s.model.n, vector_size=starts.shape[1])
-    loop = loop_of(s)
-    d = disturbances(s, loop)
-    Z = starts + (d.z0 - np.concatenate([s.x0, s.xhat0]))  # impulses at t = 0
-    r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
-    late: list[np.ndarray] = []
-    stepper = _Sampled(s, loop, late) if s.discrete else _Continuous(s, loop, late)
-    for k in range(s.n_t - 1):
-        yield Z
-        Z = stepper.step(Z, r[k], d.v[k], d.kicks.get(k, []))
-        if d.jumps is not None:
-            Z = Z + d.jumps[k]
+    herd = Herd(s)
+    Z, k = herd.started(starts), 0
     yield Z
+    while k < herd.steps:
+        if (count := herd.compiled(k, max(1, CHUNK // max(1, Z.size)))) == 0:
+            Z, k = herd.step(Z, k), k + 1
+            yield Z
+            continue
+        out = np.empty((count + 1, *Z.shape))
+        herd.along(Z.copy(), k, count, out)
+        for i in range(1, count + 1):
+            gone = np.flatnonzero(Z[:, 0] == 0) if Z.shape[1] else []
+            if len(gone) and len(gone := gone[~Z[gone].any(axis=1)]):  # rows that the caller has set to zero
+                again = np.empty((count + 2 - i, len(gone), Z.shape[1]))
+                herd.along(Z[gone], k + i - 1, count + 1 - i, again)
+                out[i:, gone] = again[1:]
+            Z = out[i]
+            yield Z
+        k += count
+
+
+class Herd:
+    """Many runs of a scenario, together: what disturbs them all, and their way from grid point to grid point."""
+
+    def __init__(self, s: Scenario) -> None:
+        self.s, self.steps, loop = s, s.n_t - 1, loop_of(s)
+        self.d = d = disturbances(s, loop)
+        self.r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
+        self.stepper = _Sampled(s, loop, []) if s.discrete else _Continuous(s, loop, [])
+        self.runner = None if isinstance(self.stepper, _Sampled) or s.lag else Runner(self.stepper.switcher)
+        self.q = beside(self.r[:-1], d.v[:-1])
+        self.stops = np.array([*sorted(d.kicks), self.steps])
+
+    def started(self, starts: np.ndarray) -> np.ndarray:
+        """The runs at t = 0, impulses there included."""
+        return starts + (self.d.z0 - np.concatenate([self.s.x0, self.s.xhat0]))
+
+    def step(self, Z: np.ndarray, k: int) -> np.ndarray:
+        """One grid step of all runs, the plain way."""
+        Z = self.stepper.step(Z, self.r[k], self.d.v[k], self.d.kicks.get(k, []))
+        return Z if self.d.jumps is None else Z + self.d.jumps[k]
+
+    def compiled(self, k: int, most: int) -> int:
+        """How many steps from k on the compiled march may take, `most` at most; 0 where it is not ready or a kick falls."""
+        if self.runner is None or self.runner.march is None:
+            return 0
+        return min(most, int(self.stops[np.searchsorted(self.stops, k)]) - k)
+
+    def along(self, Z: np.ndarray, k: int, count: int, out: np.ndarray, judge: np.ndarray = NOTHING,
+              last: np.ndarray | None = None, lost: np.ndarray | None = None) -> None:
+        """All runs Z over `count` steps from k on, in place, the states in out (count + 1, runs, N) unless it is empty.
+
+        last and lost (runs,) follow `judge` as in `kernels.clipped.march`.
+        """
+        assert self.runner is not None
+        q = self.q if len(self.q) == 1 else self.q[k:k + count]
+        jumps = None if self.d.jumps is None else self.d.jumps[k:k + count]
+        since = np.full(len(Z), -1)
+        self.runner.along(Z, 0, count, out, q, jumps, judge, since, lost)
+        if last is not None:
+            np.copyto(last, since + k, where=since >= 0)
 
 
 class _Sampled:

@@ -7,6 +7,7 @@ import numpy as np
 from ..systems.scan import affine_scan, held_scan, step_matrices
 from .disturbance import Disturbances
 from .loop import Loop, ramped
+from .runner import Runner
 from .saturation import Switcher
 from .scenario import Scenario
 
@@ -16,7 +17,7 @@ __all__: list[str] = []
 def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float) -> np.ndarray:
     """States (≤ n_t, N) of a loop without delay; a sampled loop only without limits."""
     if s.limited:
-        return Switcher(loop, s.u_min, s.u_max, s.dt).run(d.z0, r[:-1], d.v[:-1], d.jumps, d.kicks, bound)
+        return Runner(Switcher(loop, s.u_min, s.u_max, s.dt)).run(d.z0, r[:-1], d.v[:-1], d.jumps, d.kicks, bound)
     free = np.ones(s.plant.m, dtype=bool)
     M = loop.closed(free)
     Phi, Phi1 = (M, np.eye(len(M))) if s.discrete else step_matrices(M, s.dt)
@@ -82,7 +83,7 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
     steps, m, lag, N, h = s.n_t - 1, s.plant.m, s.lag, len(d.z0), s.dt
     wide = ramped(loop)
     limits = (s.u_min, s.u_max) if s.fed == "applied" else (np.full(m, -np.inf), np.full(m, np.inf))
-    switcher = Switcher(wide, *limits, h)
+    runner = Runner(Switcher(wide, *limits, h))
     modal, free = s.limited and s.fed == "applied", np.ones(m, dtype=bool)
     Phi, Phi1 = step_matrices(wide.closed(free), h)
     push = wide.forcing(free, np.zeros(m), r[:-1], d.v[:-1]) @ Phi1.T
@@ -99,7 +100,7 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
         inside = {j - k: [(t, np.pad(jump, (0, 2 * m))) for t, jump in kicks]
                   for j, kicks in d.kicks.items() if k <= j < stop}
         if modal or inside:
-            path = switcher.run(start, r[k:stop], d.v[k:stop], extra, inside, bound)
+            path = runner.run(start, r[k:stop], d.v[k:stop], extra, inside, bound)
         else:
             path = cut(affine_scan(Phi, push[k:stop] + extra, start, stop - k), bound)
         got = len(path) - 1

@@ -9,13 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..systems.errors import EngineError, ShapeError
-from .batch import simulate_starts
+from .batch import Herd
 from .scenario import Scenario
 
 __all__ = ["RecoveryMap", "simulate_recovery"]
 
 SLICE = 0.010  # seconds of work between two yields
 MOST_STARTS = 250_000
+FEW = 8  # compiled steps before it is known how long they take
 NEAR = 0.05  # of the largest start on the map
 FAR = 1e3
 
@@ -77,20 +78,34 @@ def simulate_recovery(scenario: Scenario, x_index: int, x_values: object, e_inde
     size = float(np.max(np.linalg.norm(x0, axis=1))) or float(np.max(np.linalg.norm(x0 - starts[:, n:], axis=1))) or 1.0
     near = NEAR * size if threshold is None else float(threshold)
     far = FAR * size if bound is None else float(bound)
-    lost = np.zeros(len(starts), dtype=bool)
-    last_out = np.full(len(starts), -1)
-    began = time.perf_counter()
-    for k, Z in enumerate(simulate_starts(scenario, starts)):
-        square = np.einsum("ij,ij->i", Z[:, :n], Z[:, :n])
-        last_out[square >= near**2] = k
-        gone = square > far**2
-        gone |= np.abs(Z[:, n:]).max(axis=1) > 1e6 * far
-        if gone.any():
-            lost |= gone
-            Z[lost] = 0.0  # a lost start is not followed any further
+    herd = Herd(scenario)
+    Z, k, count = herd.started(starts), 0, FEW
+    lost, last_out = np.zeros(len(starts), dtype=bool), np.full(len(starts), -1)
+    judge = np.array([n, near**2, far**2, 1e6 * far, np.inf])
+    _judge(Z, 0, judge, last_out, lost)
+    began = since = time.perf_counter()
+    while k < steps:
+        if now := herd.compiled(k, count):
+            herd.along(Z, k, now, np.empty((0, *Z.shape)), judge, last_out, lost)
+            Z[lost] = 0.0
+            took, since = time.perf_counter() - since, time.perf_counter()
+            count = max(1, min(4 * count, int(count * slice_seconds / max(took, 1e-9))))
+        else:
+            Z, now = herd.step(Z, k), 1
+            _judge(Z, k + 1, judge, last_out, lost)
+        k += now
         if k == steps or time.perf_counter() - began >= slice_seconds:
             yield k / steps, _map(axes, lost | (last_out == k), (last_out + 1) * dt, near, far)
-            began = time.perf_counter()
+            began = since = time.perf_counter()
+
+
+def _judge(Z: np.ndarray, k: int, judge: np.ndarray, last_out: np.ndarray, lost: np.ndarray) -> None:
+    """Note which runs are out at step k and which are lost; these rest at zero from here on."""
+    n, near, far, rest, _ = judge
+    square = np.einsum("ij,ij->i", Z[:, :int(n)], Z[:, :int(n)])
+    last_out[square >= near] = k
+    lost |= (square > far) | (np.abs(Z[:, int(n):]).max(axis=1) > rest)
+    Z[lost] = 0.0
 
 
 def _map(axes: tuple[np.ndarray, np.ndarray], out: np.ndarray, inside_since: np.ndarray, near: float,

@@ -1,0 +1,170 @@
+"""The recursions of linear filters while their gain changes: Joseph's form, square roots, and the means along them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .small import factor, product, put, solve_both, solve_upper, symmetrise, triangle, turn
+
+__all__ = ["joseph_steps", "mean_steps", "root_steps"]
+
+
+def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, gains):
+    """Fill P[k|k−1], P[k|k], S and M from P = P[0|−1] on; the number of steps done, −1 − k where S[k] is not positive.
+
+    P goes along: after the last step it is that of the next, so that a second call goes on.
+
+    seen (steps, p) says which measurements arrive, or has no rows. Every `look` steps it ends where P[k|k−1] is within
+    `near` of `goal`; 0 never looks.
+    """
+    steps, n, p = len(priors), len(A), len(C)
+    nothing = np.zeros((n, n))
+    AT, CT, keepT = np.empty((n, n)), np.empty((n, p)), np.empty((n, n))
+    turn(A, AT)
+    turn(C, CT)
+    across, MT, MR = np.empty((n, p)), np.empty((p, n)), np.empty((n, p))
+    heard, L, keep, X, Y = np.empty((p, p)), np.empty((p, p)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    for k in range(steps):
+        put(P, priors[k])
+        product(P, CT, across)
+        product(C, across, heard)
+        symmetrise(heard, R, heard)
+        put(heard, S[k])
+        turn(across, MT)
+        if seen.shape[0]:
+            for i in range(p):
+                if not seen[k, i]:
+                    for j in range(p):
+                        heard[i, j] = heard[j, i] = 0.0
+                    heard[i, i] = 1.0
+                    for j in range(n):
+                        MT[i, j] = 0.0
+        if not factor(heard, L):
+            return -1 - k
+        solve_both(L, MT)
+        M = gains[k]
+        turn(MT, M)
+        product(M, C, keep)
+        for i in range(n):
+            for j in range(n):
+                keep[i, j] = -keep[i, j]
+            keep[i, i] += 1.0
+        product(keep, P, X)
+        product(M, R, MR)
+        product(MR, MT, P)
+        turn(keep, keepT)
+        product(X, keepT, Y)
+        for i in range(n):
+            for j in range(n):
+                Y[i, j] += P[i, j]
+        symmetrise(Y, nothing, P)
+        put(P, posteriors[k])
+        if look > 0 and k % look == 0 and there(priors[k], goal, near):
+            return k + 1
+        product(A, P, X)
+        product(X, AT, Y)
+        symmetrise(Y, Q, P)
+    return steps
+
+
+def root_steps(A, C, Q_root, R, R_root, U, seen, goal, near, look, priors, posteriors, S, gains):
+    """As `joseph_steps`, but from a root U of P[0|−1] (n×n) in roots throughout; Q_root (n×n), R_root (p×p)."""
+    steps, n, p = len(priors), len(A), len(C)
+    heard, CU = np.empty(p, dtype=np.bool_), np.empty((p, n))
+    UT, CUT = np.empty((n, n)), np.empty((n, p))
+    wide, tall, v, w = np.empty((p + n, p + n)), np.empty((2 * n, n)), np.empty(2 * n + p), np.empty(n + p)
+    S_root, K, AU = np.empty((p, p)), np.empty((p, n)), np.empty((n, n))
+    for k in range(steps):
+        turn(U, UT)
+        product(U, UT, priors[k])
+        product(C, U, CU)
+        turn(CU, CUT)
+        product(CU, CUT, S[k])
+        for i in range(p):
+            for j in range(p):
+                S[k, i, j] += R[i, j]
+        for i in range(p):
+            heard[i] = not seen.shape[0] or seen[k, i]
+        count = 0
+        for i in range(p):  # the transpose of [R^½ C U; 0 U]
+            if heard[i]:
+                for j in range(p):
+                    wide[j, count] = R_root[i, j]
+                for j in range(n):
+                    wide[p + j, count] = CU[i, j]
+                count += 1
+        for i in range(n):
+            for j in range(p):
+                wide[j, count + i] = 0.0
+            for j in range(n):
+                wide[p + j, count + i] = U[i, j]
+        triangle(wide, count + n, v, w)
+        for i in range(count):
+            if not abs(wide[i, i]) > 0.0:
+                return -1 - k
+            for j in range(i, count):
+                S_root[j, i] = wide[i, j]
+            for j in range(n):
+                K[i, j] = wide[i, count + j]
+        solve_upper(S_root[:count, :count], K[:count])
+        at = 0
+        for i in range(p):
+            for j in range(n):
+                gains[k, j, i] = K[at, j] if heard[i] else 0.0
+            at += heard[i]
+        if count:
+            for i in range(n):
+                for j in range(n):
+                    U[i, j] = wide[count + j, count + i] if j <= i else 0.0
+        turn(U, UT)
+        product(U, UT, posteriors[k])
+        if look > 0 and k % look == 0 and there(priors[k], goal, near):
+            return k + 1
+        product(A, U, AU)
+        for i in range(n):  # the transpose of [A U Q^½]
+            for j in range(n):
+                tall[j, i] = AU[i, j]
+                tall[n + j, i] = Q_root[i, j]
+        triangle(tall, n, v, w)
+        for i in range(n):
+            for j in range(n):
+                U[i, j] = tall[j, i] if j <= i else 0.0
+    return steps
+
+
+def mean_steps(A, C, gains, x, known, push, predicted, filtered, nu):
+    """Predicted means, means and innovations along the gains: ν = y − C x̂, x̂ + M ν, A x̂ + B u; the next x̂ in x.
+
+    `known` = y − D u (steps, p), NaN where none arrived; `push` = B u (steps, n) or without rows.
+    """
+    steps, n, p = len(known), len(A), len(C)
+    heard, after = np.empty(p), np.empty(n)
+    for k in range(steps):
+        for j in range(n):
+            predicted[k, j] = x[j]
+        for i in range(p):
+            a = known[k, i]
+            for j in range(n):
+                a -= C[i, j] * x[j]
+            nu[k, i] = a
+            heard[i] = 0.0 if np.isnan(a) else a
+        for i in range(n):
+            a = x[i]
+            for j in range(p):
+                a += gains[k, i, j] * heard[j]
+            after[i] = filtered[k, i] = a
+        for i in range(n):
+            a = push[k, i] if push.shape[0] else 0.0
+            for j in range(n):
+                a += A[i, j] * after[j]
+            x[i] = a
+    return steps
+
+
+def there(P, goal, near):
+    """Whether |P − goal| ≤ near everywhere."""
+    for i in range(len(P)):
+        for j in range(len(P)):
+            if not abs(P[i, j] - goal[i, j]) <= near[i, j]:
+                return False
+    return True

@@ -1,0 +1,138 @@
+"""Which kernels are compiled, and how they come to be: in the background, once for each machine and version.
+
+A kernel is a plain function of arrays and numbers. Numba, where it is installed, compiles it for one signature (float64,
+C-contiguous, writable) and keeps the result in the user's cache; until then, or without Numba, `kernel` says None and the
+caller goes its plain way, which gives the same to rounding.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import os
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import MappingProxyType
+
+import numpy as np
+
+from . import clipped, recursion, small
+
+__all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels"]
+
+_1, _2, _3, _4 = ("f8[" + ":," * d + "::1]" for d in range(4))
+_STEPS = f"b1[:,::1],{_2},{_2},i8,{_3},{_3},{_3},{_3})"
+SIGNATURES = MappingProxyType({
+    recursion.mean_steps: f"i8({_2},{_2},{_3},{_1},{_2},{_2},{_2},{_2},{_2})",
+    recursion.joseph_steps: f"i8({_2},{_2},{_2},{_2},{_2}," + _STEPS,
+    recursion.root_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2}," + _STEPS,
+    clipped.march: f"i8({_2},i8[::1],i8,{_3},{_2},{_2},{_1},i8[::1],b1[::1],i8[::1],{_2},{_2},{_3},i8[:,::1],{_4},{_3},{_3},"
+                   f"{_3},{_1},f8,i8,i8)",
+})
+PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor, small.solve_upper,
+         small.solve_both, recursion.there, clipped.mode_at, clipped.slack_of, clipped.stays, clipped.careful, clipped.piece,
+         clipped.first_exit)
+OPTIONS = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
+DONE = "complete"  # a file in the cache that says that all kernels are in it
+
+
+class Shelf:
+    """The kernels compiled so far in this process. What stands on it changes how fast an answer comes, never the answer."""
+
+    def __init__(self) -> None:
+        self.made: dict[Callable[..., int], Callable[..., int]] = {}
+        self.lock = threading.Lock()
+
+    def fill(self) -> bool:
+        """Compile all kernels, or take them from the user's cache, in this thread; False where Numba is not installed."""
+        if importlib.util.find_spec("numba") is None:
+            return False
+        with self.lock:
+            if len(self.made) < len(SIGNATURES):
+                _compile(self.made)
+        return True
+
+    @contextmanager
+    def without(self) -> Iterator[None]:
+        """The plain ways for as long as this lasts, in every thread."""
+        made, self.made = self.made, {}
+        try:
+            yield
+        finally:
+            self.made = made
+
+
+SHELF = Shelf()
+
+
+def kernel(function: Callable[..., int]) -> Callable[..., int] | None:
+    """The compiled form of a kernel if it is ready, else None."""
+    return SHELF.made.get(function)
+
+
+def given(array: np.ndarray) -> np.ndarray:
+    """An array as the signatures want it: float64, C-contiguous, writable; itself if it is so, else a copy."""
+    return np.require(array, float, ["C", "W"])
+
+
+def prepare_kernels() -> threading.Thread:
+    """Compile the kernels in the background and return the thread that sees to it.
+
+    What is not yet in the user's cache is compiled by a process of its own, at low priority, so that this one stays free
+    to answer.
+    """
+    thread = threading.Thread(target=_prepare, name="kernels", daemon=True)
+    thread.start()
+    return thread
+
+
+def _prepare() -> None:
+    if importlib.util.find_spec("numba") is None:
+        return
+    folder = cache_folder()
+    if folder is not None and not (folder / DONE).exists():
+        package = Path(__file__).parents[3]
+        there = os.pathsep.join(filter(None, [str(package), os.environ.get("PYTHONPATH", "")]))
+        subprocess.run([sys.executable, "-m", "app.engine.kernels"], check=False, env={**os.environ, "PYTHONPATH": there},
+                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    SHELF.fill()
+
+
+def cache_folder() -> Path | None:
+    """Where compiled kernels of this very source are kept, made if it is not there; None where nothing can be kept."""
+    if sys.platform == "win32":
+        home = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
+    elif sys.platform == "darwin":
+        home = Path.home() / "Library" / "Caches"
+    else:
+        home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    mark = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        mark.update(source.read_bytes())
+    folder = home / "observer-lab" / f"kernels-{mark.hexdigest()[:16]}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+def _compile(made: dict[Callable[..., int], Callable[..., int]]) -> None:
+    import numba
+    from numba.extending import register_jitable
+
+    folder = cache_folder()
+    for part in PARTS:
+        register_jitable(**OPTIONS)(part)
+    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, "" if folder is None else str(folder)
+    try:
+        for function, signature in SIGNATURES.items():
+            made[function] = numba.njit(signature, cache=folder is not None, **OPTIONS)(function)
+    finally:
+        numba.config.CACHE_DIR = before
+    if folder is not None:
+        (folder / DONE).touch()
