@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import warnings
 from pathlib import Path
 
@@ -9,6 +10,8 @@ import pytest
 
 HERE = Path(__file__).parent
 SLOW = frozenset({"e2e", "wire"})  # folders in which a server or a browser is started; elsewhere a test says so itself
+
+os.environ["OBSERVER_LAB_KERNELS"] = "off"  # no server of a test compiles anything; tests/engine/kernels does
 
 LONGEST = 200  # letters of a test's name
 

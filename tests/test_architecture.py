@@ -37,6 +37,7 @@ PICTURE = drawn((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8"))
 # Layer → the layers it may import. A module belongs to the longest prefix of its name that is listed here.
 MAY_IMPORT = {"app": (), **PICTURE, "app.engine": ("app.engine",)}
 ENGINE_LIBRARIES = {"numpy", "scipy", "control"}
+COMPILER, SHELF = "numba", "app.engine.kernels.shelf"  # imported there alone, when kernels are compiled
 ROOMS = ("lesson", "knobs", "study", "figures", "tasks")  # of every lesson, beside job and own where there are such
 LONGEST, LONGEST_LESSON = 300, 80  # lines of a module, and of the one that assembles a lesson
 # --- reading -------------------------------------------------------------------------------------------------------
@@ -141,7 +142,13 @@ def test_the_table_of_folders_names_every_room() -> None:
 
 def test_the_engine_stands_on_numpy_scipy_and_control_alone() -> None:
     allowed = ENGINE_LIBRARIES | set(sys.stdlib_module_names) | {"app"}
-    assert violations((m, {name.split(".")[0] for name in m.imports()} - allowed) for m in modules("app.engine")) == []
+    assert violations((m, {name.split(".")[0] for name in m.imports()} - allowed - ({COMPILER} if m.name == SHELF else set()))
+                      for m in modules("app.engine")) == []
+
+
+def test_the_compiler_of_kernels_is_not_loaded_with_the_engine() -> None:
+    assert not [node for m in modules("app.engine.kernels") for node in m.tree.body
+                if isinstance(node, (ast.Import, ast.ImportFrom)) and COMPILER in ast.unparse(node)]
 
 
 @pytest.mark.parametrize("library, home", [("viser", "app.view"), ("matplotlib", "app.export")])

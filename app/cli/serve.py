@@ -82,6 +82,7 @@ def serve(request: ServeRequest) -> int:
 def _serve(request: ServeRequest) -> None:
     from lessons import LESSONS, OPENING
 
+    from ..engine.kernels import prepare_kernels
     from ..tab.token import write_token
     from .inputs import find_lesson, fitted, plant_in, saved_of
     from .logs import set_up
@@ -117,6 +118,7 @@ def _serve(request: ServeRequest) -> None:
             print(OPEN_TO_ALL.format(host=request.host), file=sys.stderr)
         log.info("serving %s", server.url)
         print(server.url, flush=True)
+        prepare_kernels()
         server.wait()
     finally:
         for ending in ENDINGS:

@@ -13,10 +13,11 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from . import clipped, recursion, small
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels"]
 
+Kernel = Callable[..., int]
 _1, _2, _3, _4 = ("f8[" + ":," * d + "::1]" for d in range(4))
 _STEPS = f"b1[:,::1],{_2},{_2},i8,{_3},{_3},{_3},{_3})"
 SIGNATURES = MappingProxyType({
@@ -36,7 +38,8 @@ SIGNATURES = MappingProxyType({
 PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor, small.solve_upper,
          small.solve_both, recursion.there, clipped.mode_at, clipped.slack_of, clipped.stays, clipped.careful, clipped.piece,
          clipped.first_exit)
-OPTIONS = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
+OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
+SWITCH = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it
 
 
@@ -44,7 +47,7 @@ class Shelf:
     """The kernels compiled so far in this process. What stands on it changes how fast an answer comes, never the answer."""
 
     def __init__(self) -> None:
-        self.made: dict[Callable[..., int], Callable[..., int]] = {}
+        self.made: dict[Kernel, Kernel] = {}
         self.lock = threading.Lock()
 
     def fill(self) -> bool:
@@ -53,13 +56,13 @@ class Shelf:
             return False
         with self.lock:
             if len(self.made) < len(SIGNATURES):
-                _compile(self.made)
+                self.made = _compiled()
         return True
 
     @contextmanager
-    def without(self) -> Iterator[None]:
-        """The plain ways for as long as this lasts, in every thread."""
-        made, self.made = self.made, {}
+    def holding(self, made: Mapping[Kernel, Kernel]) -> Iterator[None]:
+        """Other forms of the kernels for as long as this lasts, in every thread: none, or the plain functions themselves."""
+        made, self.made = self.made, dict(made)
         try:
             yield
         finally:
@@ -69,7 +72,7 @@ class Shelf:
 SHELF = Shelf()
 
 
-def kernel(function: Callable[..., int]) -> Callable[..., int] | None:
+def kernel(function: Kernel) -> Kernel | None:
     """The compiled form of a kernel if it is ready, else None."""
     return SHELF.made.get(function)
 
@@ -80,7 +83,7 @@ def given(array: np.ndarray) -> np.ndarray:
 
 
 def prepare_kernels() -> threading.Thread:
-    """Compile the kernels in the background and return the thread that sees to it.
+    """Compile the kernels in the background, unless OBSERVER_LAB_KERNELS is "off"; the thread that sees to it.
 
     What is not yet in the user's cache is compiled by a process of its own, at low priority, so that this one stays free
     to answer.
@@ -91,7 +94,7 @@ def prepare_kernels() -> threading.Thread:
 
 
 def _prepare() -> None:
-    if importlib.util.find_spec("numba") is None:
+    if os.environ.get(SWITCH) == "off" or importlib.util.find_spec("numba") is None:
         return
     folder = cache_folder()
     if folder is not None and not (folder / DONE).exists():
@@ -121,18 +124,22 @@ def cache_folder() -> Path | None:
     return folder if os.access(folder, os.W_OK) else None
 
 
-def _compile(made: dict[Callable[..., int], Callable[..., int]]) -> None:
-    import numba
+def _compiled() -> dict[Kernel, Kernel]:
+    from numba import njit
+    from numba.core import config as settings
     from numba.extending import register_jitable
 
-    folder = cache_folder()
+    folder, made = cache_folder(), dict[Kernel, Kernel]()
     for part in PARTS:
         register_jitable(**OPTIONS)(part)
-    before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, "" if folder is None else str(folder)
+    set_at = settings.__dict__
+    before, set_at["CACHE_DIR"] = set_at["CACHE_DIR"], "" if folder is None else str(folder)
     try:
         for function, signature in SIGNATURES.items():
-            made[function] = numba.njit(signature, cache=folder is not None, **OPTIONS)(function)
+            compiler: Callable[[Kernel], Any] = njit(signature, cache=folder is not None, **OPTIONS)
+            made[function] = compiler(function)
     finally:
-        numba.config.CACHE_DIR = before
+        set_at["CACHE_DIR"] = before
     if folder is not None:
         (folder / DONE).touch()
+    return made

@@ -42,8 +42,8 @@ def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarr
         out = np.empty((count + 1, *Z.shape))
         herd.along(Z.copy(), k, count, out)
         for i in range(1, count + 1):
-            gone = np.flatnonzero(Z[:, 0] == 0) if Z.shape[1] else []
-            if len(gone) and len(gone := gone[~Z[gone].any(axis=1)]):  # rows that the caller has set to zero
+            gone = np.flatnonzero(Z[:, 0] == 0)
+            if len(gone) and len(gone := gone[np.abs(Z[gone]).max(axis=1) == 0]):  # rows that the caller has set to zero
                 again = np.empty((count + 2 - i, len(gone), Z.shape[1]))
                 herd.along(Z[gone], k + i - 1, count + 1 - i, again)
                 out[i:, gone] = again[1:]

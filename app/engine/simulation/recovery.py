@@ -84,7 +84,12 @@ def simulate_recovery(scenario: Scenario, x_index: int, x_values: object, e_inde
     judge = np.array([n, near**2, far**2, 1e6 * far, np.inf])
     _judge(Z, 0, judge, last_out, lost)
     began = since = time.perf_counter()
-    while k < steps:
+    while True:
+        if k == steps or time.perf_counter() - began >= slice_seconds:
+            yield k / steps, _map(axes, lost | (last_out == k), (last_out + 1) * dt, near, far)
+            began = since = time.perf_counter()
+        if k == steps:
+            return
         if now := herd.compiled(k, count):
             herd.along(Z, k, now, np.empty((0, *Z.shape)), judge, last_out, lost)
             Z[lost] = 0.0
@@ -94,9 +99,6 @@ def simulate_recovery(scenario: Scenario, x_index: int, x_values: object, e_inde
             Z, now = herd.step(Z, k), 1
             _judge(Z, k + 1, judge, last_out, lost)
         k += now
-        if k == steps or time.perf_counter() - began >= slice_seconds:
-            yield k / steps, _map(axes, lost | (last_out == k), (last_out + 1) * dt, near, far)
-            began = since = time.perf_counter()
 
 
 def _judge(Z: np.ndarray, k: int, judge: np.ndarray, last_out: np.ndarray, lost: np.ndarray) -> None:

@@ -1,0 +1,116 @@
+"""Kernels give what the plain ways give, to rounding: as plain functions on small cases, compiled on all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+
+import numpy as np
+import pytest
+
+from app.engine import Belief, EngineError, KalmanFilter, Plant, Scenario, SquareRootFilter, lqe, lqr, simulate
+from app.engine.kernels import SHELF, prepare_kernels
+from app.engine.kernels.shelf import SIGNATURES
+from app.engine.simulation import Run, simulate_recovery, simulate_starts
+
+Parts = dict[str, np.ndarray]
+
+
+def filtered(kind: type, n: int, p: int, steps: int, seed: int, lost: float) -> Parts:
+    """A record through a random filter, some of its measurements lost."""
+    rng = np.random.default_rng(seed)
+    A, B, C = rng.standard_normal((n, n)), rng.standard_normal((n, 2)), rng.standard_normal((p, n))
+    kf = kind(0.98 * A / max(abs(np.linalg.eigvals(A))), B, C, 0.1, 1.0)
+    y = rng.standard_normal((steps, p))
+    y[rng.random(y.shape) < lost] = np.nan
+    track = kf.run(Belief(rng.standard_normal(n), 4 * np.eye(n)), y, rng.standard_normal((steps, 2)))
+    return {name: getattr(track, name) for name in ("predicted", "means", "innovations", "covariances", "prior_covariances", "S", "gains")}
+
+
+def loop(horizon: float, **more: object) -> Scenario:
+    """A light spring between two limits, two inputs of which one is seldom clipped."""
+    plant = Plant([[0, 1], [-30, -0.1]], [[0, 0.3], [1, 0.1]], [[1, 0]])
+    K, L = lqr(plant.A, plant.B, 50 * np.eye(2), np.eye(2)).gain, lqe(plant.A, np.eye(2), plant.C, np.eye(2), 1e-3 * np.eye(1)).gain
+    return Scenario(plant, K, L, horizon=horizon, dt=0.01, u_min=[-1, -0.5], u_max=[0.7, 1], **{"x0": [1.0, 0.0], **more})
+
+
+def run(s: Scenario) -> Parts:
+    found: Run = simulate(s)
+    return {"x": found.x, "xhat": found.xhat, "u": found.u_applied}
+
+
+def together(s: Scenario, runs: int, cut: int = 10**9) -> Parts:
+    """Many starts, one of which the caller sets to zero on the way."""
+    starts, states = np.random.default_rng(3).uniform(-2, 2, (runs, 4)), []
+    for k, Z in enumerate(simulate_starts(s, starts)):
+        if k == cut:
+            Z[0] = 0.0
+        states.append(Z.copy())
+    return {"states": np.array(states)}
+
+
+def mapped(s: Scenario, count: int, slices: float) -> Parts:
+    *_, (_, found) = simulate_recovery(s, 0, np.linspace(-3, 3, count), 0, np.linspace(-2, 2, count), bound=6.0, slice_seconds=slices)
+    return {"recovered": found.recovered.astype(float), "settling": np.nan_to_num(found.settling, posinf=-1.0)}
+
+
+NOISE = {"W": 0.1 * np.eye(2), "V": 1e-3 * np.eye(1), "G": np.eye(2)}
+KICKED = {"impulses": ((0.055, [0.5, 0.3]), (0.07, [0.1, 0.0]), (0.2, [-1.0, 0.0]))}
+FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
+
+
+def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
+    """Work of about `steps` steps, by name."""
+    for kind in (KalmanFilter, SquareRootFilter):
+        for seed, (n, p, lost) in enumerate(((1, 1, 0.0), (3, 2, 0.3), (6, 4, 0.0), (4, 1, 0.5))):
+            yield f"{kind.__name__} {n} {p} {lost}", partial(filtered, kind, n, p, steps, seed, lost)
+    horizon = steps / 100
+    reference = {"reference": np.outer(np.sin(np.arange(steps + 1) / 9), [1.0, 0.3])}
+    for more in ({}, {"fed": "commanded"}, NOISE, KICKED, {**NOISE, **KICKED}, reference, {"delay": 0.03}):
+        yield f"run {[*more]}", partial(run, loop(horizon, **more))
+    for more in ({}, NOISE, KICKED):
+        yield f"together {[*more]}", partial(together, loop(horizon / 4, **more), 4, steps // 8)
+    falling = Scenario(FALLING, [[5.0, 4.0]], [[12.0], [37.0]], horizon=horizon / 8, u_min=-1, u_max=1, **KICKED)
+    yield "map", partial(mapped, falling, 5, 10.0)
+    yield "map in slices", partial(mapped, falling, 3, 0.0)
+    stiff = Scenario(FALLING, [[5.0, 4.0]], [[400.0], [4e4]], x0=[1, 0], horizon=horizon / 8, u_min=-1, u_max=1)
+    yield "stiff", partial(run, stiff)
+    fleeing = Scenario(FALLING, [[5.0, 4.0]], [[12.0], [37.0]], x0=[1.2, 0], horizon=30.0, dt=0.25, u_min=-1, u_max=1)
+    yield "fleeing", partial(run, fleeing)
+
+
+def differing(steps: int, kernels: dict) -> list[str]:
+    """The cases in which these kernels and the plain ways differ by more than rounding."""
+    found = []
+    for name, work in cases(steps):
+        with SHELF.holding(kernels):
+            quick = work()
+        with SHELF.holding({}):
+            plain = work()
+        for part, wanted in plain.items():
+            got = quick[part]
+            if got.shape != wanted.shape or not np.allclose(got, wanted, rtol=1e-9, atol=1e-10 * np.nanmax(np.abs(wanted), initial=1e-300),
+                                                            equal_nan=True):
+                found.append(f"{name}: {part}")
+    return found
+
+
+def test_kernels_are_plain_functions_that_say_what_the_plain_ways_say() -> None:
+    assert not differing(24, {f: f for f in SIGNATURES})
+
+
+def test_what_a_kernel_cannot_judge_is_left_to_the_plain_way() -> None:
+    twice = KalmanFilter([[1]], [[0]], [[1], [1]], 1.0, np.zeros((2, 2)))
+    with SHELF.holding({f: f for f in SIGNATURES}), pytest.raises(EngineError, match="singular"):
+        twice.run(Belief([0], [[0]]), np.ones((3, 2)))
+
+
+@pytest.mark.slow
+def test_compiled_kernels_say_what_the_plain_ways_say(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(SHELF, "made", {})
+    prepare_kernels().join()
+    assert not SHELF.made  # switched off for all tests
+    monkeypatch.delenv("OBSERVER_LAB_KERNELS")
+    prepare_kernels().join()
+    assert set(SHELF.made) == set(SIGNATURES)
+    assert not differing(800, SHELF.made)
