@@ -2,16 +2,48 @@
 
 from __future__ import annotations
 
-from app.lesson.exam import Exam, ExamItem, Lot, decimals
+import math
+
+import numpy as np
+
+from app.lesson.exam import WHOLE, Exam, ExamItem, Lot, decimals
 
 
 def _double(lot: Lot) -> ExamItem:
-    """A block m = 1 with other b and k, both observer poles at −p: l₂ = p² − k − b l₁ with l₁ = 2p − b."""
-    b, k, p = lot.part(1, 9), float(lot.whole(1, 6)), float(lot.whole(2, 6))
-    first = 2 * p - b
+    """A block m = 1 with other b and k, both observer poles at p: l₂ = p² − k − b l₁ with l₁ = −2p − b."""
+    b, k, p = lot.part(1, 9), float(lot.whole(1, 6)), -float(lot.whole(2, 6))
+    first = -2 * p - b
     return ExamItem({"b": b, "k": k, "p": p}, p**2 - k - b * first, {"first": first})
+
+
+def _decay(lot: Lot) -> ExamItem | None:
+    """A complex pair of A − LC has the real part −(l₁ + b)/2."""
+    b, k = lot.part(1, 9), float(lot.whole(1, 6))
+    l1, l2, N = lot.part(2, 30), float(lot.whole(1, 9)), lot.one((10.0, 20.0, 50.0, 100.0, 1000.0))
+    sigma = (l1 + b) / 2
+    if k + l2 + b * l1 <= 1.2 * sigma**2:
+        return None
+    return ExamItem({"b": b, "k": k, "L": np.array([[l1], [l2]]), "N": N}, math.log(N) / sigma, {"l1": l1, "sigma": sigma})
+
+
+def _form(lot: Lot) -> ExamItem:
+    """Observer form: l₁ = c₀ − a₀ with c₀ = σ² + ω²."""
+    a0, a1, re, im = float(lot.whole(-6, 9)), float(lot.whole(-5, 5)), -float(lot.whole(2, 7)), float(lot.whole(1, 6))
+    c0 = re**2 + im**2
+    return ExamItem({"A": np.array([[0.0, -a0], [1.0, -a1]]), "re": re, "im": im}, c0 - a0, {"c0": c0, "a0": a0})
+
+
+def _push(lot: Lot) -> ExamItem:
+    """ė = (A − LC) e + (0, d) rests at e₁ = d/(p₁ p₂), e₂ = l₁ e₁."""
+    b, k, d = lot.part(1, 9), float(lot.whole(1, 6)), float(lot.whole(2, 9))
+    p, r = (-float(v) for v in lot.some(range(2, 9), 2))
+    l1 = -p - r - b
+    return ExamItem({"b": b, "k": k, "p": p, "r": r, "d": d}, l1 * d / (p * r), {"l1": l1, "e1": d / (p * r)})
 
 
 EXAMS = (
     Exam("double", decimals(2), _double),
+    Exam("decay", decimals(2), _decay),
+    Exam("form", WHOLE, _form),
+    Exam("push", decimals(2), _push),
 )

@@ -33,14 +33,61 @@ def trust(g: Given) -> float:
     return brentq(lambda L: float(expm(np.array([[(g["a"] - L) * g["t"]]]))[0, 0]) - 0.1, 0.0, 50.0, xtol=1e-12)
 
 
+def copy(g: Given) -> float:
+    return brentq(lambda t: g["e0"] * float(expm(np.array([[-g["a"] * t]]))[0, 0]) - g["e1"], 0.0, 200.0, xtol=1e-12)
+
+
+def bias(g: Given) -> float:
+    """Plant and observer side by side, with the constant as a state that rests."""
+    M = np.array([[-g["a"], 0.0], [g["L"], -g["a"] - g["L"]]])
+    T, That = np.linalg.solve(M, [-g["q"], -g["qhat"]])
+    return T - That
+
+
+def core(g: Given) -> float:
+    return placed(g["A"], np.array([0.0, 1.0]), [g["p"], g["r"]])[0]
+
+
 # --- error-dynamics --------------------------------------------------------------------------------------------------
 def double(g: Given) -> float:
     return placed(spring(g["b"], g["k"]), POSITION, [g["p"], g["p"]])[1]
 
 
+def decay(g: Given) -> float:
+    return np.log(g["N"]) / -np.max(np.real(np.linalg.eigvals(spring(g["b"], g["k"]) - g["L"] @ POSITION)))
+
+
+def form(g: Given) -> float:
+    poles = [complex(g["re"], g["im"]), complex(g["re"], -g["im"])]
+    return place_poles(g["A"].T, np.array([[0.0], [1.0]]), poles).gain_matrix[0, 0]
+
+
+def push(g: Given) -> float:
+    A = spring(g["b"], g["k"])
+    L = place_poles(A.T, POSITION.T, [g["p"], g["r"]]).gain_matrix.T
+    return -np.linalg.solve(A - L @ POSITION, [0.0, g["d"]])[1]
+
+
 # --- observability ---------------------------------------------------------------------------------------------------
 def start(g: Given) -> float:
     return np.linalg.solve(np.vstack([[1.0, 0.0], g["A"][0]]), [g["y"], g["dy"]])[1]
+
+
+def blind(g: Given) -> float:
+    values, left = np.linalg.eig(g["A"])
+    v = left[:, np.argmin(np.abs(values - g["hidden"]))]
+    return -(v[0] / v[1]).real
+
+
+def stroboscope(g: Given) -> float:
+    """The determinant of (C, C Φ) as the period grows from nothing: its first zero."""
+    A = np.array([[0.0, 1.0], [-g["k"] / g["m"], 0.0]])
+    quarter = np.pi / 2 / np.sqrt(g["k"] / g["m"])
+    return 1000 * brentq(lambda h: float(expm(A * h)[0, 1]), quarter, 3 * quarter, xtol=1e-14)
+
+
+def energy(g: Given) -> float:
+    return quad(lambda t: (g["c"] * g["x0"] * np.exp(-g["a"] * t)) ** 2, 0.0, g["T"], epsabs=1e-12, epsrel=1e-12)[0]
 
 
 # --- separation ------------------------------------------------------------------------------------------------------
@@ -171,6 +218,15 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("virtual-sensor", "trust"): trust,
     ("error-dynamics", "double"): double,
     ("observability", "start"): start,
+    ("virtual-sensor", "copy"): copy,
+    ("virtual-sensor", "bias"): bias,
+    ("virtual-sensor", "core"): core,
+    ("error-dynamics", "decay"): decay,
+    ("error-dynamics", "form"): form,
+    ("error-dynamics", "push"): push,
+    ("observability", "blind"): blind,
+    ("observability", "stroboscope"): stroboscope,
+    ("observability", "energy"): energy,
     ("separation", "trace"): trace,
     ("separation", "peak"): peak,
     ("separation", "own"): own,
