@@ -2,17 +2,49 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from app.lesson.exam import Exam, ExamItem, Lot, decimals
 
 
 def _gain(lot: Lot) -> ExamItem:
-    """Spring-damper with m = 1: a feedback for (Aᵀ, Cᵀ) with poles −p, −q is given; what is the second entry of L?"""
+    """Spring-damper with m = 1: a feedback for (Aᵀ, Cᵀ) with poles p, q is given; what is the second entry of L?"""
     b, k = lot.part(1, 8, 4), float(lot.whole(1, 6))
-    p, q = map(float, lot.some(range(2, 9), 2))
-    first = p + q - b
-    return ExamItem({"b": b, "k": k, "p": -p, "q": -q, "first": first}, p * q - k - b * first)
+    p, q = (-float(v) for v in lot.some(range(2, 9), 2))
+    first = -p - q - b
+    return ExamItem({"b": b, "k": k, "p": p, "q": q, "first": first}, p * q - k - b * first)
+
+
+def _pole(lot: Lot) -> ExamItem | None:
+    """Regulator and filter share the pole −√(a² + c² W/V)."""
+    a, c, W, V = float(lot.whole(-3, 4)), float(lot.whole(2, 4)), float(lot.whole(2, 20)), float(lot.whole(2, 8))
+    root = math.sqrt(a * a + c * c * W / V)
+    return ExamItem({"a": a, "c": c, "W": W, "V": V}, -root, {"P": V * (a + root) / (c * c)}) if a else None
+
+
+def _predictor(lot: Lot) -> ExamItem:
+    """L = a M with the filter's gain M = P⁻ c/(c² P⁻ + R)."""
+    a, c, P, R = lot.part(11, 25), float(lot.whole(2, 5)), lot.part(2, 19), float(lot.whole(2, 9))
+    M = P * c / (c * c * P + R)
+    return ExamItem({"a": a, "c": c, "P": P, "R": R}, a * M, {"M": M})
+
+
+def _adjoint(lot: Lot) -> ExamItem | None:
+    """λᵀx stays: λ₂ = (λ(0)ᵀx(0) − λ₁ x₁)/x₂."""
+    a, b, c, d, u, first = (lot.whole(-6, 6) for _ in range(6))
+    v = lot.one((-5, -4, -2, 2, 4, 5))
+    inner = a * c + b * d
+    if 0 in (a, b, c, d, u, first, inner):
+        return None
+    return ExamItem({"x0": np.array([[a], [b]], float), "l0": np.array([[c], [d]], float), "x1": np.array([[u], [v]], float),
+                     "first": float(first)}, (inner - first * u) / v, {"inner": float(inner), "u": float(u), "v": float(v)})
 
 
 EXAMS = (
     Exam("gain", decimals(2), _gain),
+    Exam("pole", decimals(2), _pole),
+    Exam("predictor", decimals(3), _predictor),
+    Exam("adjoint", decimals(2), _adjoint),
 )

@@ -4,15 +4,39 @@ from __future__ import annotations
 
 import math
 
-from app.lesson.exam import Exam, ExamItem, Lot, decimals
+from app.lesson.exam import Exam, ExamItem, Lot, decimals, significant
+
+QUIET = (0.1, 0.2, 0.5, 2.0)
 
 
 def _least(lot: Lot) -> ExamItem:
     """ẋ = −a x + w, y = x + v: the Kalman gain L = −a + √(a² + W/V)."""
-    a, W, V = lot.whole(1, 6), lot.whole(2, 39), lot.one((0.1, 0.2, 0.5, 1.0, 2.0))
-    return ExamItem({"a": float(a), "W": float(W), "V": V}, -a + math.sqrt(a * a + W / V), {"ratio": W / V})
+    a, W, V = float(lot.whole(1, 6)), float(lot.whole(2, 39)), lot.one((*QUIET, 1.0))
+    return ExamItem({"a": a, "W": W, "V": V}, -a + math.sqrt(a * a + W / V))
+
+
+def _valley(lot: Lot) -> ExamItem:
+    """The variance at any L: P = (W + L² V)/(2 (a + L))."""
+    a, W, V, L = float(lot.whole(1, 6)), float(lot.whole(2, 30)), lot.one(QUIET), float(lot.whole(2, 12))
+    return ExamItem({"a": a, "W": W, "V": V, "L": L}, (W + L * L * V) / (2 * (a + L)))
+
+
+def _worse(lot: Lot) -> ExamItem:
+    """P(L) = P(0) at L = W/(a V)."""
+    a, W, V = float(lot.whole(2, 6)), float(lot.whole(2, 39)), lot.one(QUIET)
+    return ExamItem({"a": a, "W": W, "V": V}, W / (a * V))
+
+
+def _samples(lot: Lot) -> ExamItem:
+    """Readings of deviation σ at a rate f are an intensity σ²/f; without damping L = √(W/V)."""
+    W, f, sigma = float(lot.whole(2, 30)), float(lot.whole(2, 20) * 5), lot.part(2, 30)
+    V = sigma**2 / f
+    return ExamItem({"W": W, "f": f, "sigma": sigma}, math.sqrt(W / V), {"V": V})
 
 
 EXAMS = (
     Exam("least", decimals(2), _least),
+    Exam("valley", decimals(2), _valley),
+    Exam("worse", significant(3), _worse),
+    Exam("samples", significant(3), _samples),
 )

@@ -11,6 +11,7 @@ from scipy.integrate import quad
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.signal import place_poles
+from scipy.stats import norm
 
 Given = Mapping[str, Any]
 INTEGRATOR, POSITION = np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[1.0, 0.0]])
@@ -122,17 +123,88 @@ def gain(g: Given) -> float:
     return place_poles(spring(g["b"], g["k"]).T, POSITION.T, [g["p"], g["q"]]).gain_matrix[0, 1]
 
 
+def pole_of_both(g: Given) -> float:
+    E = control.lqr(np.array([[g["a"]]]), np.array([[g["c"]]]), np.array([[g["W"]]]), np.array([[g["V"]]]))[2]
+    L = control.lqe(np.array([[g["a"]]]), np.eye(1), np.array([[g["c"]]]), np.array([[g["W"]]]), np.array([[g["V"]]]))[0]
+    filtered = g["a"] - L[0, 0] * g["c"]
+    assert abs(filtered - E[0].real) < 1e-8
+    return filtered
+
+
+def predictor(g: Given) -> float:
+    """The gain that minimises the variance (a − L c)² P + L² R of the next error, by its slope."""
+    slope = lambda L: -2 * g["c"] * (g["a"] - L * g["c"]) * g["P"] + 2 * L * g["R"]  # noqa: E731
+    return brentq(slope, 0.0, 10.0, xtol=1e-13)
+
+
+def adjoint(g: Given) -> float:
+    """Transition matrices Φ that take x(0) to x(T): λ(T) = Φ⁻ᵀ λ(0); the one that gives λ the first entry that was read."""
+    x0, x1, l0 = (g[name][:, 0] for name in ("x0", "x1", "l0"))
+    across, free = np.array([-x0[1], x0[0]]), np.array([-x1[1], x1[0]])
+
+    def dual(along: float, beside: float) -> np.ndarray:
+        return np.linalg.solve((np.outer(x1, x0) / (x0 @ x0) + np.outer(along * x1 + beside * free, across)).T, l0)
+    for along in (0.3, 1.7, (l0 @ across) / (x0 @ x0) / (l0 @ x0)):
+        slope, offset = np.polyfit([0.5, 0.25], [dual(along, 2.0)[0] - g["first"], dual(along, 4.0)[0] - g["first"]], 1)
+        found = dual(along, -slope / offset if abs(offset) > 1e-9 and abs(slope) > 1e-9 else 1.0)
+        if abs(found[0] - g["first"]) < 1e-9:
+            return found[1]
+    raise AssertionError("no matrix does it")
+
+
 # --- hidden-modes ----------------------------------------------------------------------------------------------------
 def bolted(g: Given) -> float:
-    A, C = np.array([[g["a"], g["b"]], [g["b"], g["a"]]]), np.array([[1.0, -1.0]])
-    spectra = [np.linalg.eigvals(A - L @ C) for L in np.random.default_rng(1).normal(size=(3, 2, 1))]
+    C = np.array([[1.0, -1.0]])
+    spectra = [np.linalg.eigvals(g["A"] - L @ C) for L in np.random.default_rng(1).normal(size=(3, 2, 1))]
     return min(spectra[0], key=lambda s: sum(np.min(np.abs(other - s)) for other in spectra[1:])).real
+
+
+def cancel(g: Given) -> float:
+    """The zero of (s + c)/(s² + b s + k) lies on the faster pole."""
+    return -float(np.min(np.roots([1.0, g["b"], g["k"]]).real))
+
+
+def left(g: Given) -> float:
+    """The limit of e^{(A − LC)t} e(0) for a gain that grows without bound, straight: by projection on the kernel of C."""
+    values, vectors = np.linalg.eigh(g["A"])
+    hidden = vectors[:, np.argmin(np.abs(np.ones(2) @ vectors))]
+    rate = values[np.argmin(np.abs(np.ones(2) @ vectors))]
+    return (hidden * (hidden @ g["e0"][:, 0]) * np.exp(rate * g["t"]))[0]
+
+
+def draft(g: Given) -> float:
+    C = np.array([[1.0, -1.0]])
+    L = np.array([[3.0], [-40.0]])
+    return np.linalg.solve(g["A"] - L @ C, -g["d"] * np.ones(2))[0]
 
 
 # --- saturation ------------------------------------------------------------------------------------------------------
 def believed(g: Given) -> float:
-    L = np.array([[2 * g["p"]], [g["p"] ** 2]])
+    L = np.array([[-2 * g["p"]], [g["p"] ** 2]])
     return -np.linalg.solve(INTEGRATOR - L @ POSITION, [0.0, g["limit"] - g["asked"]])[1]
+
+
+def windup(g: Given) -> float:
+    """The clipped integrator after many time constants, by its matrix exponential."""
+    M = np.array([[-1 / g["Tt"], g["ki"] * g["e"] + g["U"] / g["Tt"]], [0.0, 0.0]])
+    return (expm(M * 60 * g["Tt"]) @ [0.0, 1.0])[0]
+
+
+def reach(g: Given) -> float:
+    """The largest start from which full force after τ does not let the state grow, by the exact motion."""
+    a, b, U = g["a"], g["b"], g["U"]
+    return brentq(lambda x0: a * float(expm(np.array([[a * g["tau"]]]))[0, 0]) * x0 - b * U, 0.0, 1e4, xtol=1e-12)
+
+
+def fastest(g: Given) -> float:
+    """Full force there and back, by the exact double integrator: the time at which the cart stands at d."""
+    def way(t: float) -> float:
+        M = np.zeros((3, 3))
+        M[0, 1] = 1.0
+        there, back = M.copy(), M.copy()
+        there[1, 2], back[1, 2] = g["U"] / g["m"], -g["U"] / g["m"]
+        return float((expm(back * t / 2) @ expm(there * t / 2) @ [0.0, 0.0, 1.0])[0])
+    return brentq(lambda t: way(t) - g["d"], 0.0, 1e3, xtol=1e-13)
 
 
 # --- noise -----------------------------------------------------------------------------------------------------------
@@ -140,9 +212,45 @@ def least(g: Given) -> float:
     return control.lqe(np.array([[-g["a"]]]), np.eye(1), np.eye(1), np.array([[g["W"]]]), np.array([[g["V"]]]))[0][0, 0]
 
 
+def valley(g: Given) -> float:
+    return control.lyap(np.array([[-g["a"] - g["L"]]]), np.array([[g["W"] + g["L"] ** 2 * g["V"]]]))[0, 0]
+
+
+def worse(g: Given) -> float:
+    none = valley({**g, "L": 0.0})
+    bottom = least(g)
+    return brentq(lambda L: valley({**g, "L": L}) - none, bottom, 1e4, xtol=1e-11)
+
+
+def samples(g: Given) -> float:
+    """The gain per second of discrete filters with ever more readings, each as much noisier, at no period at all."""
+    def gain_at(h: float) -> float:
+        Q, R = g["W"] * h, g["sigma"] ** 2 / g["f"] / h
+        P = (Q + np.sqrt(Q * Q + 4 * Q * R)) / 2
+        return P / (P + R) / h
+    return 2 * gain_at(0.5e-5 / g["f"]) - gain_at(1e-5 / g["f"])
+
+
 # --- kalman ----------------------------------------------------------------------------------------------------------
 def step(g: Given) -> float:
     return 1 / (1 / (g["a"] ** 2 * g["p"] + g["Q"]) + 1 / g["R"])
+
+
+def steady(g: Given) -> float:
+    return control.dlqe(np.eye(1), np.eye(1), np.eye(1), np.array([[g["Q"]]]), np.array([[g["R"]]]))[0][0, 0]
+
+
+def nis(g: Given) -> float:
+    """By the densities: −2 ln of the ratio of the reading's likelihood to the largest one."""
+    sure = norm(g["c"] * g["xhat"], np.sqrt(g["c"] ** 2 * g["P"] + g["R"]))
+    return 2 * (sure.logpdf(g["c"] * g["xhat"]) - sure.logpdf(g["y"]))
+
+
+def joseph(g: Given) -> float:
+    """The variance of (1 − M) e − M v, by the covariance of both."""
+    M = g["P"] / (g["P"] + g["believed"])
+    row = np.array([1 - M, -M])
+    return row @ np.diag([g["P"], g["R"]]) @ row
 
 
 # --- lqg -------------------------------------------------------------------------------------------------------------
@@ -232,6 +340,21 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("separation", "own"): own,
     ("separation", "leak"): leak,
     ("duality", "gain"): gain,
+    ("hidden-modes", "cancel"): cancel,
+    ("hidden-modes", "left"): left,
+    ("hidden-modes", "draft"): draft,
+    ("saturation", "windup"): windup,
+    ("saturation", "reach"): reach,
+    ("saturation", "fastest"): fastest,
+    ("noise", "valley"): valley,
+    ("noise", "worse"): worse,
+    ("noise", "samples"): samples,
+    ("kalman", "steady"): steady,
+    ("kalman", "nis"): nis,
+    ("kalman", "joseph"): joseph,
+    ("duality", "predictor"): predictor,
+    ("duality", "adjoint"): adjoint,
+    ("duality", "pole"): pole_of_both,
     ("hidden-modes", "bolted"): bolted,
     ("saturation", "believed"): believed,
     ("noise", "least"): least,
