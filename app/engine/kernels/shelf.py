@@ -136,7 +136,7 @@ def _compiled() -> dict[Kernel, Kernel]:
     before, set_at["CACHE_DIR"] = set_at["CACHE_DIR"], "" if folder is None else str(folder)
     try:
         for function, signature in SIGNATURES.items():
-            compiler: Callable[[Kernel], Any] = njit(signature, cache=folder is not None, **OPTIONS)
+            compiler: Any = njit(signature, cache=folder is not None, **OPTIONS)
             made[function] = compiler(function)
     finally:
         set_at["CACHE_DIR"] = before
