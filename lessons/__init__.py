@@ -7,6 +7,7 @@ from types import MappingProxyType
 
 from app.lesson.lesson import Lesson
 
+from .arm.lesson import LESSON as arm
 from .bilinear_observer.lesson import LESSON as bilinear_observer
 from .decoupling.lesson import LESSON as decoupling
 from .duality.lesson import LESSON as duality
@@ -47,6 +48,7 @@ LESSONS: MappingProxyType[str, Lesson] = MappingProxyType({lesson.id: lesson for
     network,
     fault_diagnosis,
     sandbox,
+    arm,
 ), key=lambda lesson: lesson.number)})
 OPENING = "separation"  # the lesson that the page opens on
 

@@ -12,12 +12,12 @@ from app.lesson.claims import claim
 from app.lesson.figures import Curve, LineFigure
 from app.plants.model import Model, Signal
 from app.plants.names import called
-from app.text import Text, joined, same, symbol, text
+from app.text import Text, joined, same, symbol, text, text_in
 
 TIME_TAB = text("Time")
 ERROR_TAB = text("Error and input")
-INPUTS = MappingProxyType({"force": text("force"), "force 1": text("force 1"), "force 2": text("force "
-                                                                                                               "2")})
+INPUTS = MappingProxyType({"force": text("force"), "force 1": text("force 1"), "force 2": text("force 2"),
+                           "voltage": text_in("signal", "voltage")})
 
 
 BEYOND = text("What lies beyond the scale is drawn at its edge.")

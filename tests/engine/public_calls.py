@@ -38,6 +38,7 @@ from app.engine import (
     to_mat,
     unknown_input_observer,
 )
+from app.engine.simulation import Gear
 
 ROOMS = ("systems", "structure", "design", "feedback", "simulation", "filters", "observers", "sampled", "network")
 ANSWERS = frozenset({
@@ -53,7 +54,7 @@ ANSWERS = frozenset({
     "observers.FunctionalObserver", "observers.FunctionalRun", "observers.Perturbations", "observers.ResidualGenerator",
     "observers.RobustObserver", "observers.UnknownInputObserver", "sampled.MechanicsResponse", "sampled.MonteCarlo",
     "sampled.ResponseMeasures", "sampled.SampledController", "sampled.SampledLoop", "sampled.SampledLqg", "sampled.SampledRun",
-    "sampled.Trial", "network.CriticalLoss", "network.NetworkRun", "simulation.RecoveryMap", "simulation.Run",
+    "sampled.Trial", "network.CriticalLoss", "network.NetworkRun", "simulation.GearedRun", "simulation.RecoveryMap", "simulation.Run",
     "structure.Coupling", "systems.Spectrum",
 })
 NO_CALLS = frozenset({  # kinds of error, names of types, words, and kinds of filter that others are made of
@@ -225,6 +226,8 @@ def _simulation(plant: Plant) -> dict[str, dict[str, Any]]:
         "emulated_gain": {"plant": plant, "L": L, "dt": 0.1},
         "disturbances_of": {"scenario": scenario},
         "simulate": {"scenario": scenario},
+        "Gear": {"angle": 0, "speed": 1, "inner": 0.5, "outer": 0.5, "load": [0, -1], "gap": 0.01, "sensor": "inner", "step": 0.001},
+        "simulate_geared": {"scenario": scenario, "gear": Gear(0, 1, 0.5, 0.5, [0, -1], gap=0.01)},
         "simulate_recovery": {"scenario": scenario, "x_index": 0, "x_values": [-1, 1], "e_index": 1, "e_values": [0, 1],
                               "threshold": 0.1, "bound": 100.0, "slice_seconds": 0.01},
         "simulate_starts": {"scenario": scenario, "starts": np.ones((3, 4))},

@@ -79,6 +79,11 @@ PLAIN: tuple[Fact, ...] = (
     ("network", {"delay": 2.0}, {"separation_meter": "0", "loop_radius": "1.14"}),
     ("network", {"delay": 2.0, "told": "asked"}, {"separation_meter": "14"}),
     ("network", HEARD, {"loop_radius": "0.41"}),
+    ("arm", {"cancel": False}, {"droop": "7.14"}),
+    ("arm", {"load_state": False}, {"droop": "15.5", "angle_belief": "3.01"}),
+    ("arm", {"gap": 1.0}, {"false_load": "0.11", "apart": "0.5"}),
+    ("arm", {"gap": 1.0, "observer_poles": (-30 - 10j, -30 + 10j, -30 + 0j)}, {"false_load": "0.51"}),
+    ("arm", {}, {"holding": "0.98"}),
     ("sandbox", {"limited": True}, {"separation_meter": "0.072"}),
     ("sandbox", {"sensor": 0.02, "belief": 0.05}, {"nis_expected": "3.02"}),
 )
@@ -111,5 +116,6 @@ GIVEN: dict[str, tuple[str, ...]] = {
     "network": ("0.6",),
     "nonlinear": ("0.2",),
     "showdown": ("4.2", "0.1"),  # 20.12 − 20.02 dB
+    "arm": ("1.5",),
     "sandbox": ("0.29", "0.30", "0.02", "0.05"),  # 0.30 in the first row of the verdicts
 }

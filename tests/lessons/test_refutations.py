@@ -71,6 +71,8 @@ PRINTED: tuple[tuple[str, str, dict[str, Any], str, str], ...] = (
     ("network", "B", {}, "growth", "0.43"),
     ("network", "B", {}, "lower", "0.90"),
     ("network", "B", {}, "upper", "1.59"),
+    ("arm", "C", {}, "load_belief", "1.50"),
+    ("arm", "D", {}, "slowest_observer", "−12"),
 )
 
 

@@ -335,6 +335,33 @@ def _none_hidden(shown: Shown, _: Text) -> None:
             assert np.linalg.svd(stacked, compute_uv=False)[-1] > 1e-4 * np.linalg.norm(plant.A, 2), f"{pole:.3g} is nearly hidden"
 
 
+def _load_found(shown: Shown, words: Text) -> None:
+    run, after = shown.run, value(words, "found")
+    away = np.abs(run.x[:, 3] - run.xhat[:, 3]) - 0.05 * abs(shown["load"])
+    assert float(np.max(away[run.t > 1 + after - 1e-9])) <= 1e-12, "not even in the run"
+    assert not after > 0 or away[run.index(1 + after) - 1] > 0, "it was found before"
+
+
+def _on_target(shown: Shown, _: Text) -> None:
+    tail = np.degrees(shown.run.x[-max(len(shown.run.t) // 10, 1):, 2])
+    assert abs(float(tail.mean()) - shown["target"]) < 0.05, f"it stands at {tail.mean():.4g}°"
+
+
+def _on_a_flank(shown: Shown, words: Text) -> None:
+    figure = shown.figure
+    assert isinstance(figure, LineFigure)
+    near(abs(float(figure.curves[0].y[-1])), shown["gap"] / 2, 1e-4)
+    near(value(words, "apart"), shown["gap"] / 2, 1e-4)
+
+
+def _at_rest(shown: Shown, _: Text) -> None:
+    s = shown.run.scenario
+    r = s.reference
+    longer = simulate(replace(s, horizon=LONGER * s.horizon, reference=None if r is None else np.asarray(r)[0]))
+    tail = shown.run.x[-max(len(shown.run.t) // 10, 1):].mean(axis=0)
+    assert abs(np.degrees(longer.x[-1, 2] - tail[2])) < 0.05, "it goes on from there"
+
+
 WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
     "The error stays below 2 % of its peak after {small:.2f} s.": _stays,
     "The estimate has caught up with the truth.": _caught,
@@ -373,5 +400,11 @@ WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
     "The trace has gone flat: as far as the sensor can tell, all is at rest.": _flat,
     "|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.": _law,
     "With the true plant the loop is unstable.": _unstable_loop,
+    "The error keeps its promise: the load enters it once, at {at:g} s, and it dies out from there.": _meter_zero,
+    "The load enters the error at {at:g} s and stays there: nothing in this observer takes it in.": _meter_zero,
+    "The load is found to 5 % after {found:.3f} s.": _load_found,
+    "At the end the arm stands on its target.": _on_target,
+    "At the end the arm rests on one flank, {apart:.3g}° from the motor.": _on_a_flank,
+    "The run ends where the equations of rest say.": _at_rest,
     "Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.": _bound,
 }

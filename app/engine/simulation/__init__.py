@@ -6,14 +6,18 @@ from .door import (
     emulated_gain,
     separation_meter,
     simulate,
+    simulate_geared,
     simulate_recovery,
     simulate_starts,
     starts_of,
 )
+from .geared import Gear, GearedRun
 from .recovery import RecoveryMap
 from .scenario import Run, Scenario
 
 __all__ = [
+    "Gear",
+    "GearedRun",
     "RecoveryMap",
     "Run",
     "Scenario",
@@ -22,6 +26,7 @@ __all__ = [
     "emulated_gain",
     "separation_meter",
     "simulate",
+    "simulate_geared",
     "simulate_recovery",
     "simulate_starts",
     "starts_of",

@@ -6,7 +6,8 @@ from types import MappingProxyType
 
 from ..systems.gates import SECONDS, SERIES, array, count, gated, instance, matrix, number, optional
 from ..systems.plant import Plant
-from . import batch, loop, recovery
+from . import batch, geared, loop, recovery
+from .geared import Gear
 from .scenario import Run, Scenario
 from .simulate import autonomous_error as _autonomous_error
 from .simulate import disturbances_of as _disturbances_of
@@ -19,6 +20,7 @@ _GRID = MappingProxyType({"x_index": count(-1000), "x_values": SERIES, "e_index"
 
 simulate = gated(scenario=_SCENARIO)(_simulate)
 disturbances_of = gated(scenario=_SCENARIO)(_disturbances_of)
+simulate_geared = gated(scenario=_SCENARIO, gear=instance(Gear))(geared.simulate_geared)
 autonomous_error = gated(run=_RUN)(_autonomous_error)
 separation_meter = gated(run=_RUN)(_separation_meter)
 emulated_gain = gated(plant=instance(Plant), L=matrix("n p"), dt=SECONDS)(loop.emulated_gain)

@@ -1,0 +1,159 @@
+"""A loop over a gear with play and an encoder that counts: what its linear observer knows nothing of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+
+from ..systems.errors import EngineError, ShapeError
+from ..systems.gates import choice, count, number, passed, vector
+from ..systems.plant import Plant
+from .contact import Contact
+from .disturbance import disturbances
+from .loop import Loop, continuous_loop
+from .scenario import Run, Scenario
+from .simulate import DIVERGED
+
+__all__ = ["Gear", "GearedRun", "simulate_geared"]
+
+_INERTIA = number(above=0, high=1e100)
+GATES = MappingProxyType({"angle": count(), "speed": count(), "inner": _INERTIA, "outer": _INERTIA, "load": vector("n"),
+                          "gap": number(0, 1e100), "sensor": choice("inner", "outer"), "step": number(0, 1e100)})
+
+
+@dataclass(frozen=True, eq=False)
+class Gear:
+    """Play between a driving (inner) and a driven (outer) body that the plant takes for one, all as seen at the driven one.
+
+    `angle`, `speed`: their places in the plant's state; `inner`, `outer`: the two inertias, kg m²; `load` (n,): the torque on the
+    outer body is load·x, N m, all other torques act on the inner one; `gap`: from flank to flank, rad. The sensor reads the inner
+    or the outer angle in whole multiples of `step` (rad; 0: exactly). Raises EngineError.
+
+    >>> Gear(0, 1, 0.5, 1.5, [0.0, 0.0], gap=0.02).sensor
+    'inner'
+    """
+
+    angle: int
+    speed: int
+    inner: float
+    outer: float
+    load: Any
+    gap: float = 0.0
+    sensor: Literal["inner", "outer"] = "inner"
+    step: float = 0.0
+
+    def __post_init__(self) -> None:
+        passed(self, **GATES)
+        if self.angle == self.speed:
+            raise EngineError("Angle and speed must be two states.")
+
+
+@dataclass(frozen=True, eq=False)
+class GearedRun:
+    """`run`, its x that of the outer body, its v what the encoder reads beside the truth; `inner` (n_t,) the inner angle, rad.
+
+    `contact` (n_t,): 1 where a flank pushes forward, −1 where one pushes back, 0 where none does.
+    """
+
+    run: Run
+    inner: np.ndarray
+    contact: np.ndarray
+
+
+def simulate_geared(scenario: Scenario, gear: Gear) -> GearedRun:
+    """Run a continuous loop over a gear with play, the encoder read and the limits looked at once every dt.
+
+    In between all is exact: ż = M z + g with g held, M one of two for contact and gap (Nordin and Gutman, Automatica 38 (2002)
+    1633–1649; plastic impacts, changes of contact to dt/256). It begins in the middle of the gap, and impulses jump both bodies,
+    at the nearest grid point. Raises EngineError for a scenario with noise, delay, sampling, or a plant that the gear does not fit.
+
+    >>> P = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
+    >>> s = Scenario(P, K=[[4, 4]], L=[[9], [20]], x0=[1, 0], horizon=4.0)
+    >>> bool(abs(simulate_geared(s, Gear(0, 1, 0.5, 0.5, [0, 0], gap=0.02)).run.x[-1, 0]) < 0.02)
+    True
+    """
+    s, n = scenario, scenario.plant.n
+    if s.discrete or s.lag or s.W is not None or s.V is not None or np.any(s.plant.D) or s.fed != "applied":
+        raise EngineError("A run over a gear is continuous, without delay, noise or direct path, and its observer is told the applied "
+                          "input.")
+    if max(gear.angle, gear.speed) >= n or len(gear.load) != n:
+        raise ShapeError("Angle, speed and load of the gear must fit the {n} states of the plant.", n=n)
+    wide = _opened(s, gear)
+    loop = continuous_loop(wide)
+    z, inner, contact, v = _march(wide, loop, gear)
+    count = len(z)
+    u_asked = z @ loop.F.T + (0.0 if s.reference is None else s.reference[:count])
+    x, xhat = z[:, :n].copy(), z[:, n + 2:]
+    x[:, [gear.angle, gear.speed]] = z[:, n:n + 2]
+    applied = np.clip(u_asked, s.u_min, s.u_max)
+    y, yhat = z[:, :n + 2] @ wide.plant.C.T + v, xhat @ s.model.C.T
+    e = x - xhat if x.shape == xhat.shape else np.zeros((count, 0))
+    run = Run(s, s.t[:count], x, xhat, e, u_asked, applied, y, yhat, np.zeros((count, 0)), v,
+              None if count == s.n_t else float(s.dt * count), bool(np.any(applied != u_asked)))
+    return GearedRun(run, inner, contact)
+
+
+def _opened(s: Scenario, gear: Gear) -> Scenario:
+    """The scenario with the outer body's angle and speed as two more states, and no contact between the two."""
+    n, both = s.plant.n, gear.inner + gear.outer
+    A, B, C = np.zeros((n + 2, n + 2)), np.zeros((n + 2, s.plant.m)), np.zeros((s.plant.p, n + 2))
+    A[:n, :n], B[:n], C[:, :n] = s.plant.A, s.plant.B, s.plant.C
+    load: np.ndarray = np.array(gear.load, dtype=float)
+    A[gear.speed, :n] = (both * s.plant.A[gear.speed] - load) / gear.inner
+    B[gear.speed] *= both / gear.inner
+    A[n, n + 1] = 1.0
+    A[n + 1, :n] = load / gear.outer
+    for place, own in ((gear.angle, n), (gear.speed, n + 1)):  # the outer body's torque depends on its own motion
+        A[n + 1, own] += A[n + 1, place]
+        A[n + 1, place] = 0.0
+    if gear.sensor == "outer":
+        C[:, n], C[:, n + 1] = C[:, gear.angle], C[:, gear.speed]
+        C[:, [gear.angle, gear.speed]] = 0.0
+    impulses = tuple((t, _both(jump, gear)) for t, jump in s.impulses)
+    return replace(s, plant=Plant(A, B, C), model=s.model, x0=_both(s.x0, gear), impulses=impulses, G=None)
+
+
+def _both(x: np.ndarray, gear: Gear) -> np.ndarray:
+    """A state or a jump of the plant with that of the outer body behind it."""
+    return np.concatenate([x, x[[gear.angle, gear.speed]]])
+
+
+def _march(s: Scenario, loop: Loop, gear: Gear) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """States (n_t, N), inner angle, contact (n_t,) and what the encoder adds to y (n_t, p)."""
+    rounded = replace(s, impulses=tuple((s.dt * round(t / s.dt), jump) for t, jump in s.impulses))
+    d, n = disturbances(rounded, loop), s.plant.n
+    r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
+    C = np.hstack([s.plant.C, np.zeros((s.plant.p, len(d.z0) - n))])
+    bound = DIVERGED * max(1.0, float(np.max(np.abs(d.z0))))
+    modes: dict[bytes, tuple[Contact, np.ndarray]] = {}
+    states, contact, v = np.empty((s.n_t, len(d.z0))), np.zeros(s.n_t, dtype=int), np.zeros((s.n_t, s.plant.p))
+    z, side, k = d.z0, 0, 0
+    for k in range(s.n_t):
+        states[k], contact[k] = z, side
+        if gear.step:
+            y = C @ z
+            v[k] = gear.step * np.rint(y / gear.step) - y
+        if k == s.n_t - 1 or not np.abs(z).max() < bound:
+            break
+        u = loop.F @ z + r[k]
+        sign = (u > s.u_max).astype(np.int8) - (u < s.u_min).astype(np.int8)
+        key = sign.tobytes()
+        if key not in modes:
+            modes[key] = _mode(s, loop, gear, sign, r)
+        motion, push = modes[key]
+        z, side = motion.advance(z, push[k] + loop.E @ v[k] if gear.step else push[k], side)
+        if d.jumps is not None:
+            z = z + d.jumps[k]
+    count = k + 1 if np.abs(states[k]).max() < bound else k
+    return states[:count], states[:count, gear.angle], contact[:count], v[:count]
+
+
+def _mode(s: Scenario, loop: Loop, gear: Gear, sign: np.ndarray, r: np.ndarray) -> tuple[Contact, np.ndarray]:
+    """The motion with some inputs at their limits, and what acts beside it (n_t, N)."""
+    n, free = s.plant.n, sign == 0
+    held = np.where(sign > 0, s.u_max, np.where(sign < 0, s.u_min, 0.0))
+    motion = Contact(loop.closed(free), (gear.angle, gear.speed), (n - 2, n - 1), (gear.inner, gear.outer), gear.gap / 2, s.dt)
+    return motion, loop.forcing(free, held, r, np.zeros((len(r), s.plant.p)))

@@ -1,0 +1,197 @@
+"""A geared arm with a DC motor: its printed data, its equations with the load torque as a state, and its body.
+
+Motor: maxon RE 40, graphite brushes, 150 W, order number 148867 (24 V winding), as its data sheet prints it. Gear: maxon GP 42 C, order
+number 203116, 15 : 1, absolute 91/6. Encoder: maxon HEDL 5540, order number 110514, 500 lines, counted four times. The arm's inertia, its
+friction and the load are chosen for this lab; the gear's own inertia and losses are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from math import cos, pi, radians, sin
+from types import MappingProxyType
+
+import numpy as np
+
+from ..engine import Plant
+from ..text import text
+from .body import (
+    COPPER,
+    DARK,
+    METAL,
+    PLANT,
+    STEEL,
+    Arrow,
+    Ball,
+    Body,
+    Box,
+    Cylinder,
+    Part,
+    Pose,
+    Quaternion,
+    Rod,
+    Vector,
+    between,
+    force_arrow,
+)
+from .model import Model, Signal, Window
+
+
+@dataclass(frozen=True)
+class DataSheet:
+    """What the sheet of the motor prints, in SI units: nominal voltage V, resistance Ω, inductance H, torque constant N m/A, rotor kg m².
+
+    Under them what follows from these, printed too: no-load speed rad/s and current A, stall torque N m and current A, speed constant
+    rad/(s V), and the current A that the winding bears for good.
+    """
+
+    voltage: float = 24.0
+    resistance: float = 0.299
+    inductance: float = 0.082e-3
+    torque_constant: float = 30.2e-3
+    rotor: float = 142e-7
+    no_load_speed: float = 7580 * pi / 30
+    no_load_current: float = 0.137
+    stall_torque: float = 2.42
+    stall_current: float = 80.2
+    speed_constant: float = 317 * pi / 30
+    nominal_current: float = 6.0
+
+
+SHEET = DataSheet()
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """`ratio` of the gear; `arm` kg m² and `friction` N m s/rad at the joint, both chosen; `lines` of the encoder; the motor's sheet."""
+
+    ratio: float = 91 / 6
+    arm: float = 0.12
+    friction: float = 0.05
+    lines: int = 500
+    sheet: DataSheet = SHEET
+
+    @property
+    def reflected(self) -> float:
+        """The rotor's inertia as the joint feels it, N² J_r in kg m²."""
+        return self.ratio**2 * self.sheet.rotor
+
+    @property
+    def inertia(self) -> float:
+        """Arm and rotor together, kg m²."""
+        return self.arm + self.reflected
+
+    @property
+    def torque(self) -> float:
+        """Torque at the joint for one ampere, N k in N m/A."""
+        return self.ratio * self.sheet.torque_constant
+
+
+PARAMETERS = Parameters()
+CURRENT, SPEED, ANGLE, LOAD = range(4)  # of the state
+
+
+def plant(parameters: Parameters = PARAMETERS) -> Plant:
+    """L i̇ = u − R i − N k ω,  J ω̇ = N k i − b ω − τ,  θ̇ = ω,  τ̇ = 0, y = θ; state (i, ω, θ, τ) in A, rad/s, rad, N m, input in V.
+
+    The load torque τ is a state that nothing drives: what changes it comes from outside.
+    """
+    p, m = parameters, parameters.sheet
+    A = np.zeros((4, 4))
+    A[CURRENT, :2] = -m.resistance / m.inductance, -p.torque / m.inductance
+    A[SPEED, [CURRENT, SPEED, LOAD]] = p.torque / p.inertia, -p.friction / p.inertia, -1 / p.inertia
+    A[ANGLE, SPEED] = 1.0
+    return Plant(A, [[1 / m.inductance], [0], [0], [0]], [[0, 0, 1, 0]], state_names=("i", "omega", "theta", "tau"),
+                 input_names=("voltage",), output_names=("angle",), name="arm",
+                 units=(("i", "A"), ("omega", "rad/s"), ("theta", "rad"), ("tau", "N m"), ("voltage", "V"), ("angle", "rad")))
+
+
+# --- the body -----------------------------------------------------------------------------------------------------------
+AWAY: Quaternion = (cos(pi / 4), -sin(pi / 4), 0.0, 0.0)  # an upright cylinder's axis points away
+JOINT: Vector = (-0.62, 0.0, 1.12)
+REACH, DIAL = 1.45, 0.52  # lengths of the arm and of the dial's needle
+FACE: Vector = (1.42, 0.1, 0.98)  # the middle of the dial of the load
+FULL = 3.0  # N m at which the needle lies flat
+PARTS = (
+    Part("base", Box((4.1, 1.3, 0.1)), DARK),
+    Part("column", Box((0.5, 0.5, JOINT[2] - 0.1)), STEEL),
+    Part("motor", Cylinder(0.24, 0.72), METAL),
+    Part("gear", Cylinder(0.28, 0.3), COPPER),
+    Part("hub", Cylinder(0.2, 0.5), STEEL),
+    Part("arm", Rod(0.075), PLANT, twin=True),
+    Part("hand", Ball(0.16), PLANT, twin=True),
+    Part("dial", Cylinder(0.66, 0.06), METAL),
+    Part("dial foot", Rod(0.06), STEEL),
+    Part("zero", Box((0.03, 0.04, 0.14)), DARK),
+    Part("needle", Rod(0.035), PLANT, twin=True),
+    Part("needle tip", Ball(0.07), PLANT, twin=True),
+)
+FIXED = MappingProxyType({
+    "base": Pose((0.0, 0.0, 0.05)),
+    "column": Pose((JOINT[0], 0.3, (JOINT[2] + 0.1) / 2)),
+    "motor": Pose((JOINT[0], 0.75, JOINT[2]), AWAY),
+    "gear": Pose((JOINT[0], 0.25, JOINT[2]), AWAY),
+    "hub": Pose((JOINT[0], 0.0, JOINT[2]), AWAY),
+    "dial": Pose((FACE[0], FACE[1] + 0.08, FACE[2]), AWAY),
+    "dial foot": between((FACE[0], FACE[1] + 0.08, 0.1), (FACE[0], FACE[1] + 0.08, FACE[2] - 0.6)),
+    "zero": Pose((FACE[0], FACE[1], FACE[2] + 0.58)),
+})
+
+
+def hand(angle: float) -> Vector:
+    """Where the hand is for an angle above level, in rad."""
+    return JOINT[0] + REACH * cos(angle), -0.28, JOINT[2] + REACH * sin(angle)
+
+
+def needle(torque: float) -> Vector:
+    """Where the needle's tip is for a load in N m: upright for none, to the right for one that presses the arm down."""
+    turn = radians(90.0) * max(-1.2, min(1.2, torque / FULL))
+    return FACE[0] + DIAL * sin(turn), FACE[1] - 0.06, FACE[2] + DIAL * cos(turn)
+
+
+def body() -> Body:
+    """The arm on its geared motor, to scale, and a dial of the load torque; the arrow at the hand is the load."""
+    def pose(x: Sequence[float], gain: float) -> Mapping[str, Pose]:
+        tip, shown = hand(float(x[ANGLE])), needle(float(x[LOAD]))
+        return FIXED | {
+            "arm": between((JOINT[0], -0.28, JOINT[2]), tip), "hand": Pose(tip),
+            "needle": between((FACE[0], FACE[1] - 0.06, FACE[2]), shown), "needle tip": Pose(shown)}
+
+    def arrows(x: Sequence[float], u: Sequence[float], gain: float) -> tuple[Arrow, ...]:
+        angle, tip = float(x[ANGLE]), hand(float(x[ANGLE]))
+        across = (sin(angle), 0.0, -cos(angle))
+        return (force_arrow((tip[0], -0.5, tip[2]), across, float(x[LOAD]), 2.0, "disturbance"),)
+
+    def anchors(x: Sequence[float], gain: float) -> tuple[Vector, ...]:
+        return hand(float(x[ANGLE])), needle(float(x[LOAD]))
+
+    return Body(PARTS, pose, arrows, anchors, 1.0, text("A geared arm, to scale, and a dial of the load torque, which nothing measures; "
+                                                        "the orange arrow is the load"))
+
+
+DEGREES = 180 / pi
+MODEL = Model(
+    id="arm",
+    label=text("Geared arm with a DC motor"),
+    plant=plant(),
+    body=body(),
+    x0=(0.0, 0.0, 0.0, 0.0),
+    guess=(0.0, 0.0, 0.0, 0.0),
+    horizon=2.4,
+    dt=0.004,
+    controller_poles=(-7 - 7j, -7 + 7j),
+    observer_poles=(-14 - 6j, -14 + 6j, -12 + 0j),
+    controller_window=Window(-30.0, 6.0, 20.0),
+    observer_window=Window(-80.0, 15.0, 40.0),
+    kick=(0.0, 2.0, 0.0, 0.0),
+    watched=(
+        Signal(text("angle of the arm θ"), (0.0, 0.0, 1.0, 0.0), "°", DEGREES),
+        Signal(text("speed of the arm ω"), (0.0, 1.0, 0.0, 0.0), "rad/s"),
+        Signal(text("load torque τ"), (0.0, 0.0, 0.0, 1.0), "N m"),
+        Signal(text("current of the motor i"), (1.0, 0.0, 0.0, 0.0), "A"),
+    ),
+    u_max=24.0,
+    input_unit="V",
+    source="maxon RE 40, order number 148867; gear GP 42 C, 203116; encoder HEDL 5540, 110514; the arm is chosen",
+)

@@ -1,0 +1,164 @@
+"""The figures of lesson 20: angle, load and speed; error, voltage and current; what the gear hides; the sheet and the state of rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees
+from types import MappingProxyType
+
+import numpy as np
+
+from app.lesson.claims import claim
+from app.lesson.figures import Curve, Figure, LineFigure, TableFigure
+from app.lesson.lesson import Outcome
+from app.plants.arm import ANGLE, CURRENT, LOAD, MODEL, SHEET, SPEED
+from app.text import NO_WORDS, Text, joined, text
+
+from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, within
+from .knobs import EXACT, JOINT
+from .study import RESTED, SOLID, Study, last, sheet_rows
+from .system import LOAD_AT
+
+GEAR_TAB, NUMBERS_TAB = text("Gear"), text("Numbers")
+TRUE, ESTIMATE = text("true"), text("estimate")
+BEYOND = MappingProxyType({"angle": 360.0, "load": 20.0, "speed": 60.0, "current": 160.0, "input": 48.0, "gear": 6.0})  # drawn at the edge
+
+
+def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+    """Three tabs of curves and one of numbers."""
+    run = outcome.run
+    assert run is not None
+    limit = outcome.design["u_max"]
+    voltage = replace(input_figure(run, MODEL, limit), title=text("voltage, asked and applied"), window=(-5.0, 10.0))
+    error = replace(error_figure(run, outcome.study.promised), caption=_error_words(outcome))
+    lines = (_angle(outcome), _load(outcome), _speed(outcome), voltage, _current(outcome), _gear(outcome))
+    angle, load, speed, voltage, current, gear = (within(figure, BEYOND[figure.id]) for figure in lines)
+    return (load, angle, speed, error, voltage, current, gear, _sheet(), _rest(outcome))
+
+
+def _pair(outcome: Outcome[Study], place: int, scale: float = 1.0) -> tuple[Curve, Curve]:
+    run = outcome.run
+    assert run is not None
+    return Curve(TRUE, scale * run.x[:, place]), Curve(ESTIMATE, scale * run.xhat[:, place], "estimate", "dash")
+
+
+def _angle(outcome: Outcome[Study]) -> LineFigure:
+    run, design, m = outcome.run, outcome.design, outcome.metrics
+    assert run is not None
+    target = Curve(text("target"), np.full(len(run.t), design["target"]), "reference", "dot", 1.4)
+    droop = text("At the end the arm is {droop:.3g}° below its target.", droop=m["droop"])
+    above = text("At the end the arm is {droop:.3g}° above its target.", droop=-m["droop"])
+    on = text("At the end the arm stands on its target.")
+    words = claim(on, abs(m["droop"]), below=0.05, otherwise=claim(droop, m["droop"], above=0.0, otherwise=above))
+    return LineFigure("angle", MODEL.watched[0].name, run.t, (*_pair(outcome, ANGLE, degrees(1.0)), target), "θ [°]", tab=TIME_TAB,
+                      caption=words, window=(0.0, 80.0))
+
+
+def _load(outcome: Outcome[Study]) -> LineFigure:
+    run, m, design = outcome.run, outcome.metrics, outcome.design
+    assert run is not None
+    off = text("In the last tenth of the run the estimate is off by up to {off:.2g} N m.", off=m["load_error"])
+    none = text("This observer has no state for the load: its estimate stays at zero.")
+    words = off if design["load_state"] else none
+    return LineFigure("load", MODEL.watched[2].name, run.t, _pair(outcome, LOAD), "τ [N m]", tab=TIME_TAB, caption=joined(
+        words, _false_words(outcome)), window=(-0.5, 2.0))
+
+
+def _false_words(outcome: Outcome[Study]) -> Text:
+    m = outcome.metrics
+    return claim(text("Before the load came it had claimed up to {false:.2g} N m.", false=m["false_load"]), m["false_load"],
+                 above=1e-3)
+
+
+def _speed(outcome: Outcome[Study]) -> LineFigure:
+    run, m = outcome.run, outcome.metrics
+    assert run is not None
+    return LineFigure("speed", MODEL.watched[1].name, run.t, _pair(outcome, SPEED), "ω [rad/s]", tab=TIME_TAB, caption=text(
+        "No sensor of speed: the estimate is off by {speed:.2g} rad/s at most.", speed=m["speed_error"]), window=(-2.0, 6.0))
+
+
+def _current(outcome: Outcome[Study]) -> LineFigure:
+    run, m = outcome.run, outcome.metrics
+    assert run is not None
+    rated = Curve(text("rated"), np.full(len(run.t), SHEET.nominal_current), "reference", "dot", 1.4)
+    return LineFigure("current", MODEL.watched[3].name, run.t, (*_pair(outcome, CURRENT), rated), "i [A]", tab=ERROR_TAB, caption=text(
+        "No sensor of current: off by {current:.2g} A at most. The winding bears {rated:g} A for good.", current=m["current_error"],
+        rated=SHEET.nominal_current), window=(-10.0, 30.0))
+
+
+def _error_words(outcome: Outcome[Study]) -> Text:
+    m = outcome.metrics
+    kept = text("The error keeps its promise: the load enters it once, at {at:g} s, and it dies out from there.", at=LOAD_AT)
+    stays = text("The load enters the error at {at:g} s and stays there: nothing in this observer takes it in.", at=LOAD_AT)
+    leaves = text("The error leaves its promise by {share:.2g} of its size: counts and play are no part of A − LC.",
+                  share=m["separation_meter"])
+    grows = text("A pole is not in the left half plane: the error grows.")
+    if m["slowest_observer"] > 1e-6:
+        return grows
+    said = kept if outcome.design["load_state"] else stays
+    return claim(said, m["separation_meter"], below=SOLID, otherwise=leaves)
+
+
+def _gear(outcome: Outcome[Study]) -> LineFigure:
+    """Arm against motor within the play, and the arm against what is believed of it."""
+    run, shown, design = outcome.run, outcome.study.played, outcome.design
+    assert run is not None
+    half = design["gap"] / 2
+    edges = tuple(Curve(text("flanks"), np.full(len(run.t), sign * half), "reference", "dot", 1.4) for sign in (1, -1))
+    apart = Curve(text("arm less motor"), np.degrees(run.x[:, ANGLE] - shown.motor))
+    belief = Curve(text("arm less estimate"), np.degrees(run.e[:, ANGLE]), "error", "dash")
+    return LineFigure("gear", text("what the gear hides"), run.t, (apart, belief, *edges), "Δθ [°]", tab=GEAR_TAB,
+                      caption=_gear_words(outcome), window=(-1.0, 1.0))
+
+
+def _gear_words(outcome: Outcome[Study]) -> Text:
+    design, m, run = outcome.design, outcome.metrics, outcome.run
+    assert run is not None
+    if not design["gap"]:
+        return text("This gear has no play: arm and motor are one body.")
+    rests = float(np.max(np.abs(last(outcome.study.played.contact) - outcome.study.played.contact[-1])))
+    on = text("At the end the arm rests on one flank, {apart:.3g}° from the motor.",
+              apart=abs(degrees(float(run.x[-1, ANGLE] - outcome.study.played.motor[-1]))))
+    flank = claim(on, rests, below=0.5, otherwise=text("In the last tenth of the run the contact still changes."))
+    unseen = text("The encoder at the joint sees the arm itself.") if design["encoder"] == JOINT else text(
+        "The encoder on the motor knows nothing of it, however fast the observer.")
+    changed = text("The contact changed {count} times.", count=int(m["changes"]))
+    return joined(flank if outcome.study.played.contact[-1] else NO_WORDS, changed, unseen)
+
+
+def _sheet() -> TableFigure:
+    rows = tuple((name, _amount(printed, unit), _amount(computed, unit), f"{100 * (computed / printed - 1):+.2f} %".replace("-", "−"))
+                 for name, printed, computed, unit in sheet_rows())
+    return TableFigure("sheet", text("the motor's data sheet"), (text("quantity"), text("printed"), text("from R and k"), text("apart")),
+                       rows, tab=NUMBERS_TAB, caption=text(
+        "maxon RE 40, order number 148867: R = 0.299 Ω, L = 0.082 mH, k = 30.2 mN m/A, rotor 142 g cm². The arm is chosen."))
+
+
+def _amount(value: float, unit: str) -> str:
+    return f"{value:.0f} {unit}" if value >= 200 else f"{value:.4g} {unit}"
+
+
+def _rest(outcome: Outcome[Study]) -> TableFigure:
+    run, rest, design = outcome.run, outcome.study.rest, outcome.design
+    assert run is not None
+    x, xhat = (np.mean(last(values), axis=0) for values in (run.x, run.xhat))
+
+    def row(name: Text, places: tuple[float, float], unit: str, scale: float = 1.0) -> tuple[Text | str, ...]:
+        return (name, *(f"{scale * v:.4g} {unit}".replace("-", "−") for v in places))
+    promised = [(np.nan,) * 4] * 2 if rest is None else rest
+    rows = (
+        row(text("angle, true"), (promised[0][ANGLE], x[ANGLE]), "°", degrees(1.0)),
+        row(text("angle, estimate"), (promised[1][ANGLE], xhat[ANGLE]), "°", degrees(1.0)),
+        row(text("load, estimate"), (promised[1][LOAD], xhat[LOAD]), "N m"),
+        row(text("current, true"), (promised[0][CURRENT], x[CURRENT]), "A"),
+    )
+    if rest is None:
+        said = text("This loop comes to no rest.")
+    elif not outcome.study.played.linear or design["encoder"] != EXACT:
+        said = text("On the left an ideal gear and an exact encoder; on the right this run, which has neither.")
+    else:
+        gap = max(abs(degrees(rest[0][ANGLE] - x[ANGLE])), abs(rest[1][LOAD] - xhat[LOAD]))
+        said = claim(text("The run ends where the equations of rest say."), gap, below=RESTED,
+                     otherwise=text("The run has not come to rest yet, or its voltage is at its limit."))
+    return TableFigure("rest", text("at rest under the load"), (text("quantity"), text("linear loop"), text("end of this run")), rows,
+                       tab=NUMBERS_TAB, caption=said)

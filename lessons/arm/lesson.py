@@ -1,0 +1,21 @@
+"""Arm: a geared arm with a motor of which the angle alone is measured, and a load torque that its observer finds as a state."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from app.lesson.lesson import Lesson
+from app.lesson.prose import read_prose
+
+from .code import code
+from .derive import derived
+from .figures import figures
+from .knobs import KNOBS
+from .study import compute
+from .tasks import TASKS, exam
+
+LESSON = Lesson(
+    "arm", 20, KNOBS, compute, figures, answer=1, answering="load", tasks=TASKS, exam=exam,
+    source="Tutorial (000), introduction and applications: the arm whose joint speeds are not measured; data sheets of maxon RE 40, "
+           "order number 148867, gear GP 42 C, 203116, encoder HEDL 5540, 110514",
+    words=read_prose(Path(__file__).parent), aside=("target", "counts"), derived=derived, code=code)

@@ -1,0 +1,102 @@
+"""The tasks of lesson 20 and its exam item."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.lesson.lesson import ExamItem, Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
+from app.plants.arm import PARAMETERS, SHEET
+from app.text import text
+
+from .knobs import JOINT
+from .study import Study
+
+CANCEL = Typed("(R+K)/(n*k)", ("R", "K", "n", "k"), slips=(
+    ("R/(n*k)", text("That voltage holds the load, but −K î takes away what K asks for its current.")),
+    ("-(R+K)/(n*k)", text("Mind the sign: a load that presses down asks for a voltage that lifts."))))
+INJECTION = Typed("-J*p^3", ("J", "p"), slips=(
+    ("J*p^3", text("Mind the sign: under a load the arm lags, θ − θ̂ is negative, and τ̂ must rise.")),
+    ("-p^3", text("You left out the inertia."))))
+SEEN = Typed("n*k*R/(J^2*L)", ("n", "k", "R", "J", "L"), slips=(
+    ("-n*k*R/(J^2*L)", text("The size is right; the sign follows the order i, ω, θ, τ of the state.")),
+    ("n*k*R/(J*L)", text("ω̇ carries 1/J already, and the load enters with another 1/J."))))
+COUNTS, DROOP, FOUND, STRAY = 2000, 4.5, 0.28, 0.04
+HEAVY = 2.4  # N m
+
+
+def _droops(outcome: Outcome[Study]) -> Verdict:
+    m, d = outcome.metrics, outcome.design
+    if d["load_state"] or d["load"] != 1.5 or d["target"] != 60.0 or d["gap"]:
+        return Verdict(False, text("Leave load, target and gear as the lesson has them, and switch the observer's state for the load off."))
+    if abs(m["droop"] - DROOP) > 0.02 * DROOP:
+        return Verdict(False, text("The arm droops by {droop:.3g}°; asked are {asked:g}° within 2 %.", droop=m["droop"], asked=DROOP))
+    if m["largest_input"] > SHEET.voltage:
+        return Verdict(False, text("It droops by {droop:.3g}°, but asks for {peak:.3g} V; keep to {limit:g} V.", droop=m["droop"],
+                                   peak=m["largest_input"], limit=SHEET.voltage))
+    return Verdict(True, text("It droops by {droop:.3g}° and asks for {peak:.3g} V at most.", droop=m["droop"], peak=m["largest_input"]))
+
+
+def _counts(outcome: Outcome[Study]) -> Verdict:
+    m, d = outcome.metrics, outcome.design
+    if d["encoder"] != JOINT or round(d["counts"]) != COUNTS or d["gap"] or d["load"] != 1.5 or not d["load_state"]:
+        return Verdict(False, text("Take the counting encoder at the joint with its {counts} counts, no play, the load of 1.5 N m.",
+                                   counts=COUNTS))
+    late, stray = m["found_after"], m["load_error"]
+    if abs(late - FOUND) > 0.05 * FOUND:
+        return Verdict(False, text("The load is found after {late:.3f} s; asked are {asked:g} s within 5 %.", late=late, asked=FOUND))
+    if stray > STRAY:
+        return Verdict(False, text("Found after {late:.3f} s, but the estimate strays by {stray:.2g} N m at the end; at most {most:g}.",
+                                   late=late, stray=stray, most=STRAY))
+    return Verdict(True, text("Found after {late:.3f} s, and it strays by {stray:.2g} N m only.", late=late, stray=stray))
+
+
+def _play(outcome: Outcome[Study]) -> Verdict:
+    m, d = outcome.metrics, outcome.design
+    if d["gap"] != 2.0 or d["load"] != 1.5 or d["target"] != 60.0 or not d["load_state"]:
+        return Verdict(False, text("Give the gear 2° of play; leave load and target as the lesson has them."))
+    if m["angle_error"] > 0.1:
+        return Verdict(False, text("In the last tenth of the run the arm is {angle:.2g}° from its target; at most 0.1°.",
+                                   angle=m["angle_error"]))
+    if m["false_load"] > 0.1:
+        return Verdict(False, text("Before the load came the estimate had claimed {false:.2g} N m; at most 0.1.", false=m["false_load"]))
+    if m["found_after"] > 0.45:
+        return Verdict(False, text("The load is found after {late:.3f} s; at most 0.45 s.", late=m["found_after"]))
+    return Verdict(True, text("{angle:.2g}° from the target, {false:.2g} N m claimed in vain, the load found after {late:.3f} s.",
+                              angle=m["angle_error"], false=m["false_load"], late=m["found_after"]))
+
+
+def _supply(outcome: Outcome[Study]) -> Verdict:
+    m, d = outcome.metrics, outcome.design
+    least = SHEET.resistance * HEAVY / PARAMETERS.torque
+    if d["load"] != HEAVY or d["target"] != 60.0:
+        return Verdict(False, text("Set the load to {heavy:g} N m and leave the target at 60°.", heavy=HEAVY))
+    if d["gap"] or m["angle_error"] > 0.3:
+        return Verdict(False, text("In the last tenth of the run the arm is {angle:.2g}° from its target; at most 0.3°, without play.",
+                                   angle=m["angle_error"]))
+    if d["u_max"] > 1.35 * least:
+        return Verdict(False, text("It arrives with {u_max:g} V; it can with less.", u_max=d["u_max"]))
+    return Verdict(True, text("{u_max:g} V: the load alone takes {least:.3g} V, and the error never noticed the limit (meter {meter:.0e}).",
+                              u_max=d["u_max"], least=least, meter=m["separation_meter"]))
+
+
+def _around(q: float, slope: float = 1 / 3) -> tuple[complex, ...]:
+    return complex(-q, -slope * q), complex(-q, slope * q), complex(-q)
+
+
+TASKS = (
+    pencil("cancel", CANCEL),
+    pencil("injection", INJECTION),
+    pencil("seen", SEEN),
+    Task("droop", _droops, {"load_state": False, "controller_poles": (-11 - 11j, -11 + 11j), "plain_poles": (-55 - 20j, -55 + 20j)}),
+    Task("counts", _counts, {"encoder": JOINT, "observer_poles": _around(20.0)}),
+    Task("play", _play, {"gap": 2.0, "encoder": JOINT, "observer_poles": _around(13.0)}),
+    Task("supply", _supply, {"load": HEAVY, "u_max": 2.0}),
+)
+
+
+def exam(seed: int) -> ExamItem:
+    """The voltage at rest that holds a load through a gear: R τ / (N k)."""
+    rng = np.random.default_rng(seed)
+    R, k, n, tau = 0.1 * int(rng.integers(3, 20)), 0.01 * int(rng.integers(2, 9)), int(rng.integers(10, 60)), 0.5 * int(rng.integers(2, 9))
+    return ExamItem({"R": f"{R:.1f}", "k": f"{k:.2f}", "n": str(n), "tau": f"{tau:.1f}"}, R * tau / (n * k), 6e-3)

@@ -1,0 +1,100 @@
+"""What must come out of lesson 20: the sheet's own numbers, no bias with a state for the load, e^{(A − LC)t}, and what play leaves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from laws import each
+from scipy.linalg import expm
+
+from app.engine import observability
+from app.lesson.lesson import Outcome
+from app.plants.arm import LOAD, PARAMETERS, SHEET, plant
+from lessons import LESSONS
+from lessons.arm.study import Study, sheet_rows
+from lessons.arm.system import LOAD_AT, WINDING
+
+LESSON = LESSONS["arm"]
+FAST = (-30 - 10j, -30 + 10j, -30 + 0j)
+
+
+def outcome(**values: Any) -> Outcome[Study]:
+    return LESSON.compute(LESSON.apply(LESSON.start(), values))
+
+
+def test_the_printed_constants_of_the_motor_agree_with_each_other() -> None:
+    """No-load speed, stall torque and current and the speed constant from R, k and the no-load current, as the sheet prints them."""
+    for name, printed, computed, _ in sheet_rows():
+        assert computed == pytest.approx(printed, rel=0.003), name("en")
+    time_constant = SHEET.resistance * SHEET.rotor / SHEET.torque_constant**2  # printed: 4.67 ms
+    assert time_constant == pytest.approx(4.67e-3, rel=0.005)
+
+
+def test_the_plant_is_the_motor_behind_the_gear() -> None:
+    """Driven to a constant speed by 24 V without friction the joint turns at the motor's ideal no-load speed over the ratio."""
+    p = PARAMETERS
+    A = plant().A
+    still = np.linalg.solve(np.array([[A[0, 0], A[0, 1]], [A[1, 0], 0.0]]), [-SHEET.voltage / SHEET.inductance, 0.0])
+    assert still == pytest.approx([0.0, SHEET.voltage / (p.ratio * SHEET.torque_constant)], abs=1e-9)
+    assert p.reflected == pytest.approx((91 / 6) ** 2 * 142e-7) and observability(plant()).rank == 4
+
+
+@each("load", [-3.0, 0.4, 1.5])
+def test_a_constant_load_is_found_without_bias_and_the_arm_comes_back(load: float) -> None:
+    found = outcome(load=load, observer_poles=FAST)
+    run = found.run
+    assert run is not None and abs(run.e[-1, LOAD]) < 1e-9 and abs(found.metrics["droop"]) < 0.01
+    assert outcome(load=load, load_state=False).metrics["load_error"] == pytest.approx(abs(load))
+
+
+def test_the_error_is_the_exponential_of_a_less_lc_whatever_the_controller_and_the_supply() -> None:
+    for values in ({}, {"u_max": 1.0}, {"target": 120.0, "controller_poles": (-15 - 3j, -15 + 3j)}, {"cancel": False}):
+        found = outcome(observer_poles=FAST, **values)
+        run = found.run
+        assert run is not None
+        error = plant().A - found.gains["L"] @ plant().C
+        begin = run.index(LOAD_AT)
+        for k in (0, 5, 40, 200):
+            assert np.allclose(run.e[begin + k], expm(error * run.scenario.dt * k)[:, LOAD] * 1.5, atol=1e-8), values
+        assert np.poly(error / 100) == pytest.approx(np.real(np.poly(np.array([WINDING, *FAST]) / 100)), rel=1e-8)
+
+
+def test_the_gain_of_the_load_is_the_product_of_the_poles() -> None:
+    L = outcome(observer_poles=FAST).gains["L"]
+    product = np.prod([WINDING, *FAST]).real
+    assert L[LOAD, 0] == pytest.approx(-PARAMETERS.inertia * SHEET.inductance / SHEET.resistance * product, rel=1e-9)
+
+
+def test_the_loop_at_rest_is_that_of_its_equations() -> None:
+    for values in ({}, {"cancel": False}, {"load_state": False}):
+        found = outcome(**values)
+        run, rest = found.run, found.study.rest
+        assert run is not None and rest is not None
+        assert np.allclose(run.x[-1], rest[0], atol=2e-3) and np.allclose(run.xhat[-1], rest[1], atol=2e-3)
+
+
+def test_half_the_play_is_a_bias_that_no_pole_removes_and_an_encoder_at_the_joint_does() -> None:
+    for poles in ((-14 - 6j, -14 + 6j, -12 + 0j), FAST):
+        assert outcome(gap=1.0, observer_poles=poles).metrics["angle_belief"] == pytest.approx(0.5, abs=1e-3)
+    assert outcome(gap=1.0, encoder="joint", counts=16384.0).metrics["angle_error"] < 0.03
+
+
+def test_a_faster_observer_is_deceived_more_by_play_and_trembles_more_with_counts() -> None:
+    def rising(name: str, **values: Any) -> None:
+        sizes = [outcome(observer_poles=tuple(s * q for q in FAST), **values).metrics[name] for s in (0.4, 0.8, 1.6)]
+        assert sizes == sorted(sizes) and sizes[2] > 3 * sizes[0], (values, sizes)
+    rising("false_load", gap=1.0)
+    rising("load_error", encoder="joint")
+
+
+def test_on_the_motor_the_joint_has_more_counts() -> None:
+    steps = [outcome(encoder=place).study.step for place in ("exact", "motor", "joint")]
+    assert steps == pytest.approx([0.0, 2 * np.pi / 2000 / (91 / 6), 2 * np.pi / 2000])
+
+
+def test_the_determinant_of_the_observability_matrix_is_what_the_task_says() -> None:
+    p, P = PARAMETERS, plant()
+    rows = np.vstack([P.C @ np.linalg.matrix_power(P.A, k) for k in range(4)])
+    assert np.linalg.det(rows) == pytest.approx(p.torque * SHEET.resistance / (p.inertia**2 * SHEET.inductance), rel=1e-9)
