@@ -102,7 +102,8 @@ def plant(parameters: Parameters = PARAMETERS) -> Plant:
     A[CURRENT, :2] = -m.resistance / m.inductance, -p.torque / m.inductance
     A[SPEED, [CURRENT, SPEED, LOAD]] = p.torque / p.inertia, -p.friction / p.inertia, -1 / p.inertia
     A[ANGLE, SPEED] = 1.0
-    return Plant(A, [[1 / m.inductance], [0], [0], [0]], [[0, 0, 1, 0]], state_names=("i", "omega", "theta", "tau"),
+    B, C = np.array([[1 / m.inductance], [0], [0], [0]]), np.array([[0, 0, 1, 0]])
+    return Plant(A, B, C, state_names=("i", "omega", "theta", "tau"),
                  input_names=("voltage",), output_names=("angle",), name="arm",
                  units=(("i", "A"), ("omega", "rad/s"), ("theta", "rad"), ("tau", "N m"), ("voltage", "V"), ("angle", "rad")))
 
