@@ -1,10 +1,8 @@
-"""The tasks of lesson 20 and its exam item."""
+"""The tasks of lesson 20."""
 
 from __future__ import annotations
 
-import numpy as np
-
-from app.lesson.lesson import ExamItem, Outcome, Task, Verdict, pencil
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.plants.arm import PARAMETERS, SHEET
 from app.text import text
@@ -93,10 +91,3 @@ TASKS = (
     Task("play", _play, {"gap": 2.0, "encoder": JOINT, "observer_poles": _around(13.0)}),
     Task("supply", _supply, {"load": HEAVY, "u_max": 2.0}),
 )
-
-
-def exam(seed: int) -> ExamItem:
-    """The voltage at rest that holds a load through a gear: R τ / (N k)."""
-    rng = np.random.default_rng(seed)
-    R, k, n, tau = 0.1 * int(rng.integers(3, 20)), 0.01 * int(rng.integers(2, 9)), int(rng.integers(10, 60)), 0.5 * int(rng.integers(2, 9))
-    return ExamItem({"R": f"{R:.1f}", "k": f"{k:.2f}", "n": str(n), "tau": f"{tau:.1f}"}, R * tau / (n * k), 6e-3)

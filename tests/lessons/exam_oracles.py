@@ -322,7 +322,34 @@ def silent(g: Given) -> float:
     return -mode[0] / mode[1]
 
 
+# --- arm -------------------------------------------------------------------------------------------------------------
+def holding(g: Given) -> float:
+    """Current and voltage of a motor that stands under its load."""
+    return np.linalg.solve([[g["R"], -1.0], [g["n"] * g["k"], 0.0]], [0.0, g["tau"]])[1]
+
+
+def load_bias(g: Given) -> float:
+    M = INTEGRATOR - np.outer(placed(INTEGRATOR, POSITION, [g["p"], g["p"]]), POSITION)
+    return float(np.degrees(-np.linalg.solve(M, [0.0, g["tau"] / g["J"]])[0]))
+
+
+def load_gain(g: Given) -> float:
+    A = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, -1 / g["J"]], [0.0, 0.0, 0.0]])
+    return placed(A, np.array([1.0, 0.0, 0.0]), [g["a"], g["b"], g["c"]])[2]
+
+
+def across(g: Given) -> float:
+    """In turns of the motor: its angle under a constant torque reaches n times the play."""
+    push, far = g["k"] * g["i"] / (g["Jr"] * 1e-7), np.radians(g["gap"]) * g["n"]
+    chain = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, push], [0.0, 0.0, 0.0]])
+    return 1000 * brentq(lambda t: float(expm(chain * t)[0, 2]) - far, 0.0, 10.0, xtol=1e-14)
+
+
 ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
+    ("arm", "holding"): holding,
+    ("arm", "bias"): load_bias,
+    ("arm", "product"): load_gain,
+    ("arm", "play"): across,
     ("virtual-sensor", "trust"): trust,
     ("error-dynamics", "double"): double,
     ("observability", "start"): start,
