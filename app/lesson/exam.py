@@ -20,7 +20,7 @@ from .typed import Unreadable, value_of
 T = TypeVar("T")
 DRAWS = 500  # after so many unfit ones a generator is wrong
 TIE = 0.01  # of a digit: no answer lies nearer to where rounding turns from one digit to the next
-TRIVIAL = (0.0, 1.0)  # answers that need no work, and stand in most statements
+TRIVIAL = (0.0, 1.0, 2.0)  # answers that need no work, and stand in most statements
 ROUNDING = 1e-6  # of a digit, what floating point may add to a rounded answer
 RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
 POWER = re.compile(r"10([⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+)")

@@ -11,6 +11,7 @@ from scipy.integrate import quad
 from scipy.linalg import expm
 from scipy.optimize import brentq
 from scipy.signal import place_poles
+from scipy.special import lambertw
 from scipy.stats import norm
 
 Given = Mapping[str, Any]
@@ -243,14 +244,14 @@ def steady(g: Given) -> float:
 def nis(g: Given) -> float:
     """By the densities: −2 ln of the ratio of the reading's likelihood to the largest one."""
     sure = norm(g["c"] * g["xhat"], np.sqrt(g["c"] ** 2 * g["P"] + g["R"]))
-    return 2 * (sure.logpdf(g["c"] * g["xhat"]) - sure.logpdf(g["y"]))
+    return float(2 * (sure.logpdf(g["c"] * g["xhat"]) - sure.logpdf(g["y"])))
 
 
 def joseph(g: Given) -> float:
     """The variance of (1 − M) e − M v, by the covariance of both."""
     M = g["P"] / (g["P"] + g["believed"])
     row = np.array([1 - M, -M])
-    return row @ np.diag([g["P"], g["R"]]) @ row
+    return float(row @ np.diag([g["P"], g["R"]]) @ row)
 
 
 # --- lqg -------------------------------------------------------------------------------------------------------------
@@ -265,11 +266,54 @@ def doyle(g: Given) -> float:
     return 100 * (brentq(constant, 1.0, 2.0, xtol=1e-14) - 1)
 
 
+def cost(g: Given) -> float:
+    """The stationary covariance of plant and estimate under the gains of python-control, weighed."""
+    a, one = np.array([[g["a"]]]), np.eye(1)
+    K = control.lqr(a, one, [[g["Q"]]], [[g["R"]]])[0][0, 0]
+    L = control.lqe(a, one, one, [[g["W"]]], [[g["V"]]])[0][0, 0]
+    loop = np.array([[g["a"], -K], [L, g["a"] - K - L]])
+    P = control.lyap(loop, np.diag([g["W"], L * L * g["V"]]))
+    return g["Q"] * P[0, 0] + g["R"] * K * K * P[1, 1]
+
+
+def regulator(g: Given) -> float:
+    return control.lqr(np.array([[g["a"]]]), np.eye(1), [[g["Q"]]], [[g["R"]]])[0][0, 0]
+
+
+def drop(g: Given) -> float:
+    return brentq(lambda m: g["a"] - m * regulator(g), 0.0, 1.0, xtol=1e-14)
+
+
+def phase(g: Given) -> float:
+    """The angle by which the loop's value of size one has to turn to reach −1."""
+    K = regulator(g)
+    loop = lambda w: K / (1j * w - g["a"])  # noqa: E731
+    w = brentq(lambda w: abs(loop(w)) - 1, 0.0, 1e4, xtol=1e-12)
+    return abs(np.degrees(np.angle(-loop(w))))
+
+
 # --- decoupling ------------------------------------------------------------------------------------------------------
 def diophantine(g: Given) -> float:
     target = np.poly([-g["c"], -g["c"]])  # (s − a)(s + e) + k F
     e = target[1] + g["a"]
     return (target[2] + g["a"] * e) / g["k"]
+
+
+def coils(g: Given) -> float:
+    return np.linalg.solve([[1.0, 1.0], [-g["l"], g["l"]]], [g["F"], g["M"]])[1]
+
+
+def mixing(g: Given) -> float:
+    """The gain to z₂ of a command that leaves z₁ at zero."""
+    v = np.linalg.solve(g["G"], [0.0, 1.0])
+    return 1.0 / v[1]
+
+
+def damping(g: Given) -> float:
+    def ratio(gain: float) -> float:
+        pole = np.roots([g["m"], g["d"] + gain, g["k"]])[0]
+        return float(-pole.real / abs(pole)) - g["zeta"]
+    return brentq(ratio, -g["d"], 2 * np.sqrt(g["m"] * g["k"]) - g["d"], xtol=1e-12)
 
 
 # --- weak-states -----------------------------------------------------------------------------------------------------
@@ -279,10 +323,44 @@ def bound(g: Given) -> float:
     return 2 * float(np.sum(np.sqrt(np.real(np.linalg.eigvals(W[0] @ W[1])))))
 
 
+def balance(g: Given) -> float:
+    def apart(T: float) -> float:
+        A = np.array([[-g["a"]]])
+        return float(control.lyap(A, np.array([[(g["b"] / T) ** 2]]))[0, 0] - control.lyap(A, np.array([[(g["c"] * T) ** 2]]))[0, 0])
+    return brentq(apart, 1e-2, 1e2, xtol=1e-13)
+
+
+def slow(g: Given) -> float:
+    """The pole as the second row is made faster and faster, at no time constant at all."""
+    def at(tiny: float) -> float:
+        return float(np.max(np.real(np.linalg.eigvals(np.diag([1.0, 1 / tiny]) @ g["A"]))))
+    return 2 * at(0.5e-5) - at(1e-5)
+
+
+def tail(g: Given) -> float:
+    return 2 * float(np.sum(g["s"] * g["q"] ** np.arange(g["r"], 400.0)))
+
+
 # --- showdown --------------------------------------------------------------------------------------------------------
 def sampled(g: Given) -> float:
     held = control.c2d(control.ss([[0.0]], [[2.0 / g["m"]]], [[1.0]], 0), 1 / g["f"])
     return brentq(lambda k: float(held.A[0, 0] - k * held.B[0, 0]) + 1.0, 0.0, 1e6, xtol=1e-9)
+
+
+def passive(g: Given) -> float:
+    P = control.ss([[0.0, 1.0], [-g["k"] / g["m"], 0.0]], [[0.0], [g["k"] / g["m"]]], [[1.0, 0.0]], 0)
+    return -20 * np.log10(abs(P(2j * np.pi * g["f"])))
+
+
+def late(g: Given) -> float:
+    """The rightmost root of s + (k/m) e^{−sτ} by Lambert's function."""
+    tau = g["tau"] / 1000
+    return g["m"] / tau * brentq(lambda x: float(np.real(lambertw(-x))), 1.0, 3.0, xtol=1e-14)
+
+
+def rounding(g: Given) -> float:
+    width = 2 * g["U"] / 2 ** g["bits"] * 1e6
+    return np.sqrt(quad(lambda e: e * e / width, -width / 2, width / 2)[0])
 
 
 # --- nonlinear -------------------------------------------------------------------------------------------------------
@@ -290,6 +368,28 @@ def sigma(g: Given) -> float:
     density = lambda x: np.exp(-((x - g["m"]) ** 2) / (2 * g["P"])) / np.sqrt(2 * np.pi * g["P"])  # noqa: E731
     wide = 12 * np.sqrt(g["P"])
     return quad(lambda x: g["a"] * x * x * density(x), g["m"] - wide, g["m"] + wide, epsabs=1e-11, epsrel=1e-11)[0]
+
+
+def update(g: Given) -> float:
+    """The most probable state under the tangent: least squares of both deviations."""
+    H = 2 * g["a"] * g["m"]
+    rows = np.array([[1 / np.sqrt(g["P"])], [H / np.sqrt(g["R"])]])
+    seen = np.array([0.0, (g["y"] - g["a"] * g["m"] ** 2) / np.sqrt(g["R"])])
+    return g["m"] + np.linalg.lstsq(rows, seen, rcond=None)[0][0]
+
+
+def spread(g: Given) -> float:
+    points = g["m"] + np.sqrt(3 * g["P"]) * np.array([0.0, 1.0, -1.0])
+    weights, read = np.array([4.0, 1.0, 1.0]) / 6, g["a"] * points**2
+    return float(weights @ (read - weights @ read) ** 2 + g["R"])
+
+
+def hardening(g: Given) -> float:
+    """The slope of the force by a complex step."""
+    x, tiny = g["x"] / 1000, 1e-20
+    moved = complex(x, tiny)
+    force = g["k"] * moved * (1 + (moved / (g["l"] / 1000)) ** 2)
+    return np.sqrt(force.imag / tiny / g["m"])
 
 
 # --- robust-observer -------------------------------------------------------------------------------------------------
@@ -391,6 +491,21 @@ ORACLES: dict[tuple[str, str], Callable[[Given], float]] = {
     ("weak-states", "bound"): bound,
     ("showdown", "sampled"): sampled,
     ("nonlinear", "sigma"): sigma,
+    ("lqg", "cost"): cost,
+    ("lqg", "drop"): drop,
+    ("lqg", "phase"): phase,
+    ("decoupling", "coils"): coils,
+    ("decoupling", "mixing"): mixing,
+    ("decoupling", "damping"): damping,
+    ("weak-states", "balance"): balance,
+    ("weak-states", "slow"): slow,
+    ("weak-states", "tail"): tail,
+    ("showdown", "passive"): passive,
+    ("showdown", "late"): late,
+    ("showdown", "rounding"): rounding,
+    ("nonlinear", "update"): update,
+    ("nonlinear", "spread"): spread,
+    ("nonlinear", "hardening"): hardening,
     ("robust-observer", "criterion"): criterion,
     ("bilinear-observer", "pole"): pole,
     ("fault-diagnosis", "zero"): zero,
