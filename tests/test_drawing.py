@@ -6,6 +6,8 @@ import re
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from app.lesson.figures import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point
 from app.lesson.knobs import Number
@@ -13,7 +15,7 @@ from app.lesson.lesson import Lesson
 from app.text import same, squared, symbol, text
 from app.view.charts import even
 from app.view.knobs import decades, in_tens
-from app.view.lettering import Box, beside, width
+from app.view.lettering import Box, along, beside, width
 from app.view.svg import FRAME, H, W, draw
 from lessons import LESSONS
 
@@ -38,10 +40,33 @@ def plane(*names: str, points: tuple[Point, ...] = ()) -> PlaneFigure:
 
 
 # --- keys ------------------------------------------------------------------------------------------------------------
-def test_the_key_of_a_plane_stands_below_the_axes_and_covers_no_curve() -> None:
-    drawing = draw(plane("one", "another"), "en")
+def test_the_key_of_many_curves_stands_below_the_axes_and_covers_none() -> None:
+    many = ("one", "two", "three", "four", "another")
+    drawing = draw(plane(*many), "en")
     places = {text: y for _, y, text in words(drawing)}
-    assert places["one"] > H and places["another"] > H and height(drawing) > max(places["one"], places["another"])
+    assert all(places[name] > H for name in many) and height(drawing) > max(places.values())
+
+
+@given(st.lists(st.tuples(st.floats(0.3, 4), st.floats(-3, 3), st.floats(-0.6, 0.6)), min_size=1, max_size=4), st.integers(0, 2))
+def test_names_of_few_curves_stand_in_the_frame_apart_and_next_to_their_own(waves: list[tuple[float, float, float]], marks: int) -> None:
+    x = np.linspace(FRAME.left, FRAME.right, 80)
+    middle, half = (FRAME.top + FRAME.bottom) / 2, (FRAME.bottom - FRAME.top) / 2
+    curves = [np.column_stack([x, middle + half * (0.35 * np.sin(speed * x / 60 + phase) + shift)]) for speed, phase, shift in waves]
+    names = [f"curve {k}" for k in range(len(curves))]
+    taken = [Box(150.0 + 60 * k, middle - 6, 162.0 + 60 * k, middle + 6) for k in range(marks)]
+    places = along(curves, names, FRAME, taken)
+    boxes = [at.box for at in places if at is not None]
+    assert len(places) == len(names) and len(boxes) == len(names)
+    for k, at in enumerate(boxes):
+        assert at.left >= FRAME.left and at.right <= FRAME.right and at.top >= FRAME.top and at.bottom <= FRAME.bottom
+        assert not any(at.meets(other) for other in [*boxes[:k], *taken])
+        away = np.hypot(*(np.maximum(np.maximum(low - curves[k][:, i], curves[k][:, i] - high), 0)
+                          for i, (low, high) in enumerate(((at.left, at.right), (at.top, at.bottom)))))
+        assert away.min() < 20, "a name far from its curve"
+
+
+def test_few_curves_need_no_key() -> None:
+    assert height(draw(plane("one", "another"), "en")) == H
 
 
 def test_the_key_of_a_map_stands_below_the_axes_as_patches() -> None:

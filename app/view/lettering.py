@@ -13,6 +13,7 @@ import numpy as np
 DASHES = MappingProxyType({"solid": "", "dash": ' stroke-dasharray="7 4"', "dot": ' stroke-dasharray="2 3"'})
 SIZE, LARGE = 11.0, 14.6  # px of the words in a drawing, and in one of large print
 KEY_ROW = 16.0
+ANCHORS, STEP = 28, 6.0  # points of a curve that its name is tried at; px between the points that are looked at
 SAMPLE, GAP = 20.0, 14.0  # of an entry of the key: the length of its line, the room after its name
 
 
@@ -62,6 +63,64 @@ def beside(x: float, y: float, words: str, frame: Box, taken: Sequence[Box], dra
         return 1000.0 * out + 100.0 * sum(box.meets(other) for other in taken) + min(box.holds(drawn), 60)
     return min((place(8, -6, "start"), place(-8, -6, "end"), place(8, 14, "start"), place(-8, 14, "end"),
                 place(0, -12, "middle"), place(0, 20, "middle")), key=trouble)
+
+
+def along(curves: Sequence[np.ndarray], names: Sequence[str], frame: Box, taken: Sequence[Box]) -> list[Name | None]:
+    """A place for the name of each curve, (n, 2) in pixels, beside a point of it: inside the frame, off other names and
+    marks, where few curves pass and its own is the nearest. None where a curve does not show."""
+    paths = [_even(curve, frame) for curve in curves]
+    out: list[Name | None] = []
+    for k, words in enumerate(names):
+        boxes = _around(paths[k][:: max(1, len(paths[k]) // ANCHORS)], width(words, LARGE), frame)
+        if not len(boxes):
+            out.append(None)
+            continue
+        trouble = 60.0 * sum(_meets(boxes, other) for other in (*taken, *(name.box for name in out if name)))
+        gaps = [_gap(boxes, path) for path in paths if len(path)]
+        own = _gap(boxes, paths[k])
+        trouble = trouble + 3.0 * (own <= 0).sum(axis=1)
+        for path, gap in zip([p for p in paths if len(p)], gaps, strict=True):
+            if path is not paths[k]:
+                trouble = trouble + 6.0 * (gap <= 0).sum(axis=1) + 4.0 * (gap.min(axis=1) < 8)
+        middle = (frame.left + 3 * frame.right) / 4
+        trouble = trouble + 0.004 * np.abs(boxes[:, [0, 2]].mean(axis=1) - middle)
+        left, top, _, bottom = boxes[int(np.argmin(trouble))]
+        out.append(Name(left, bottom - 4, "start", Box(left, top, left + width(words, LARGE), bottom)))
+    return out
+
+
+def _even(curve: np.ndarray, frame: Box) -> np.ndarray:
+    """Points of a curve every few pixels, as far as it lies inside the frame."""
+    if len(curve) < 2:
+        return np.empty((0, 2))
+    run = np.concatenate([[0.0], np.cumsum(np.minimum(np.hypot(*np.diff(curve, axis=0).T), 1e5))])
+    at = np.linspace(0.0, run[-1], int(min(max(run[-1] / STEP, 2), 400)))
+    points = np.column_stack([np.interp(at, run, curve[:, i]) for i in (0, 1)])
+    inside = (points >= (frame.left, frame.top)) & (points <= (frame.right, frame.bottom))
+    return points[inside.all(axis=1)]
+
+
+def _around(points: np.ndarray, wide: float, frame: Box) -> np.ndarray:
+    """Boxes (k, 4) of a name above, below, right and left of points, those that lie inside the frame."""
+    x, y = points.reshape(-1, 2).T
+    tall, near = LARGE, 5.0
+    lefts = np.concatenate([x - wide / 2, x - wide / 2, x + near + 3, x - near - 3 - wide])
+    tops = np.concatenate([y - near - tall, y + near, y - tall / 2, y - tall / 2])
+    boxes = np.column_stack([lefts, tops, lefts + wide, tops + tall])
+    return boxes[(lefts > frame.left + 2) & (lefts + wide < frame.right - 2) & (tops > frame.top + 2) & (tops + tall < frame.bottom - 2)]
+
+
+def _meets(boxes: np.ndarray, other: Box) -> np.ndarray:
+    left, top, right, bottom = boxes.T
+    return ((left < other.right) & (other.left < right) & (top < other.bottom) & (other.top < bottom)).astype(float)
+
+
+def _gap(boxes: np.ndarray, path: np.ndarray) -> np.ndarray:
+    """How far (k, n) points lie from boxes, 0 inside."""
+    x, y = path[:, 0], path[:, 1]
+    across = np.maximum(boxes[:, 0, None] - x, x - boxes[:, 2, None])
+    down = np.maximum(boxes[:, 1, None] - y, y - boxes[:, 3, None])
+    return np.maximum(np.maximum(across, down), 0.0)
 
 
 def key(entries: Sequence[tuple[str, str, str]], across: float, top: float, patches: bool = False) -> tuple[str, float]:

@@ -18,6 +18,7 @@ from ..text import Text
 from . import quirks
 from .boards import BoardView
 from .charts import Chart
+from .columns import Columns
 from .help import Help
 from .manners import teach
 from .mapboard import MapBoard
@@ -50,6 +51,7 @@ class Screen:
         self._picture: Picture | None = None
         self._notes: list[Any] = []
         self._looked = False
+        self._columns = Columns()
         self._help = Help(client)
         self._take: Take | None = None
         self._home = ""  # where the browser found the page, as its address bar says
@@ -65,7 +67,7 @@ class Screen:
         with self._client.atomic():
             gui.reset()
             self._client.scene.reset()
-            self._boards, self._charts, self._map, self._help = {}, {}, None, Help(self._client)
+            self._boards, self._charts, self._map, self._help, self._columns = {}, {}, None, Help(self._client), Columns()
             gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178),
                                 dark_mode=picture.state.darkness)
             gui.set_panel_label("Observer Lab")
@@ -77,7 +79,7 @@ class Screen:
             self._mark = Mark(gui, self._post)
             self._take = Take(self._client, picture, self._post, self._home)
             gui.main_panel.dock_left()
-            gui.main_panel.set_width(sizes.left)
+            self._columns.add(gui.main_panel, sizes.left)
             self._commands(language)
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
@@ -109,6 +111,8 @@ class Screen:
         self._client.flush()
         time.sleep(APART)
         with self._client.atomic():
+            if before is None:
+                self._columns.again()
             if anew:
                 self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
             for board in picture.outcome.boards:
@@ -221,7 +225,7 @@ class Screen:
         panel = self._client.gui.add_panel()
         panel.expand()
         panel.dock_right()
-        panel.set_width(Sizes(picture.state).right)
+        self._columns.add(panel, Sizes(picture.state).right)
         for tab in tabs(picture.figures):
             with panel.add_tab(tab(language)):
                 for figure in picture.figures:

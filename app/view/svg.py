@@ -9,13 +9,14 @@ import numpy as np
 
 from ..lesson.figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ..text import symbol, wording
-from .lettering import DASHES, LARGE, SIZE, Box, beside, key, width
+from .lettering import DASHES, LARGE, SIZE, Box, Name, along, beside, key, width
 from .prose import with_minus
 from .ticks import ticks
 
 W, H = 360, 250
 LEFT, RIGHT, TOP, BOTTOM = 46, 12, 28, 36
 FRAME = Box(LEFT, TOP, W - RIGHT, H - BOTTOM)
+MOST_NAMES, INK = 4, 0.66  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 TALLEST_CELL, ROOM_FOR_ENTRY, SMALLEST = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px
 
 
@@ -91,29 +92,47 @@ def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
     for curve in figure.curves:
         xs = np.arange(len(curve.y)) if curve.x is None else curve.x
         path = [axes.at(float(a), float(b)) for a, b in zip(finite(xs, 1e6), finite(curve.y, 1e6), strict=True)]
-        drawn += path
+        drawn.append(path)
         points = " ".join(f"{px:.1f},{py:.1f}" for px, py in path)
         out.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[curve.role]}" '
                    f'stroke-width="{curve.width}"{DASHES[curve.dash]}/>')
     out.append("</g>")
     out += [_mark(*axes.at(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
-    out.append(_names([(*_held(*axes.at(p.x, p.y)), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)],
-                      np.array(drawn, dtype=float).reshape(-1, 2)))
-    words, more = key([(c.name(language), COLOURS[c.role], c.dash) for c in figure.curves], W, H)
-    return "".join(out) + words, H + more
+    marks = [(*_held(*axes.at(p.x, p.y)), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
+    names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2))
+    told = {curve.name(language): k for k, curve in reversed(list(enumerate(figure.curves))) if curve.name(language)}
+    if len(told) <= MOST_NAMES:
+        first = sorted(told.values())
+        words = [figure.curves[k].name(language) for k in first]
+        places = along([np.array(drawn[k], dtype=float).reshape(-1, 2) for k in first], words, FRAME, taken)
+        names += "".join(_name(at, name, figure.curves[k].role) for k, name, at in zip(first, words, places, strict=True) if at)
+        return "".join(out) + names, H
+    below, more = key([(c.name(language), COLOURS[c.role], c.dash) for c in figure.curves], W, H)
+    return "".join(out) + names + below, H + more
 
 
-def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray) -> str:
-    """The names of marks, each beside its own and clear of the others."""
+def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray) -> tuple[str, list[Box]]:
+    """The names of marks, each beside its own and clear of the others, and what marks and names cover."""
     taken = [Box(x - 6, y - 6, x + 6, y + 6) for x, y, _ in marks]
     out = []
     for x, y, words in marks:
         if words:
-            name = beside(x, y, words, FRAME, taken, drawn)
-            taken.append(name.box)
-            out.append(f'<text x="{name.x:.1f}" y="{name.y:.1f}" text-anchor="{name.anchor}" paint-order="stroke" stroke="#fff" '
-                       f'stroke-width="3">{html.escape(words)}</text>')
-    return "".join(out)
+            at = beside(x, y, words, FRAME, taken, drawn)
+            taken.append(at.box)
+            out.append(_name(at, words, ""))
+    return "".join(out), taken
+
+
+def _name(at: Name, words: str, role: str) -> str:
+    """Words with a white rim, in the colour of a curve, darkened, if they are its name."""
+    colour = f' fill="{_dark(COLOURS[role])}" font-weight="600"' if role else ""
+    return (f'<text x="{at.x:.1f}" y="{at.y:.1f}" text-anchor="{at.anchor}" paint-order="stroke" stroke="#fff" '
+            f'stroke-width="3"{colour}>{html.escape(words)}</text>')
+
+
+def _dark(colour: str) -> str:
+    """A colour #rrggbb nearer to black, to read words in."""
+    return "#" + "".join(f"{round(INK * int(colour[i:i + 2], 16)):02x}" for i in (1, 3, 5))
 
 
 def _held(x: float, y: float) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from tab import Tab, eventually
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
 from app.view.knobs import label_of
+from app.view.sizes import RIGHT
 from lessons import LESSONS
 
 GLYPHS = """() => {
@@ -31,6 +32,29 @@ SPILT = """() => {
 UNDRAWN = """() => Array.from(document.querySelectorAll('math'))
   .filter(m => { const b = m.getBoundingClientRect(); return m.checkVisibility() && (b.width < 4 || b.height < 6); })
   .map(m => m.textContent)"""
+
+NAMES = """() => {  // the names of curves: within their chart, off each other, and in place of its key
+  const out = [], charts = Object.values(window.__viserTestpoints?.uplots ?? {}).map(held => held.chart)
+    .filter(chart => chart.root.isConnected && chart.over.checkVisibility() && chart.over.clientWidth);
+  for (const chart of charts) {
+    const all = chart.over.getBoundingClientRect(), key = chart.root.querySelector('.u-legend').checkVisibility();
+    const words = new Set(chart.series.slice(1).map(series => series.label).filter(Boolean));
+    const names = [...chart.over.querySelectorAll('.ol-name')].filter(e => e.checkVisibility())
+      .map(e => [e.textContent, e.getBoundingClientRect()]);
+    if (words.size <= 4 && key) out.push(`a key below ${[...words]}`);
+    for (const [word, box] of names) {
+      if (!words.has(word)) out.push(`${word} names nothing`);
+      if (box.left < all.left - 1 || box.right > all.right + 1 || box.top < all.top - 1 || box.bottom > all.bottom + 1)
+        out.push(`${word} beyond its chart`);
+    }
+    names.forEach(([a, p], i) => names.slice(i + 1).forEach(([b, q]) => {
+      if (Math.min(p.right, q.right) - Math.max(p.left, q.left) > 1 && Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top) > 1)
+        out.push(`${a} on ${b}`);
+    }));
+  }
+  return out;
+}"""
+COLUMN = "() => Math.round(document.querySelector('[data-dock-region=right]')?.getBoundingClientRect().width ?? -1)"
 
 
 def veil(tab: Tab) -> str:
@@ -72,6 +96,8 @@ def look_at(tab: Tab, lesson: Lesson, language: str, path: Path) -> None:
     tab.picture(path)
     assert tab.page.evaluate(SPILT) == []
     assert tab.page.evaluate(UNDRAWN) == []
+    eventually(lambda: tab.page.evaluate(NAMES), lambda wrong: not wrong, "names of curves in their places")
+    assert tab.page.evaluate(COLUMN) in (-1, pytest.approx(RIGHT, abs=8)), "the column of the figures has its width"
     assert tab.page.locator("math").count() > 0, "no equation on the page"
 
 
