@@ -61,7 +61,12 @@ class Shelf:
 
     @contextmanager
     def holding(self, made: Mapping[Kernel, Kernel]) -> Iterator[None]:
-        """Other forms of the kernels for as long as this lasts, in every thread: none, or the plain functions themselves."""
+        """Other forms of the kernels for as long as this lasts, in every thread: none, or the plain functions themselves.
+
+        >>> with SHELF.holding({}):
+        ...     kernel(clipped.march) is None
+        True
+        """
         made, self.made = self.made, dict(made)
         try:
             yield

@@ -26,6 +26,10 @@ def simulate_starts(scenario: Scenario, starts: np.ndarray) -> Iterator[np.ndarr
 
     The scenario's own x0 and xhat0 are not used; its noise and impulses are the same for all starts. A yielded
     array belongs to the caller; a row set to zero by the caller runs on from zero.
+
+    >>> s = Scenario(Plant([[0]], [[1]], [[1]]), [[1]], [[2]], horizon=1.0, dt=0.5)
+    >>> [float(Z[0, 0].round(4)) for Z in simulate_starts(s, np.array([[1.0, 1.0]]))]
+    [1.0, 0.6065, 0.3679]
     """
     s = scenario
     if starts.shape[1] != s.plant.n + s.model.n:
