@@ -74,7 +74,7 @@ def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
 
 
 def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:
-    names = distinct([curve.name("en") for curve in curves])
+    names = distinct([curve.called("en") for curve in curves])
     for name, curve in zip(names, curves, strict=True):
         own = np.arange(len(curve.y)) if curve.x is None else curve.x
         for x, y in zip(own if common is None else common, curve.y, strict=True):

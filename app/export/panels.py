@@ -31,6 +31,7 @@ __all__ = ["draw_lines", "draw_map", "draw_plane"]
 MARKS = MappingProxyType({
     "cross": {"marker": "x", "markersize": 5.0, "markeredgewidth": 1.3},
     "circle": {"marker": "o", "markersize": 5.5, "markerfacecolor": "none", "markeredgewidth": 1.0},
+    "hollow": {"marker": "D", "markersize": 4.2, "markerfacecolor": "none", "markeredgewidth": 0.8},
     "dot": {"marker": "o", "markersize": 3.6, "markeredgewidth": 0.0},
     "bolt": {"marker": "h", "markersize": 6.0, "markeredgewidth": 0.0},
 })
@@ -64,15 +65,15 @@ def _curves(axes: Axes, figure: LineFigure, language: str) -> None:
             axes.axhline(0.0, color=GRID, linewidth=0.6, zorder=0)
     axes.set_ylim(low, high)
     axes.set_ylabel(words(wording(figure.y_label, language)))
-    lines = [_plot(axes, curve, figure.x, np.maximum(np.abs(finite(curve.y)), FLOOR) if figure.log_y else finite(curve.y),
+    lines = [_plot(axes, curve, figure.x, np.maximum(np.abs(curve.drawn), FLOOR) if figure.log_y else curve.drawn,
                    language, figure.curves[:k]) for k, curve in enumerate(figure.curves)]
     label_curves(axes, lines)
 
 
 def _plot(axes: Axes, curve: Curve, x: np.ndarray, y: np.ndarray, language: str, before: tuple[Curve, ...]) -> Line2D:
     """Draw a curve; only the first of several curves with one name carries it."""
-    name = curve.name(language)
-    told = not name or any(other.name == curve.name and other.role == curve.role for other in before)
+    name = curve.entry(language)
+    told = not name or any(other.key[:2] == curve.key[:2] for other in before)
     line, = axes.plot(x, y, label="_" if told else words(name), **pen(curve))
     return line
 
@@ -89,7 +90,7 @@ def draw_plane(axes: Axes, figure: PlaneFigure, language: str) -> None:
             draw(0.0, color=RULE, linewidth=0.5, zorder=0.5)
     if figure.unstable and x_range[1] > 0:
         axes.axvspan(max(0.0, x_range[0]), x_range[1], color=COLOURS["unstable"], linewidth=0, zorder=0)
-    lines = [_plot(axes, c, np.arange(len(c.y), dtype=float) if c.x is None else finite(c.x), finite(c.y), language,
+    lines = [_plot(axes, c, np.arange(len(c.y), dtype=float) if c.x is None else finite(c.x), c.drawn, language,
                    figure.curves[:k]) for k, c in enumerate(figure.curves)]
     _marks(axes, figure, language, x_range, y_range)
     label_curves(axes, lines)

@@ -17,7 +17,9 @@ INK, RULE, GRID = "#20242b", "#5b626d", "#e6e9ee"
 BODY, SMALL, TITLE = 8.0, 7.0, 9.0  # pt
 PRINT = 0.6  # points of a printed line for each pixel of a line on the screen
 # in line widths
-DASHES: Mapping[Dash, Any] = MappingProxyType({"solid": "-", "dash": (0, (4.5, 2.5)), "dot": (0, (1.0, 2.0))})
+DASHES: Mapping[Dash, Any] = MappingProxyType({
+    "solid": "-", "dash": (0, (4.5, 2.5)), "dot": (0, (1.0, 2.0)), "pin1": (0, (2.5, 2.5)), "pin2": (0, (11.0, 2.5)),
+    "pin3": (0, (8.0, 2.5, 1.5, 2.5)), "pin4": (0, (5.0, 1.6, 1.6, 1.6, 1.6, 1.6))})
 
 _LOCK = threading.Lock()  # matplotlib's settings belong to the process: one drawing at a time
 

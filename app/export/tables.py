@@ -46,7 +46,7 @@ def figure_json(figure: Figure, token: str, language: str = "en") -> bytes:
 def table(figure: Figure, language: str = "en") -> tuple[list[str], Rows]:
     """Heads and rows: a column a curve over time or frequency; a row a point, an entry or a cell for what has no common x."""
     if isinstance(figure, LineFigure):
-        names = [_with_unit(curve.name(language), wording(figure.y_label, language)) for curve in figure.curves]
+        names = [_with_unit(curve.called(language), wording(figure.y_label, language)) for curve in figure.curves]
         columns = [np.asarray(figure.x, dtype=float), *(np.asarray(curve.y, dtype=float) for curve in figure.curves)]
         return [figure.x_label, *distinct(names)], [tuple(map(float, row)) for row in zip(*columns, strict=True)]
     if isinstance(figure, PlaneFigure):
@@ -77,7 +77,7 @@ def _axes(figure: PlaneFigure | MapFigure, language: str) -> tuple[str, str]:
 
 def _plane(figure: PlaneFigure, language: str) -> Rows:
     rows: Rows = []
-    for name, curve in zip(distinct([c.name(language) for c in figure.curves]), figure.curves, strict=True):
+    for name, curve in zip(distinct([c.called(language) for c in figure.curves]), figure.curves, strict=True):
         rows += [(name, float(x), float(y)) for x, y in zip(_xs(curve), curve.y, strict=True)]
     return rows + [(p.name(language) or f"{p.role} {p.mark}", float(p.x), float(p.y)) for p in figure.points]
 

@@ -27,7 +27,7 @@ COLOURS = MappingProxyType({
     "muted": "#8A8F98",
     "unstable": "#F6D9D9",
 })
-Dash = Literal["solid", "dash", "dot"]
+Dash = Literal["solid", "dash", "dot", "pin1", "pin2", "pin3", "pin4"]
 # the tabs that figures stand in unless a lesson says otherwise
 TIME, SPECTRUM, PLANE = text("Time"), text("Spectrum"), text("Plane")
 MATRICES, MAP, NUMBERS = text("Matrices"), text("Map"), text("Numbers")
@@ -36,7 +36,10 @@ FLOOR = 1e-12  # the lowest value that a logarithmic axis shows
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One line: y over the figure's common x (or over its own `x` in a plane)."""
+    """One line: y over the figure's common x (or over its own `x` in a plane).
+
+    One with a `pin` belongs to the pinned design of that name; it alone may hold NaN, where its run does not reach.
+    """
 
     name: Text
     y: np.ndarray
@@ -44,6 +47,25 @@ class Curve:
     dash: Dash = "solid"
     width: float = 2.0
     x: np.ndarray | None = None
+    pin: Text = NO_WORDS
+
+    def called(self, language: str) -> str:
+        """Its name, with that of its pin: "true · A"."""
+        return " · ".join(each for each in (self.name(language), self.pin(language)) if each)
+
+    @property
+    def key(self) -> tuple[Text, str, str]:
+        """What tells it apart in a key: a pin has one entry there, whatever its curves are."""
+        return (self.pin, "", self.dash) if self.pin.id else (self.name, self.role, self.dash)
+
+    def entry(self, language: str) -> str:
+        """Its name in a key."""
+        return (self.pin if self.pin.id else self.name)(language)
+
+    @property
+    def drawn(self) -> np.ndarray:
+        """Its values fit to draw."""
+        return np.asarray(self.y, dtype=float) if self.pin.id else finite(self.y)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,12 +97,12 @@ def over_frequency(id: str, title: Text, f: np.ndarray, curves: tuple[Curve, ...
 
 @dataclass(frozen=True, eq=False)
 class Point:
-    """A mark in a plane: a cross (pole), a circle (zero, start) or a bolt (a mode that cannot move)."""
+    """A mark in a plane: a cross (pole), a circle (zero, start), a bolt (a mode that cannot move), hollow (of a pin)."""
 
     x: float
     y: float
     role: str = "plant"
-    mark: Literal["cross", "circle", "bolt", "dot"] = "cross"
+    mark: Literal["cross", "circle", "bolt", "dot", "hollow"] = "cross"
     name: Text = NO_WORDS
 
 
@@ -273,4 +295,4 @@ def same_axis(figure: Figure, under: Figure | None) -> bool:
 def same_key(figure: Figure, under: Figure | None) -> bool:
     """Whether the key of the figure under this one explains its curves too."""
     return isinstance(figure, LineFigure) and isinstance(under, LineFigure) and (
-        {(c.name, c.role, c.dash) for c in figure.curves} <= {(c.name, c.role, c.dash) for c in under.curves})
+        {c.key for c in figure.curves} <= {c.key for c in under.curves})

@@ -52,6 +52,7 @@ class Board:
     im_high: float = 8.0
     also: tuple[tuple[str, Any], ...] = ()  # knobs that dragging sets too
     disc: bool = False  # discrete time: stable is inside the unit circle
+    pinned: tuple[tuple[int, tuple[complex, ...]], ...] = ()  # poles of pinned designs, by the place of the pin
     landscape: np.ndarray | None = None  # matrix whose |det(sI − M)|⁻¹ is drawn in front, if any
 
     def hold(self, s: complex) -> complex:

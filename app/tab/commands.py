@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ..text import Text
 from .examined import Examining
-from .orders import Taking
+from .orders import Comparing, Taking
 
 
 @dataclass(frozen=True)
@@ -266,5 +266,5 @@ Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolutio
 Sharing = OpenState | Placed | ToggleTake | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp | Answer
           | Recalled)
-Command = Playing | Designing | Studying | Examining | Sharing | Taking | Paging
+Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Paging
 Edit = SetKnobs | Command

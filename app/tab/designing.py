@@ -43,6 +43,22 @@ def obey(show: Presenter, command: Designing) -> None:
             assert_never(command)
 
 
+def set_knobs(show: Presenter, edits: list[SetKnobs]) -> None:
+    """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it."""
+    design, keys, refused, grip = show.design, set[str](), None, None
+    for edit in edits:
+        try:
+            design = show.lesson.apply(design, edit.values)
+            keys |= edit.values.keys()
+            grip = edit.grip if edit.grip is not None else grip
+        except KnobError as problem:
+            refused = problem
+    if keys:
+        show.adopt(design, (frozenset(keys), grip), grip is not None)
+    if refused is not None:
+        raise refused
+
+
 def _start(show: Presenter, plant: str) -> None:
     """Open the lesson at its start with a plant, as one step of undo."""
     show.adopt(show.lessons[show.lesson.id].fit(plant).start())
@@ -63,13 +79,13 @@ def _draw(show: Presenter, name: str, value: object) -> None:
     knob = show.lesson.knob(name)
     if not isinstance(knob, Track):
         raise KnobError(text("{name} is not drawn by hand.", name=name))
-    show.set_knobs([SetKnobs({name: knob.record(show.design[name], show.state.t, number(value))})])
+    set_knobs(show, [SetKnobs({name: knob.record(show.design[name], show.state.t, number(value))})])
 
 
 def _pick(show: Presenter, x: float, y: float) -> None:
     """The knobs that belong to a point of the map, and the run from its start."""
     if show.lesson.pick is None:
         return
-    show.set_knobs([SetKnobs(show.lesson.pick(show.picture.outcome, x, y))])
+    set_knobs(show, [SetKnobs(show.lesson.pick(show.picture.outcome, x, y))])
     if show.state.predicted is not None:
         show.change(replace(show.state, playing=True, loop=None, stopped=False, t=0.0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
+from ..lesson.comparing import Pin
 from .history import History
 from .picture import ExamState, State, TaskState
 
@@ -18,16 +19,18 @@ class Desk:
     revealed: bool = False
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
     exams: Mapping[str, ExamState] = field(default_factory=dict)
+    pins: tuple[Pin, ...] = ()
     text: str = ""  # as it was last written down, for a reload
 
     def keep(self, state: State) -> None:
         """Take over what the tab's state says of this lesson."""
         self.predicted, self.revealed, self.tasks, self.exams = state.predicted, state.revealed, state.tasks, state.exams
+        self.pins = state.pins
 
     def laid_out(self, state: State) -> State:
         """The tab's state with this lesson open, at the start of its run."""
         return replace(state, playing=False, loop=None, stopped=False, t=0.0, predicted=self.predicted,
-                       revealed=self.revealed, tasks=self.tasks, exams=self.exams)
+                       revealed=self.revealed, tasks=self.tasks, exams=self.exams, pins=self.pins)
 
     def take_back(self, old: Desk) -> bool:
         """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.
@@ -38,4 +41,5 @@ class Desk:
             self.predicted, self.revealed = old.predicted, old.revealed
         self.tasks = {**old.tasks, **self.tasks}
         self.exams = {**old.exams, **self.exams}
+        self.pins = self.pins or old.pins
         return self.history.slip_in(old.history.design)

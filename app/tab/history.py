@@ -55,7 +55,7 @@ class History:
         self._designs, self._at, self._key = list(saved[0]), saved[1], None
 
     def move(self, step: int) -> bool:
-        """Walk by −1 or +1; False at an end."""
+        """Walk by so many steps, back where negative; False where there are not so many."""
         if not 0 <= self._at + step < len(self._designs):
             return False
         self._at += step

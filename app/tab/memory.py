@@ -8,9 +8,12 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from ..engine import EngineError
+from ..lesson.comparing import MOST as MOST_PINS
+from ..lesson.comparing import Pin
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson, Verdict
 from ..lesson.typed import LONGEST
@@ -19,7 +22,7 @@ from ..text import languages, text
 from .desk import Desk
 from .history import History
 from .picture import MOST_ANSWERS, MOST_VARIANTS, Answered, ExamState, State, TaskState
-from .state import judged, plain
+from .state import LONGEST_NAME, judged, plain
 
 VERSION = 2
 MOST = 300_000  # bytes that a tab keeps; what was worked on longest ago is left out
@@ -47,7 +50,9 @@ def write_desk(lesson: Lesson, design: Design, state: State) -> str:
              for name, task in state.tasks.items()}
     return json.dumps({**plain(lesson, design), "predicted": state.predicted, "revealed": state.revealed,
                        "tasks": tasks, "exams": {name: [exam.variant, [[a.student, a.variant, a.said] for a in exam.answers]]
-                                 for name, exam in state.exams.items()}}, ensure_ascii=False)
+                                                 for name, exam in state.exams.items()},
+                       **({"pins": [[pin.name, plain(lesson, pin.design)] for pin in state.pins]} if state.pins else {})},
+                      ensure_ascii=False)
 
 
 def write_memory(lesson: str, state: State, desks: Iterable[tuple[str, str]]) -> str:
@@ -95,7 +100,8 @@ def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk 
     options, predicted = len(lessons[lesson].words["en"].options), data.get("predicted")
     known = isinstance(predicted, int) and not isinstance(predicted, bool) and -1 <= predicted < options
     return Desk(History(design), predicted if known else None, known and data.get("revealed") is True,
-                _tasks(data.get("tasks"), lessons[lesson]), _exams(data.get("exams"), lessons[lesson]))
+                _tasks(data.get("tasks"), lessons[lesson]), _exams(data.get("exams"), lessons[lesson]),
+                _pins(data.get("pins"), lesson, lessons))
 
 
 def _tasks(data: object, lesson: Lesson) -> dict[str, TaskState]:
@@ -126,6 +132,19 @@ def _triples(answers: list[object]) -> Iterator[tuple[str, int, str]]:
 
 def _short(words: object) -> str:
     return words[:LONGEST] if isinstance(words, str) else ""
+
+
+def _pins(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> tuple[Pin, ...]:
+    """The pins that can still be read, each under a name of its own."""
+    found: dict[str, Pin] = {}
+    for entry in data[:MOST_PINS] if isinstance(data, list) else ():
+        match entry:
+            case [str(name), dict(written)] if 0 < len(name) <= LONGEST_NAME:
+                with suppress(KnobError, EngineError, RecursionError, OverflowError):
+                    design = judged(written, lessons).design
+                    if design.lesson == lesson:
+                        found[name] = Pin(name, design)
+    return tuple(found.values())
 
 
 def _solved(solved: object) -> Verdict | None:

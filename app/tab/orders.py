@@ -25,4 +25,33 @@ class Made:
     why: Text | None = None
 
 
+@dataclass(frozen=True)
+class PinDesign:
+    """Pin the present design, under a name of one's own or the next letter."""
+
+    name: object = ""
+
+
+@dataclass(frozen=True)
+class Unpin:
+    """Take the pin of that place away."""
+
+    place: object
+
+
+@dataclass(frozen=True)
+class OpenPin:
+    """Make the pinned design of that place the present one."""
+
+    place: object
+
+
+@dataclass(frozen=True)
+class GoToStep:
+    """The design of that place in the history."""
+
+    place: object
+
+
 Taking = TakeFile | Made
+Comparing = PinDesign | Unpin | OpenPin | GoToStep

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Protocol
 
-from ..lesson.figures import Figure
-from ..lesson.lesson import Design, Lesson, Outcome, Verdict
+from ..lesson.comparing import Pin, Pinned, boards_with_pins, side_by_side, with_pins
+from ..lesson.figures import Figure, TableFigure
+from ..lesson.lesson import Board, Design, Lesson, Outcome, Verdict
 from ..lesson.living import Part, over
 from ..text import Text
 
@@ -86,6 +88,7 @@ class State:
     plant: str = ""  # the plant that the person brought last, shown now or not
     tab: str | None = None  # the English name of the figures' tab that is open, None for the first
     step: int | None = None  # which step of thought is open
+    pins: tuple[Pin, ...] = ()  # designs of this lesson that are compared
     camera: tuple[float, ...] | None = None  # position and target that a link asked for, None for the whole view
     can_undo: bool = False
     can_redo: bool = False
@@ -108,8 +111,11 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """All that a view shows: `resting` is False while a knob moves, `answered` the number of the last edit that went
-    in."""
+    """All that a view shows: `resting` is False while a knob moves, `answered` the number of the last edit that went in,
+    `steps` the designs that undo and redo walk along, `at` where they stand.
+
+    `figures` and the outcome's boards are the lesson's own; `seen` and `boards` have the pinned designs laid in.
+    """
 
     lesson: Lesson
     design: Design
@@ -119,6 +125,24 @@ class Picture:
     resting: bool
     catalogue: tuple[Lesson, ...] = ()
     answered: int = 0
+    pinned: tuple[Pinned, ...] = ()
+    steps: tuple[Design, ...] = ()
+    at: int = 0
+
+    @cached_property
+    def seen(self) -> tuple[Figure, ...]:
+        """The figures as they are shown, with the curves of the pins."""
+        return with_pins(self.figures, self.pinned) if self.pinned else self.figures
+
+    @cached_property
+    def boards(self) -> tuple[Board, ...]:
+        """The boards as they are shown, with the poles of the pins."""
+        return boards_with_pins(self.outcome.boards, self.pinned) if self.pinned else self.outcome.boards
+
+    @cached_property
+    def compared(self) -> TableFigure | None:
+        """The present design beside the pins; None without any."""
+        return side_by_side(self.lesson, self.design, self.outcome, self.pinned)
 
     @property
     def horizon(self) -> float:

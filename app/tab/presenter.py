@@ -13,12 +13,12 @@ from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
 from ..text import Text, text, told
-from .commands import SetKnobs
 from .desk import Desk
 from .desks import Desks
 from .drafts import Drafts, Drawn, LongJob
 from .memory import write_desk, write_memory
 from .picture import Picture, State, View
+from .pinning import Pinning
 from .state import Saved
 from .token import write_token
 from .unexpected import kind_of
@@ -46,6 +46,7 @@ class Presenter:
         self.recalled = False  # whether it is known what the browser's tab kept
         self.asked = 0  # the number of the last state that was opened from the address bar
         self._drafts = Drafts()
+        self._pinning = Pinning(self._drafts, self.lessons)
         self._unsaid: list[tuple[Text, bool]] = []  # sentences that wait for the page
         self._shown: Picture | None = None
 
@@ -155,21 +156,6 @@ class Presenter:
         return self.lessons[design.lesson].fit(design.plant)
 
     # --- designs ---------------------------------------------------------------------------------------------------
-    def set_knobs(self, edits: list[SetKnobs]) -> None:
-        """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it."""
-        design, keys, refused, grip = self.design, set[str](), None, None
-        for edit in edits:
-            try:
-                design = self.lesson.apply(design, edit.values)
-                keys |= edit.values.keys()
-                grip = edit.grip if edit.grip is not None else grip
-            except KnobError as problem:
-                refused = problem
-        if keys:
-            self.adopt(design, (frozenset(keys), grip), grip is not None)
-        if refused is not None:
-            raise refused
-
     def adopt(self, design: Design, key: Hashable = None, held: bool = False) -> None:
         """Make a design the present one; whatever fails on the way, the last good one stays."""
         history = self.desk.history
@@ -181,7 +167,7 @@ class Presenter:
         self._draw_present(before)
 
     def walk(self, step: int) -> bool:
-        """Undo or redo; False where there is nothing to."""
+        """So many steps of redo, or of undo where negative; False where there are not so many."""
         history = self.desk.history
         before = history.save()
         if not history.move(step):
@@ -278,8 +264,8 @@ class Presenter:
     def _make(self, design: Design, drawn: Drawn) -> Picture:
         history = self.desk.history
         self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
-        return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()),
-                       self.answered)
+        return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered,
+                       self._pinning.drawn(self.state.pins), *history.save())
 
     def remember(self) -> None:
         """Keep in the browser's tab what a reload should bring back, once it is known what is kept there already."""

@@ -17,12 +17,12 @@ from typing import assert_never
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
-from . import designing, examining, paging, playing, sharing, studying, taking
+from . import comparing, designing, examining, paging, playing, sharing, studying, taking
 from .commands import Answer, Command, Designing, Edit, Paging, Placed, Playing, Recalled, SeeWindow, Sharing, Studying, Watched
 from .errands import Errands
 from .examined import Examining
 from .mailbox import Mailbox, grouped
-from .orders import Made, Taking
+from .orders import Comparing, Made, Taking
 from .picture import Picture, State, View
 from .presenter import Presenter
 from .reload import PATIENCE, Recall, recalled
@@ -91,7 +91,7 @@ class Session:
             self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched, Placed, Made))
             try:
                 if isinstance(edits, list):
-                    self._show.set_knobs(edits)
+                    designing.set_knobs(self._show, edits)
                     playing.under_the_hand(self._show)
                 else:
                     self._obey(edits)
@@ -121,6 +121,8 @@ class Session:
             sharing.obey(self._show, command)
         elif isinstance(command, Taking):
             taking.obey(self._show, self._errands, command)
+        elif isinstance(command, Comparing):
+            comparing.obey(self._show, command)
         elif isinstance(command, Paging):
             paging.obey(self._show, command)
         else:

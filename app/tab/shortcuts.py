@@ -25,6 +25,7 @@ from .commands import (
     TurnPage,
     Undo,
 )
+from .orders import PinDesign
 
 
 @dataclass(frozen=True)
@@ -46,6 +47,7 @@ SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut(text("Undo"), Undo(), "Z"),
     Shortcut(text("Redo"), Redo(), "Y"),
     Shortcut(text("Reset the lesson's knobs"), Reset(), "R"),
+    Shortcut(text("Pin this design to compare"), PinDesign(), "C"),
     Shortcut(text("Next lesson"), TurnPage(+1), "N"),
     Shortcut(text("Previous lesson"), TurnPage(-1), "P"),
     Shortcut(text("Chinese / English"), SetLanguage(), "L"),

@@ -42,7 +42,8 @@ def make(picture: Picture, token: str, kind: str, figure: str) -> Made:
     """The file, or in one sentence why there is none."""
     from ..export import files  # matplotlib is loaded only when a file is wanted
 
-    taken = files.Taken(picture.lesson, picture.outcome, picture.figures, token, picture.state.language)
+    shown = (*picture.seen, *([picture.compared] if picture.compared is not None else []))
+    taken = files.Taken(picture.lesson, picture.outcome, shown, token, picture.state.language)
     try:
         match kind:
             case "zip":

@@ -22,6 +22,7 @@ from .letters import Letters, Size
 from .meshes import bolt, cross, landscape
 from .naming import Frame, Place, free_place, leader, pole_name
 from .pane import DARK, LIGHT, pane
+from .pinmarks import PinMarks
 from .stage import rgb
 from .ticks import ticks
 
@@ -63,6 +64,7 @@ class BoardView:
         self._grabbed: tuple[int, tuple[complex, ...], complex] | None = None  # which pole, all poles, from hand to pole
         self._grips = Grips(client, self._root, COLOURS[board.role], self._origin, self._pulled)
         self._surface: viser.MeshHandle | None = None
+        self._pins = PinMarks(self._scene, self._root, rgb(COLOURS[board.role]), lambda pole: self.local(pole, 0.02))
         self._draw(language)
 
     # --- s-plane ↔ stage -------------------------------------------------------------------------------------------
@@ -124,6 +126,7 @@ class BoardView:
         self._grips.show([] if self._held else [self.local(pole) for pole in board.poles])
         if board.zeros != self._zeros:
             self._make_rings(board)
+        self._pins.show(board)
         signature = (len(board.poles), board.fixed, board.knob)
         if signature != self._signature:
             self._make_poles(board)
@@ -136,7 +139,7 @@ class BoardView:
 
     def _cover(self, veiled: bool) -> None:
         """Show what stands on the glass, or only a word that it is still to be predicted."""
-        for handle in (*self._poles, *self._bolts, *self._rings, self._leaders, *self._labels, *self._bolted):
+        for handle in (*self._poles, *self._bolts, *self._rings, *self._pins.nodes, self._leaders, *self._labels, *self._bolted):
             seen = not veiled and handle.name not in self._nameless
             if handle.visible != seen:
                 handle.visible = seen

@@ -10,20 +10,21 @@ from typing import Any
 import numpy as np
 import viser
 
-from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, finite, same_axis, same_key, thin
+from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, same_axis, same_key, thin
 from ..text import raised, wording
 from .prose import with_minus
 from .sizes import Sizes
 from .svg import draw
 from .ticks import ticks
 
-DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({"solid": None, "dash": (9, 5), "dot": (2, 4)})
+DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({
+    "solid": None, "dash": (9, 5), "dot": (2, 4), "pin1": (3, 3), "pin2": (14, 3), "pin3": (10, 3, 2, 3), "pin4": (6, 2, 2, 2, 2, 2)})
 
 FRAME = 36.0  # px of a column of figures beside its charts
 
 
 def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, Any]:
-    series: dict[str, Any] = {"label": curve.name(language), "stroke": COLOURS[curve.role], "class": mark,
+    series: dict[str, Any] = {"label": curve.entry(language), "stroke": COLOURS[curve.role], "class": mark,
                               "width": curve.width * bold, "points": {"show": False}}
     dash = DASHES[curve.dash]
     if dash is not None:
@@ -33,7 +34,7 @@ def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, An
 
 def data_of(figure: LineFigure, span: tuple[float, float]) -> tuple[np.ndarray, ...]:
     """The arrays of a chart: sorted x, finite y, at most 500 points, within reach of the shown range."""
-    rows = thin(np.asarray(figure.x, dtype=float), *(finite(c.y) for c in figure.curves))
+    rows = thin(np.asarray(figure.x, dtype=float), *(c.drawn for c in figure.curves))
     reach = 3 * (span[1] - span[0])
     if figure.log_y:
         return rows[0], *(np.clip(np.abs(y), max(span[0] / 1e3, FLOOR), span[1] * 1e3) for y in rows[1:])
@@ -114,7 +115,7 @@ class Chart:
     def _all_series(self, figure: LineFigure) -> tuple[Any, ...]:
         mark = "ol-time" if self._cursor else "ol-still"
         x: dict[str, Any] = {"label": figure.x_label[0], "class": "ol-x"}
-        told = [(c.name, c.role, c.dash) for c in figure.curves]
+        told = [c.key for c in figure.curves]
         return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}{self._shared}", self._bold)
                      for k, c in enumerate(figure.curves)))
 
@@ -168,7 +169,7 @@ class Chart:
         wanted = calm_range(figure, self._range, resting)
         turned, self._cursor = cursor != self._cursor, cursor
         if turned or anew or len(figure.curves) != len(before.curves) or any(
-                (a.name, a.role, a.dash) != (b.name, b.role, b.dash) for a, b in zip(figure.curves, before.curves, strict=True)):
+                (a.key, a.role) != (b.key, b.role) for a, b in zip(figure.curves, before.curves, strict=True)):
             self._plot.series = self._all_series(figure)
         if figure.title != before.title:
             self._plot.title = figure.title(self._language)

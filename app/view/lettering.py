@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-DASHES = MappingProxyType({"solid": "", "dash": ' stroke-dasharray="7 4"', "dot": ' stroke-dasharray="2 3"'})
+DASHES = MappingProxyType({"solid": "", **{dash: f' stroke-dasharray="{pattern}"' for dash, pattern in (
+    ("dash", "7 4"), ("dot", "2 3"), ("pin1", "3 3"), ("pin2", "12 3"), ("pin3", "9 3 2 3"), ("pin4", "6 2 2 2 2 2"))}})
 SIZE, LARGE = 11.0, 14.6  # px of the words in a drawing, and in one of large print
 KEY_ROW = 16.0
 ANCHORS, STEP = 28, 6.0  # points of a curve that its name is tried at; px between the points that are looked at

@@ -20,6 +20,7 @@ from ..tab.commands import (
 from ..tab.picture import Picture, TaskState
 from ..text import languages, name_of
 from . import phrases
+from .beside import Beside
 from .derivation import Derivation
 from .exams import Exams
 from .knobrows import KnobRows
@@ -49,6 +50,7 @@ class Panel:
         self._rows = KnobRows(gui, picture, post)
         if self._lesson.adapt is not None:
             self._plants = PlantRow(gui, picture, post)
+        self._beside = Beside(gui, picture, post)
         self._part("why")
         self._numbers(picture)
         self._explain()
@@ -142,6 +144,7 @@ class Panel:
         self._rows.show(picture)
         if self._plants is not None:
             self._plants.show(picture)
+        self._beside.show(picture)
         if picture.resting:
             self._show_numbers(picture)
         self._derivation.show(picture)

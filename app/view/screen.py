@@ -103,8 +103,8 @@ class Screen:
         """
         before, self._picture = self._picture, picture
         anew = before is None or before.outcome is not picture.outcome
-        stale = anew or (before is not None and picture.resting and not before.resting)
-        charts = [(self._charts[f.id], f, below(picture.figures, f)) for f in picture.figures if f.id in self._charts] if stale else []
+        stale = before is None or anew or before.pinned != picture.pinned or (picture.resting and not before.resting)
+        charts = [(self._charts[f.id], f, below(picture.seen, f)) for f in picture.seen if f.id in self._charts] if stale else []
         with self._client.atomic():
             for chart, figure, under in charts:
                 chart.show_curves(figure, picture.resting, picture.horizon, under)
@@ -115,7 +115,7 @@ class Screen:
                 self._columns.again()
             if anew:
                 self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
-            for board in picture.outcome.boards:
+            for board in picture.boards:
                 self._board(board, picture).show(board, veiled=picture.state.predicted is None)
             self._landscape(picture)
             self._show_map(picture)
@@ -174,7 +174,7 @@ class Screen:
     def open_figure(self, figure: str) -> None:
         """Bring the tab of a figure to the front."""
         picture = self._picture
-        found = next((f for f in picture.figures if f.id == figure), None) if picture is not None else None
+        found = next((f for f in picture.seen if f.id == figure), None) if picture is not None else None
         if found is not None and picture is not None:
             quirks.open_tab(self._client, found.tab(picture.state.language), figure)
             self._client.flush()
@@ -219,19 +219,19 @@ class Screen:
 
     # --- parts -----------------------------------------------------------------------------------------------------
     def _right_panel(self, picture: Picture) -> None:
-        if not picture.figures:
+        if not picture.seen:
             return
         language = picture.state.language
         panel = self._client.gui.add_panel()
         panel.expand()
         panel.dock_right()
         self._columns.add(panel, Sizes(picture.state).right)
-        for tab in tabs(picture.figures):
+        for tab in tabs(picture.seen):
             with panel.add_tab(tab(language)):
-                for figure in picture.figures:
+                for figure in picture.seen:
                     if figure.tab == tab:
                         self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state),
-                                                       picture.horizon, below(picture.figures, figure))
+                                                       picture.horizon, below(picture.seen, figure))
 
     def _watch(self) -> None:
         """Ask the page whether anybody sees it; then a run that has not begun is shown in motion."""
@@ -278,7 +278,7 @@ class Screen:
     def _show_map(self, picture: Picture) -> None:
         if picture.lesson.pick is None:
             return
-        for figure in picture.figures:
+        for figure in picture.seen:
             if isinstance(figure, MapFigure):
                 if self._map is None:
                     self._map = MapBoard(self._client, picture.state.language, letters(self._client.camera, picture.state.lecture),
@@ -286,7 +286,7 @@ class Screen:
                 self._map.show(figure)
 
     def _landscape(self, picture: Picture) -> None:
-        for board in picture.outcome.boards:
+        for board in picture.boards:
             if board.landscape is not None:
                 self._boards[board.id].show_landscape(picture.state.landscape)
 

@@ -100,14 +100,14 @@ def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
     out += [_mark(*axes.at(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
     marks = [(*_held(*axes.at(p.x, p.y)), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
     names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2))
-    told = {curve.name(language): k for k, curve in reversed(list(enumerate(figure.curves))) if curve.name(language)}
+    told = {curve.entry(language): k for k, curve in reversed(list(enumerate(figure.curves))) if curve.entry(language)}
     if len(told) <= MOST_NAMES:
         first = sorted(told.values())
-        words = [figure.curves[k].name(language) for k in first]
+        words = [figure.curves[k].entry(language) for k in first]
         places = along([np.array(drawn[k], dtype=float).reshape(-1, 2) for k in first], words, FRAME, taken)
         names += "".join(_name(at, name, figure.curves[k].role) for k, name, at in zip(first, words, places, strict=True) if at)
         return "".join(out) + names, H
-    below, more = key([(c.name(language), COLOURS[c.role], c.dash) for c in figure.curves], W, H)
+    below, more = key([(c.entry(language), COLOURS["muted" if c.pin.id else c.role], c.dash) for c in figure.curves], W, H)
     return "".join(out) + names + below, H + more
 
 
@@ -147,6 +147,7 @@ def _mark(x: float, y: float, colour: str, mark: str) -> str:
     return {
         "cross": f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m-10 0l10 -10" stroke="{colour}" stroke-width="2.6"/>',
         "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
+        "hollow": f'<path d="M{x - 5:.1f} {y:.1f}l5 -5l5 5l-5 5z" fill="none" stroke="{colour}" stroke-width="1.4"/>',
         "dot": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>',
         "bolt": f'<path d="M{x - 6:.1f} {y:.1f}l3 -5.2h6l3 5.2l-3 5.2h-6z" fill="#282c34"/>',
     }[mark]

@@ -36,7 +36,7 @@ class Take:
         gui, state = client.gui, picture.state
         button = gui.add_button(phrases.TAKE(self._lang), color="gray")
         said = gui.add_text("", "", visible=False)
-        names = tabs(picture.figures)
+        names = tabs(picture.seen)
         quirks.tell_places(client, said, [name(self._lang) for name in names],
                            [heading for heading, _ in picture.lesson.words[self._lang].steps],
                            next((name(self._lang) for name in names if name("en") == state.tab), None))
@@ -63,7 +63,7 @@ class Take:
             parts = gui.add_tab_group()
             with parts.add_tab(phrases.LINK(lang)):
                 self._offer_state(token)
-            if self._picture.figures:
+            if self._picture.seen:
                 with parts.add_tab(phrases.FIGURES(lang)):
                     self._offer_figures()
             with parts.add_tab(phrases.SCRIPTS(lang)):
@@ -93,7 +93,7 @@ class Take:
 
     def _offer_figures(self) -> None:
         """A figure to choose, the one that is on top first, with its kinds of file; all of them; the stage."""
-        gui, lang, figures, name = self._client.gui, self._lang, self._picture.figures, self._picture.state.tab
+        gui, lang, figures, name = self._client.gui, self._lang, self._picture.seen, self._picture.state.tab
         titles = {f"{k}. {figure.title(lang)}": figure.id for k, figure in enumerate(figures, 1)}
         shown = next((k for k, figure in enumerate(figures) if figure.tab("en") == name), 0)
         every = phrases.ALL_FIGURES(lang)

@@ -29,7 +29,7 @@ def step_of(horizon: float) -> float:
 def _parts(picture: Picture) -> str:
     """The names of the parts of the lesson, for a phone, which shows one at a time."""
     lang, named = picture.state.language, [("predict", phrases.PREDICTION), ("knobs", phrases.KNOBS)]
-    named += [("curves", phrases.CURVES)] if picture.figures else []
+    named += [("curves", phrases.CURVES)] if picture.seen else []
     named += [("why", phrases.STEPS), ("tasks", phrases.TASKS)]
     buttons = "".join(f'<button type="button" data-part="{part}">{words(lang)}</button>' for part, words in named)
     return f'<nav class="ol-parts">{buttons}</nav>'

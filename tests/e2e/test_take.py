@@ -29,8 +29,14 @@ def kept(tab: Tab, button: Locator) -> bytes:
 def test_a_link_copied_in_one_browser_opens_the_same_in_another(tab: Tab, browser: Browser, language: str) -> None:
     if language == "zh":
         tab.press("中文")
+    tab.key("c")
     tab.slide(STIFFNESS[language])
-    tab.answered(rests=True)
+    (pin,) = tab.page.locator(".ol-pin").all_text_contents()
+    assert pin.startswith("A") and "3" in pin
+    for step, stiffness in (("last", 0), ("first", 3)):  # the start, and back to the latest step
+        tab.page.evaluate(f"document.querySelector('.ol-steps li:{step}-child button').click()")
+        tab.answered(rests=True)
+        assert tab.value(STIFFNESS[language]) == stiffness
     before = address(tab)
     tab.page.get_by_role("tab").nth(1).press("Enter")
     eventually(lambda: address(tab), lambda url: url != before, "the tab in the address bar")

@@ -23,7 +23,7 @@
     const at = chart.posToIdx(event.clientX - over.getBoundingClientRect().left);
     const told = chart.series.slice(1).map((series, k) => ({series, value: chart.data[k + 1][at]}));
     const [name, unit] = chart.series[0].label === 'f' ? ['f', 'Hz'] : ['t', 's'];
-    note.replaceChildren(row(`${name} = ${written(chart.data[0][at])} ${unit}`, ''), ...told.filter(({value}) => value != null)
+    note.replaceChildren(row(`${name} = ${written(chart.data[0][at])} ${unit}`, ''), ...told.filter(({value}) => value != null && !Number.isNaN(value))
       .map(({series, value}) => row(`${series.label} ${written(value)}`, series._stroke ?? series.stroke?.(chart) ?? '')));
     const room = note.getBoundingClientRect();
     note.style.left = `${Math.max(4, Math.min(event.clientX + 14, innerWidth - room.width - 4))}px`;

@@ -1,0 +1,135 @@
+"""Pins are kept with the lesson, drawn thin beside the present design, and told in a table; any step is one press away."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+from fakes import BROKEN, FakeView, Tab, toy
+from laws import holds_for_all
+
+from app.lesson.comparing import MOST, Pin, Pinned, boards_with_pins, side_by_side, with_pins
+from app.lesson.differences import changed, difference, standing, step
+from app.lesson.figures import LineFigure, axis_range, same_key
+from app.tab.commands import OpenLesson, SetLanguage, Undo
+from app.tab.comparing import FULL, NO_PIN, NO_STEP
+from app.tab.history import DEPTH
+from app.tab.orders import GoToStep, OpenPin, PinDesign, Unpin
+from app.tab.session import Session
+from app.text import languages, same
+from app.view.charts import data_of
+from lessons import LESSONS
+
+
+def pinned_tab(*gains: float) -> Tab:
+    tab = Tab({name: toy(name) for name in ("first", "second")})
+    for gain in gains:
+        tab.set(gain=gain)
+        tab.rest()
+        tab.do(PinDesign())
+    return tab
+
+
+def test_a_pin_is_a_thin_line_with_its_name_until_it_is_taken_away() -> None:
+    tab = pinned_tab(2.0, 3.0)
+    tab.set(gain=5.0)
+    (figure,), stage = tab.picture.seen, tab.picture.outcome.stage
+    assert isinstance(figure, LineFigure) and stage is not None
+    own, *thin = figure.curves
+    assert [curve.called("en") for curve in thin] == ["x · A", "x · B"] and all(curve.width < own.width for curve in thin)
+    for curve, gain in zip(thin, (2.0, 3.0), strict=True):
+        np.testing.assert_allclose(curve.y, gain * np.exp(-stage.t), atol=1e-12)
+    assert tab.picture.figures[0].curves == (own,), "the lesson's own figures stay as they are"
+    tab.do(Unpin("0"))
+    assert [curve.pin("en") for curve in tab.picture.seen[0].curves[1:]] == ["B"]
+    tab.do(PinDesign("mine"))
+    assert [pin.name for pin in tab.picture.state.pins] == ["B", "mine"]
+    tab.set(gain=1.0)
+    tab.do(OpenPin(1))
+    assert tab["gain"] == 5.0
+    tab.do(Undo())
+    assert tab["gain"] == 1.0
+
+
+def test_a_run_of_another_length_is_drawn_as_far_as_it_goes() -> None:
+    tab = pinned_tab(2.0)
+    tab.set(length=4.0)
+    curve = tab.picture.seen[0].curves[1]
+    t = tab.picture.seen[0].x
+    assert np.array_equal(np.isnan(curve.y), t > 2.0) and np.isfinite(axis_range(tab.picture.seen[0])).all()
+    rows = data_of(tab.picture.seen[0], (-1.0, 3.0))
+    assert np.isnan(rows[2]).any() and np.isfinite(rows[1]).all()
+
+
+def test_pins_survive_a_reload_a_language_and_another_lesson_and_are_bounded() -> None:
+    tab = pinned_tab(2.0, 3.0, 4.0, 5.0)
+    tab.set(gain=6.0)
+    tab.do(PinDesign())
+    assert tab.view.scolded() == [FULL] and len(tab.picture.state.pins) == MOST
+    tab.do(SetLanguage("zh"))
+    tab.do(OpenLesson("second"))
+    assert tab.picture.state.pins == ()
+    again = Session(tab.lessons, FakeView(), "first")
+    again.restore(tab.view.kept)
+    again.open()
+    again.post(OpenLesson("first"))
+    again.step()
+    assert again.picture is not None and [pin.design["gain"] for pin in again.picture.state.pins] == [2.0, 3.0, 4.0, 5.0]
+    assert [each.pin.name for each in again.picture.pinned] == ["A", "B", "C", "D"]
+
+
+def test_torn_and_hostile_pins_are_left_out() -> None:
+    good = {"version": 1, "lesson": "first", "knobs": {"gain": "3"}}
+    for pins in (3, [3], [["A"]], [["A", 3]], [["", good]], [["A" * 500, good]], [["A", {**good, "lesson": "second"}]],
+                 [["A", {**good, "knobs": {"gain": "99"}}]], [["A", {**good, "knobs": {"gain": str(BROKEN)}}]]):
+        tab = Tab({name: toy(name) for name in ("first", "second")})
+        view = FakeView()
+        session = Session(tab.lessons, view, "first")
+        session.restore(None)
+        session.restore(json.dumps({"version": 2, "lesson": "first", "desks": {"first": {**good, "pins": pins}}}))
+        session.open()
+        assert session.picture is not None and session.picture.pinned == () == session.picture.seen[0].curves[1:]
+    tab = pinned_tab(2.0)
+    for wrong in (Unpin("1"), Unpin(-1), OpenPin(float("nan")), GoToStep(99), GoToStep("x"), PinDesign("x" * 999), PinDesign(["a"])):
+        tab.do(wrong)
+    assert len(tab.view.scolded()) == 7 and {NO_PIN, NO_STEP} <= set(tab.view.scolded()) and len(tab.picture.state.pins) == 1
+
+
+def test_any_of_several_hundred_steps_is_one_press_away_and_says_what_it_did() -> None:
+    tab, count = Tab(), 300
+    for k in range(1, count + 1):
+        tab.set(gain=k / 100)
+        tab.clock.advance(1.0)
+    assert len(tab.picture.steps) == count + 1 <= DEPTH and tab.picture.at == count
+    for place in (7, 250, 0, count):
+        tab.do(GoToStep(str(place)))
+        assert tab["gain"] == (place / 100 or 1.0) and tab.picture.at == place and len(tab.picture.steps) == count + 1
+    said = [step(tab.picture.lesson, a, b)("en") for a, b in zip(tab.picture.steps[1:], tab.picture.steps[2:], strict=False)]
+    assert said[:2] == ["gain: 0.01 → 0.02", "gain: 0.02 → 0.03"] and len(set(said)) == count - 1
+
+
+def test_every_lesson_compares_with_its_first_task_solved() -> None:
+    def law(name: str) -> None:
+        lesson = LESSONS[name]
+        start = lesson.start()
+        other = next(design for task in lesson.tasks if (design := lesson.apply(start, task.solution)) != start)
+        outcome, solved = lesson.compute(start), lesson.compute(other)
+        figures = lesson.figures(outcome)
+        pinned = (Pinned(Pin("A", other), 0, solved, lesson.figures(solved)), Pinned(Pin("B", start), 1, outcome, figures))
+        shown = with_pins(figures, pinned)
+        assert [figure.id for figure in shown] == [figure.id for figure in figures]
+        assert not any(curve.pin == same("B") for figure in shown for curve in getattr(figure, "curves", ())), "what lies under it"
+        for figure in shown:
+            if isinstance(figure, LineFigure):
+                data_of(figure, axis_range(figure))
+                assert same_key(figure, figure)
+        assert [board.id for board in boards_with_pins(outcome.boards, pinned)] == [board.id for board in outcome.boards]
+        table = side_by_side(lesson, start, outcome, pinned)
+        assert table is not None and len(table.rows) >= 2 and all(len(row) == 4 for row in table.rows)
+        assert any(row[1] != row[2] for row in table.rows) and all(row[1] == row[3] for row in table.rows)
+        names = {knob.name for knob in changed(lesson, start, other)}
+        assert names and names <= set(dict(start.values))
+        for language in languages():
+            for said in (difference(lesson, same("A"), other, start), step(lesson, start, other), standing(lesson, other)):
+                assert "{" not in said(language) and said(language)
+    holds_for_all(LESSONS, law)
