@@ -25,7 +25,7 @@ CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "sid
                    "equation", "now"})  # and mathematics
 # What Chinese control literature writes in Latin letters: units, functions, people, methods.
 KNOWN = frozenset(WORD.findall("""
-    mrad rad kHz dB min max log eig rank det diag cos sin exp cov vec tr
+    mrad rad rpm kHz dB min max log eig rank det diag cos sin exp cov vec tr
     LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
     Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
     Julier Uhlmann sigma
