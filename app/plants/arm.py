@@ -110,9 +110,9 @@ def plant(parameters: Parameters = PARAMETERS) -> Plant:
 
 # --- the body -----------------------------------------------------------------------------------------------------------
 AWAY: Quaternion = (cos(pi / 4), -sin(pi / 4), 0.0, 0.0)  # an upright cylinder's axis points away
-JOINT: Vector = (-0.62, 0.0, 1.12)
-REACH, DIAL = 1.45, 0.52  # lengths of the arm and of the dial's needle
-FACE: Vector = (1.42, 0.1, 0.98)  # the middle of the dial of the load
+JOINT: Vector = (-0.8, 0.0, 0.98)
+REACH, DIAL = 1.3, 0.52  # lengths of the arm and of the dial's needle
+FACE: Vector = (1.36, 0.1, 0.98)  # the middle of the dial of the load
 FULL = 3.0  # N m at which the needle lies flat
 PARTS = (
     Part("base", Box((4.1, 1.3, 0.1)), DARK),
@@ -168,7 +168,8 @@ def body() -> Body:
         return hand(float(x[ANGLE])), needle(float(x[LOAD]))
 
     return Body(PARTS, pose, arrows, anchors, 1.0, text("A geared arm, to scale, and a dial of the load torque, which nothing measures; "
-                                                        "the orange arrow is the load"))
+                                                        "the arrow at the hand is the load"),
+                labels=((text("load torque"), (FACE[0], -0.5, 0.34)),))
 
 
 DEGREES = 180 / pi

@@ -1,4 +1,4 @@
-"""The figures of lesson 20: angle, load and speed; error, voltage and current; what the gear hides; the sheet and the state of rest."""
+"""The figures of lesson 20: load, angle and speed; error, voltage and current; what the gear hides; the sheet and the state of rest."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, TableFigure
+from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.plants.arm import ANGLE, CURRENT, LOAD, MODEL, SHEET, SPEED
 from app.text import NO_WORDS, Text, joined, text
@@ -33,7 +33,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     error = replace(error_figure(run, outcome.study.promised), caption=_error_words(outcome))
     lines = (_angle(outcome), _load(outcome), _speed(outcome), voltage, _current(outcome), _gear(outcome))
     angle, load, speed, voltage, current, gear = (within(figure, BEYOND[figure.id]) for figure in lines)
-    return (load, angle, speed, error, voltage, current, gear, _sheet(), _rest(outcome))
+    return (load, angle, speed, error, voltage, current, gear, _loop(outcome), _speeds(outcome), _sheet(), _rest(outcome))
 
 
 def _pair(outcome: Outcome[Study], place: int, scale: float = 1.0) -> tuple[Curve, Curve]:
@@ -61,7 +61,7 @@ def _load(outcome: Outcome[Study]) -> LineFigure:
     none = text("This observer has no state for the load: its estimate stays at zero.")
     words = off if design["load_state"] else none
     return LineFigure("load", MODEL.watched[2].name, run.t, _pair(outcome, LOAD), "τ [N m]", tab=TIME_TAB, caption=joined(
-        words, _false_words(outcome)), window=(-0.5, 2.0))
+        words, _false_words(outcome)), window=(-0.2, 2.0))
 
 
 def _false_words(outcome: Outcome[Study]) -> Text:
@@ -126,11 +126,55 @@ def _gear_words(outcome: Outcome[Study]) -> Text:
     return joined(flank if outcome.study.played.contact[-1] else NO_WORDS, changed, unseen)
 
 
+def _loop(outcome: Outcome[Study]) -> PlaneFigure:
+    """The arm less the motor over the motor's angle: a line without play, a loop of its width with it."""
+    run, motor, half = outcome.run, np.degrees(outcome.study.played.motor), outcome.design["gap"] / 2
+    assert run is not None
+    apart = np.degrees(run.x[:, ANGLE]) - motor
+    low, high = min(0.0, float(motor.min())), max(80.0, float(motor.max()))
+    high, low = min(high, BEYOND["angle"]), max(low, -BEYOND["angle"])
+    seen = Curve(text("arm less motor"), np.clip(apart, -BEYOND["gear"], BEYOND["gear"]), x=np.clip(motor, low, high))
+    wide = max(1.0, 1.2 * half)
+    words = text("The arm stays within {gap:.3g}° of play: where the motor brakes, the arm may go on by itself until the other flank "
+                 "meets it.", gap=2 * half)
+    return PlaneFigure("loop", text("arm less motor, over the motor's angle"), (seen,), (), text("motor, at the joint [°]"), "Δθ [°]",
+                       (1.05 * low - 1.0, 1.05 * high), (-wide, wide), tab=GEAR_TAB,
+                       caption=words if half else text("Without play this is a line."))
+
+
+def _speeds(outcome: Outcome[Study]) -> PlaneFigure:
+    """What a faster observer buys, and what it pays: each dot is one speed."""
+    tried = tuple(each for each in outcome.study.tried if each.found is not None)
+    x = np.array([each.found for each in tried], dtype=float)
+    false, stray = (np.minimum([getattr(each, name) for each in tried], BEYOND["load"]) for name in ("false", "stray"))
+    curves = (Curve(text("claimed before it came"), false, "error", x=x),
+              Curve(text("strays at the end"), stray, "disturbance", "dash", x=x))
+    points = tuple(Point(float(a), float(b), role, "dot") for a, y, role in ((x, false, "error"), (x, stray, "disturbance"))
+                   for a, b in zip(x, y, strict=True))
+    top = max(0.1, 1.1 * float(np.max([*false, *stray], initial=0.0)))
+    return PlaneFigure("speeds", text("slower and faster observers"), curves if len(tried) else (), points if len(tried) else (),
+                       text("the load is found after [s]"), "[N m]", (0.0, max(1.0, 1.05 * float(np.max(x, initial=0.0)))), (0.0, top),
+                       tab=GEAR_TAB, caption=_speed_words(outcome))
+
+
+def _speed_words(outcome: Outcome[Study]) -> Text:
+    tried = outcome.study.tried
+    if not tried:
+        return text("Not computed for this design yet: press the button under the knobs.")
+    lost = sum(each.found is None for each in tried)
+    slow, fast = tried[0], tried[-1]
+    said = text("From {slow:.2g} to {fast:.2g} times the speed: the estimate claims {least:.2g} N m in vain, then {most:.2g} N m.",
+                slow=slow.speed, fast=fast.speed, least=slow.false, most=fast.false)
+    missed = text("{lost} of {count} never find the load to 5 %.", lost=lost, count=len(tried))
+    ideal = text("Gear and encoder are ideal: nothing is claimed in vain, at whatever speed.")
+    return joined(claim(said, fast.false, above=1e-6, otherwise=ideal), missed if lost else NO_WORDS)
+
+
 def _sheet() -> TableFigure:
     rows = tuple((name, _amount(printed, unit), _amount(computed, unit), f"{100 * (computed / printed - 1):+.2f} %".replace("-", "−"))
                  for name, printed, computed, unit in sheet_rows())
-    return TableFigure("sheet", text("the motor's data sheet"), (text("quantity"), text("printed"), text("from R and k"), text("apart")),
-                       rows, tab=NUMBERS_TAB, caption=text(
+    heads = text("quantity"), text("on the sheet"), text("from R and k"), text("apart")
+    return TableFigure("sheet", text("the motor's data sheet"), heads, rows, tab=NUMBERS_TAB, caption=text(
         "maxon RE 40, order number 148867: R = 0.299 Ω, L = 0.082 mH, k = 30.2 mN m/A, rotor 142 g cm². The arm is chosen."))
 
 

@@ -11,9 +11,9 @@ from ..toolkit.knobs import run_knobs
 EXACT, MOTOR, JOINT = "exact", "motor", "joint"
 SEEN, WINDOW = (True,), MODEL.observer_window
 KNOBS = (
-    Switch("load_state", "", text("the observer has a state for the load"), default=True,
+    Switch("load_state", "", text("a state for the load"), default=True,
            hint=text("τ̇ = 0 as a fourth equation of the observer, or an observer that knows of no load.")),
-    Switch("cancel", "", text("cancel the estimated load"), default=True, when=("load_state", SEEN),
+    Switch("cancel", "", text("cancel the load"), default=True, when=("load_state", SEEN),
            hint=text("The controller adds the voltage that holds τ̂ at rest.")),
     Number("load", r"\tau", text("load torque"), "N m", low=-3.0, high=3.0, default=1.5, step=0.1,
            hint=text("What presses on the arm from 1 s on; held level, a payload's weight is such a load. Nothing measures it.")),
@@ -26,7 +26,7 @@ KNOBS = (
            hint=text("On the motor a turn of the joint has 91/6 times as many counts; at the joint the encoder sees the arm itself.")),
     Number("counts", "n_c", text("counts of a turn"), "", low=64.0, high=16384.0, default=4.0 * PARAMETERS.lines, scale="log",
            when=("encoder", (MOTOR, JOINT)), hint=text("Whole counts alone are read, every 2 ms; the sheet's encoder has 2000.")),
-    Number("gap", r"\delta", text("play of the gear"), "°", low=0.0, high=3.0, default=0.0, step=0.05,
+    Number("gap", r"\delta", text("gear play"), "°", low=0.0, high=3.0, default=0.0, step=0.05,
            hint=text("How far the arm can be moved with the motor held. The observer knows nothing of it.")),
     Poles("controller_poles", "p", text("Controller poles"), "rad/s", default=MODEL.controller_poles,
           re_low=MODEL.controller_window.re_low, re_high=MODEL.controller_window.re_high, im_high=MODEL.controller_window.im_high,

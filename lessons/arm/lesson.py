@@ -11,6 +11,7 @@ from .code import code
 from .derive import derived
 from .exams import EXAMS
 from .figures import figures
+from .job import JOB
 from .knobs import KNOBS
 from .study import compute
 from .tasks import TASKS
@@ -19,4 +20,4 @@ LESSON = Lesson(
     "arm", 20, KNOBS, compute, figures, answer=1, answering="load", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), introduction and applications: the arm whose joint speeds are not measured; data sheets of maxon RE 40, "
            "order number 148867, gear GP 42 C, 203116, encoder HEDL 5540, 110514",
-    words=read_prose(Path(__file__).parent), aside=("target", "counts"), derived=derived, code=code)
+    words=read_prose(Path(__file__).parent), aside=("target", "counts"), derived=derived, code=code, job=JOB)

@@ -25,14 +25,28 @@ RESTED = 0.02  # N m and degrees: a run that ends this near to its rest has come
 SOLID = 1e-9
 
 
+@dataclass(frozen=True)
+class Tried:
+    """An observer `speed` times as fast: when it found the load (s; None: not), what it claimed before and by how much it strays, N m."""
+
+    speed: float
+    found: float | None
+    false: float
+    stray: float
+
+
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The run with the motor's angle, what ė = (A − LC) e promises (n_t, 4), and where the linear loop comes to rest."""
+    """The run with the motor's angle, what ė = (A − LC) e promises (n_t, 4), and where the linear loop comes to rest.
+
+    `tried`: other speeds of the observer, once the job has run.
+    """
 
     played: Played
     promised: np.ndarray
     rest: tuple[np.ndarray, np.ndarray] | None
     step: float
+    tried: tuple[Tried, ...] = ()
 
 
 def compute(design: Design) -> Outcome[Study]:
@@ -81,6 +95,12 @@ def found_after(run: Run) -> float | None:
     if not late.any() or not size or (len(away) and away[-1] == late.sum() - 1):
         return None
     return float(run.t[late][away[-1] + 1] - LOAD_AT) if len(away) else 0.0
+
+
+def measured(speed: float, run: Run) -> Tried:
+    """What a run with an observer of some speed came to."""
+    return Tried(speed, found_after(run), float(np.max(np.abs(run.e[run.t < LOAD_AT - 1e-9, LOAD]))),
+                 float(np.max(np.abs(last(run.e[:, LOAD])))))
 
 
 def _metrics(design: Design, shown: Played, poles: Mapping[str, np.ndarray]) -> dict[str, float]:

@@ -33,6 +33,7 @@ class Contact:
     half: float
     h: float
     torque: np.ndarray = field(init=False)
+    row: np.ndarray = field(init=False)
     together: Flow = field(init=False)
     apart: Flow = field(init=False)
 
@@ -43,7 +44,9 @@ class Contact:
         joined: np.ndarray = np.eye(len(self.A))
         joined[[w1, w2]] = 0.0
         joined[[w1, w2], w1], joined[[w1, w2], w2] = one / (one + two), two / (one + two)
-        object.__setattr__(self, "torque", pick / (1 / one + 1 / two))
+        torque = pick / (1 / one + 1 / two)
+        object.__setattr__(self, "torque", torque)
+        object.__setattr__(self, "row", torque @ self.A)
         object.__setattr__(self, "together", _flow(joined @ self.A, joined, self.h))
         object.__setattr__(self, "apart", _flow(self.A, np.eye(len(self.A)), self.h))
 
@@ -57,7 +60,7 @@ class Contact:
         """Whether a contact still pushes, or a body between the flanks has not yet met one."""
         if not side:
             return abs(float(z[self.inner[0]] - z[self.outer[0]])) <= self.half * (1 + ROUNDING)
-        pushed = side * float(self.torque @ (self.A @ z + g))
+        pushed = side * float(self.row @ z + self.torque @ g)
         return pushed >= 0 or pushed >= -ROUNDING * float(np.abs(self.torque) @ (np.abs(self.A) @ np.abs(z) + np.abs(g)))
 
     def _through(self, z: np.ndarray, g: np.ndarray, side: int) -> tuple[np.ndarray, int]:

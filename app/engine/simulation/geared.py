@@ -128,23 +128,23 @@ def _march(s: Scenario, loop: Loop, gear: Gear) -> tuple[np.ndarray, np.ndarray,
     r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
     C = np.hstack([s.plant.C, np.zeros((s.plant.p, len(d.z0) - n))])
     bound = DIVERGED * max(1.0, float(np.max(np.abs(d.z0))))
-    modes: dict[bytes, tuple[Contact, np.ndarray]] = {}
+    modes: dict[tuple[int, ...], tuple[Contact, np.ndarray]] = {}
+    F, E, step, low, high = loop.F, loop.E, gear.step, s.u_min.tolist(), s.u_max.tolist()
     states, contact, v = np.empty((s.n_t, len(d.z0))), np.zeros(s.n_t, dtype=int), np.zeros((s.n_t, s.plant.p))
     z, side, k = d.z0, 0, 0
     for k in range(s.n_t):
         states[k], contact[k] = z, side
-        if gear.step:
-            y = C @ z
-            v[k] = gear.step * np.rint(y / gear.step) - y
-        if k == s.n_t - 1 or not np.abs(z).max() < bound:
+        if not np.abs(z).max() < bound:
             break
-        u = loop.F @ z + r[k]
-        sign = (u > s.u_max).astype(np.int8) - (u < s.u_min).astype(np.int8)
-        key = sign.tobytes()
+        if step:
+            v[k] = [step * round(y / step) - y for y in (C @ z).tolist()]
+        if k == s.n_t - 1:
+            break
+        key = tuple((u > most) - (u < least) for u, most, least in zip((F @ z + r[k]).tolist(), high, low, strict=True))
         if key not in modes:
-            modes[key] = _mode(s, loop, gear, sign, r)
+            modes[key] = _mode(s, loop, gear, np.array(key), r)
         motion, push = modes[key]
-        z, side = motion.advance(z, push[k] + loop.E @ v[k] if gear.step else push[k], side)
+        z, side = motion.advance(z, push[k] + E @ v[k] if step else push[k], side)
         if d.jumps is not None:
             z = z + d.jumps[k]
     count = k + 1 if np.abs(states[k]).max() < bound else k
