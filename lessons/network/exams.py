@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from app.lesson.exam import Exam, ExamItem, Lot, decimals
+from app.lesson.exam import Exam, ExamItem, Lot, decimals, significant
 
 
 def _loss(lot: Lot) -> ExamItem:
@@ -13,6 +13,30 @@ def _loss(lot: Lot) -> ExamItem:
     return ExamItem({"s": s, "h": h}, 100 * math.exp(-2 * s * h / 1000), {"twice": 2 * s * h / 1000})
 
 
+def _gap(lot: Lot) -> ExamItem:
+    """Three predictions: P⁺ = a² P + Q."""
+    a, Q, p = lot.part(11, 20), float(lot.whole(2, 9)), lot.part(2, 30)
+    first = a * a * p + Q
+    second = a * a * first + Q
+    return ExamItem({"a": a, "Q": Q, "p": p}, a * a * second + Q, {"P1": first, "P2": second})
+
+
+def _burst(lot: Lot) -> ExamItem:
+    """A burst goes on with r < 1/a², so it has fewer than a²/(a² − 1) packets in the mean."""
+    a = lot.part(105, 230, 100)
+    return ExamItem({"a": a}, a * a / (a * a - 1), {"r": 1 / (a * a)})
+
+
+def _late(lot: Lot) -> ExamItem | None:
+    """z² − λ z + g K has a product of one at K = s/(λ − 1), while λ < 2."""
+    s, h = lot.part(2, 40), float(lot.whole(2, 30) * 10)
+    lam = math.exp(s * h / 1000)
+    return ExamItem({"s": s, "h": h}, s / (lam - 1), {"lam": lam, "g": (lam - 1) / s}) if 1.02 < lam < 1.9 else None
+
+
 EXAMS = (
     Exam("loss", decimals(1), _loss),
+    Exam("gap", decimals(2), _gap),
+    Exam("burst", decimals(2), _burst),
+    Exam("late", significant(3), _late),
 )
