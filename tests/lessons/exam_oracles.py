@@ -420,7 +420,7 @@ def aside(g: Given) -> float:
 def damper(g: Given) -> float:
     """Plant and observer together, driven so that the velocity stays, after many time constants."""
     k, b, s, v, k1 = 3.0, 1.5, g["s"], g["v"], 4.0
-    t, L, N, M = functional({"k": k, "b": b, "k1": k1, "k2": g["k2"]}, s)
+    _, L, N, M = functional({"k": k, "b": b, "k1": k1, "k2": g["k2"]}, s)
     forced = b + g["delta"]  # the force that keeps the velocity is u = k x + (b + δ) v, and drives z through T B = 1
     F = np.array([[0.0, 0.0, v], [L + k, s, forced * v], [0.0, 0.0, 0.0]])  # of place, z and 1
     x, z, _ = expm(F * 40 / abs(s)) @ [0.0, v, 1.0]

@@ -76,11 +76,7 @@ def test_an_exam_draws_again_what_is_unfit() -> None:
 
 
 # --- every exam ----------------------------------------------------------------------------------------------------------
-def finished() -> list[Lesson]:
-    return [lesson for lesson in LESSONS.values() if len(lesson.exams) > 1]
-
-
-@pytest.mark.parametrize("lesson", finished(), ids=lambda lesson: lesson.id)
+@every_lesson
 def test_the_exams_of_a_lesson(lesson: Lesson) -> None:
     """Four ideas; answers as independent code finds them; nothing degenerate, nothing given away; derivations that are true."""
     assert len(lesson.exams) == 4 == len({exam.id for exam in lesson.exams})
