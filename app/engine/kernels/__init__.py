@@ -3,6 +3,7 @@
 Nothing here is needed for an answer: each has a plain way beside it, in the room that calls it.
 """
 
+from .shares import in_shares
 from .shelf import SHELF, given, kernel, prepare_kernels
 
-__all__ = ["SHELF", "given", "kernel", "prepare_kernels"]
+__all__ = ["SHELF", "given", "in_shares", "kernel", "prepare_kernels"]

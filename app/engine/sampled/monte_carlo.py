@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from scipy.signal import get_window
 
+from ..kernels import in_shares, kernel
+from ..kernels.held import held_steps
 from ..systems.errors import EngineError
 from ..systems.scan import affine_scan
 from ..systems.spectrum import Spectrum
 from .sampled_loop import SampledLoop, thin_root
-from .trial import DIVERGED, fused
+from .stepping import DIVERGED, fused, padded
 
 __all__ = ["MonteCarlo", "simulate_trials", "welch_expectation"]
 
@@ -113,7 +116,7 @@ def _batch(loop: SampledLoop, start: np.ndarray, rng: np.random.Generator, recor
     """All runs of a batch side by side, one product a sample; fills record (count, signals, steps) and the counts."""
     (count, _, steps), N, p, m = record.shape, loop.n, len(loop.Y), loop.U.shape[1]
     width, hardware = N + p + m, loop.hardware
-    unit, limit = hardware.step or 1.0, hardware.limit
+    unit, limit = hardware.step or 1.0, float(hardware.limit)
     rounds, clips, straight = hardware.step > 0, bool(np.isfinite(limit)), bool(np.any(loop.T))
     now, path = np.empty((count, width)), np.empty((CHUNK, count, width))
     now[:, :N] = rng.standard_normal((count, start.shape[1])) @ start.T
@@ -123,13 +126,16 @@ def _batch(loop: SampledLoop, start: np.ndarray, rng: np.random.Generator, recor
     ramp = np.zeros(N)
     ramp[loop.bias] = hardware.ramp * loop.dt
     drift = np.concatenate([ramp, loop.Y @ ramp / unit, loop.U[-1] @ ramp])
-    step, direct = np.ascontiguousarray(fused(loop, 0, unit).T), loop.T[0].T * unit
+    step, direct = np.ascontiguousarray(fused(loop, 0, unit).T), np.ascontiguousarray(loop.T[0].T * unit)
     for k in range(0, steps, CHUNK):
-        size = min(CHUNK, steps - k)
+        size, quick = min(CHUNK, steps - k), None
         push = (rng.standard_normal((size * count, enter.shape[0])) @ enter).reshape(size, count, width)
         if drift.any():
             push += drift
-        for j in range(size):
+        if k >= loop.varying and (quick := kernel(held_steps)) is not None:
+            work = partial(quick, now, push, padded(step), direct, limit, rounds, path[:size], clipped)
+            in_shares(work, count, size)
+        for j in range(size if quick is None else 0):
             read, asked = now[:, N:N + p], now[:, N + p:]
             if rounds:
                 np.rint(read, out=read)
@@ -145,7 +151,7 @@ def _batch(loop: SampledLoop, start: np.ndarray, rng: np.random.Generator, recor
             if k + j < loop.varying:
                 i = k + j + 1
                 now[:, N + p:] = now[:, :N] @ loop.U[i].T
-                step, direct = np.ascontiguousarray(fused(loop, i, unit).T), loop.T[i].T * unit
+                step, direct = np.ascontiguousarray(fused(loop, i, unit).T), np.ascontiguousarray(loop.T[i].T * unit)
         lost = ~(np.abs(now[:, :N]).max(axis=1, initial=0.0) < DIVERGED)  # readings are counted in steps of the converter
         if lost.any():
             gone |= lost

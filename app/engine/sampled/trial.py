@@ -10,11 +10,11 @@ from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import as_matrix
 from ..systems.scan import affine_scan
 from .sampled_loop import SampledLoop
+from .stepping import DIVERGED, held, rounding, stepping
 
 __all__ = ["ResponseMeasures", "Trial", "response_measures", "simulate_trial"]
 
 MOST_NUMBERS = 40_000_000  # state numbers in one run
-DIVERGED = 1e12
 AHEAD = 256  # samples of the first block
 SHORT = 160  # a block that ends sooner is followed by BURST samples one by one, which takes less time
 BURST = 128  # twice as many each time, until a block of four times SHORT is met
@@ -83,7 +83,9 @@ def simulate_trial(loop: SampledLoop, steps: int, *, seed: int | None = None, st
             w0[loop.x] += jump
     w = np.empty((steps, loop.n))
     w[0] = w0
-    done = _rounding(loop, w, push, v, 0, steps - 1) if loop.hardware.step > 0 else _clipping(loop, w, push, v)
+    done = held(loop, w, push, v) if loop.hardware.step > 0 or np.isfinite(loop.hardware.limit) else -1
+    if done < 0:
+        done = rounding(loop, w, push, v, 0, steps - 1) if loop.hardware.step > 0 else _clipping(loop, w, push, v)
     w = w[:done + 1]
     read, asked, applied = _seen(loop, w, v[:len(w)])
     return Trial(loop, loop.dt * np.arange(len(w)), w, w @ loop.outputs.T, read, asked, applied, len(w) < steps)
@@ -144,7 +146,7 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
     """
     last, limit = len(w) - 1, loop.hardware.limit
     k = min(loop.varying, last)
-    done = _rounding(loop, w, push, v, 0, k)
+    done = rounding(loop, w, push, v, 0, k)
     if done < k:
         return done
     if np.isinf(limit):
@@ -182,38 +184,11 @@ def _clipping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray)
             burst = BURST
         elif good <= SHORT and k < last:
             stop, burst = min(k + burst, last), 2 * burst
-            done = _stepping(loop, w, push, direct, read, k, stop)
+            done = stepping(loop, w, push, direct, read, k, stop)
             if done < stop:
                 return done
             k = stop
     return last
-
-
-def _stepping(loop: SampledLoop, w: np.ndarray, push: np.ndarray, direct: np.ndarray, read: np.ndarray, k: int,
-              last: int) -> int:
-    """Fill w[k + 1 … last] of the settled loop sample by sample, clipping only: one product (w, s) → (w⁺, u⁺) a sample.
-
-    direct (n_t, m): T v; read (n_t, N): F_m v. Answers with the last sample that is finite.
-    """
-    N, m = loop.n, loop.U.shape[1]
-    top = np.hstack([loop.F[-1] + loop.F_m[-1] @ loop.Y, loop.F_s[-1]])
-    step = np.vstack([top, loop.feedback @ top])
-    extra = np.empty((last - k, N + m))
-    np.add(push[k:last], read[k:last], out=extra[:, :N])
-    extra[:, N:] = extra[:, :N] @ loop.feedback.T + direct[k + 1:last + 1]
-    high = np.full(m, loop.hardware.limit)
-    low, now, product = -high, np.empty(N + m), np.empty(N + m)
-    state, asked = now[:N], now[N:]
-    state[:], asked[:] = w[k], loop.feedback @ w[k] + direct[k]
-    with np.errstate(over="ignore", invalid="ignore"):
-        for j in range(last - k):
-            np.minimum(asked, high, out=asked)
-            np.maximum(asked, low, out=asked)
-            np.dot(step, now, out=product)
-            np.add(product, extra[j], out=now)
-            w[k + j + 1] = state
-        large = np.flatnonzero(~(np.abs(w[k + 1:last + 1]).max(axis=1) < DIVERGED))
-    return k + int(large[0]) if len(large) else last
 
 
 def _affine(loop: SampledLoop, side: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -223,58 +198,6 @@ def _affine(loop: SampledLoop, side: np.ndarray) -> tuple[np.ndarray, np.ndarray
     step = loop.F[-1] + loop.F_m[-1] @ loop.Y + carried @ loop.feedback[free]
     shift = loop.F_s[-1][:, ~free] @ (loop.hardware.limit * side[~free]) if not free.all() else np.zeros(loop.n)
     return step, loop.F_m[-1] + carried @ loop.T[-1][free], shift
-
-
-def _rounding(loop: SampledLoop, w: np.ndarray, push: np.ndarray, v: np.ndarray, k: int, last: int) -> int:
-    """Fill w[k + 1 … last] sample by sample, clipping and rounding; the last sample that is finite.
-
-    One product a sample: (w, m, s) → (w⁺, Y w⁺, U w⁺). Readings are carried in steps of the converter.
-    """
-    if k >= last:
-        return k
-    N, p, m = loop.n, len(loop.Y), loop.U.shape[1]
-    unit, limit = loop.hardware.step or 1.0, loop.hardware.limit
-    rounds, clips, now, product = loop.hardware.step > 0, bool(np.isfinite(limit)), np.empty(N + p + m), np.empty(N + p + m)
-    now[:N] = w[k]
-    state, read, asked = now[:N], now[N:N + p], now[N + p:]
-    noise, j = v[k:last + 1] / unit, -1
-    i = min(k, loop.varying)
-    read[:] = loop.Y @ state / unit + noise[0]
-    asked[:] = loop.U[i] @ state
-    direct, straight = loop.T[i] * unit, bool(np.any(loop.T))
-    step, settled = fused(loop, k, unit), k >= loop.varying
-    extra = np.empty((last - k, N + p + m))
-    extra[:, :N] = push[k:last]
-    extra[:, N:N + p] = extra[:, :N] @ (loop.Y.T / unit) + noise[1:]
-    extra[:, N + p:] = extra[:, :N] @ loop.U[-1].T
-    with np.errstate(over="ignore", invalid="ignore"):
-        for j in range(last - k):
-            if rounds:
-                np.rint(read, out=read)
-            if straight:
-                asked += direct @ read
-            if clips:
-                np.minimum(asked, limit, out=asked)
-                np.maximum(asked, -limit, out=asked)
-            np.dot(step, now, out=product)
-            np.add(product, extra[j], out=now)
-            w[k + j + 1] = state
-            if not settled:
-                i = min(k + j + 1, loop.varying)
-                asked[:] = loop.U[i] @ state
-                direct, settled = loop.T[i] * unit, k + j + 1 >= loop.varying
-                step = fused(loop, k + j + 1, unit)
-            if j % 256 == 255 and not np.abs(state).max() < DIVERGED:
-                break
-        large = np.flatnonzero(~(np.abs(w[k + 1:k + j + 2]).max(axis=1) < DIVERGED))
-    return k + int(large[0]) if len(large) else last
-
-
-def fused(loop: SampledLoop, k: int, unit: float) -> np.ndarray:
-    """(w, m, s) → (w⁺, Y w⁺, U w⁺) at sample k, readings m in units of `unit`."""
-    i, j = min(k, loop.varying), min(k + 1, loop.varying)
-    top = np.hstack([loop.F[i], loop.F_m[i] * unit, loop.F_s[i]])
-    return np.vstack([top, loop.Y @ top / unit, loop.U[j] @ top])
 
 
 def response_measures(t: np.ndarray, y: np.ndarray, u: np.ndarray, band: float, *,

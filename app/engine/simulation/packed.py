@@ -8,7 +8,7 @@ import numpy as np
 
 from .saturation import ROUNDING, TERMS, Mode, Switcher
 
-ROOM = 4  # modes kept before the arrays grow
+ROOM = 32  # modes kept before the arrays grow
 
 
 @dataclass
@@ -26,11 +26,12 @@ class Packed:
 
     def __post_init__(self) -> None:
         w, (m, N) = self.switcher, self.switcher.loop.F.shape
-        nq = 1 + m + w.loop.E.shape[1]
+        nq, free = 1 + m + w.loop.E.shape[1], w.mode_of(np.zeros(m, dtype=np.int8))
         self.slot = np.full(3**m, -1)
         self.limits = np.array([w.u_min, w.u_max, w.slack, ROUNDING * np.abs(w.loop.F).sum(axis=1)])
-        shapes = (2, m), (2,), (1, N + nq, _padded(N + 2 * m)), (N + nq, _padded(2 * m)), (N + nq, N), (N, TERMS * N), ()
-        self.arrays = [np.zeros((ROOM, *shape), dtype=int if i == 1 else float) for i, shape in enumerate(shapes)]
+        flow = len(free.flow), N + nq, _padded(N + 2 * m)
+        shapes = (2, m), (2,), flow, (N + nq, _padded(2 * m)), (N + nq, N), (N, TERMS * N), ()
+        self.arrays = [np.zeros((min(ROOM, 3**m), *shape), dtype=int if i == 1 else float) for i, shape in enumerate(shapes)]
         self.add((len(self.slot) - 1) // 2)
 
     def add(self, code: int) -> None:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import os
-from concurrent.futures import ThreadPoolExecutor
-from functools import cache, partial
+from functools import partial
 
 import numpy as np
 
-from ..kernels import given, kernel
+from ..kernels import given, in_shares, kernel
 from ..kernels.clipped import march
 from .disturbance import Kicks
 from .packed import Packed
 from .saturation import Switcher
 
 MOST_INPUTS = 8  # 3⁸ ways to be clipped
-WORTH = 20_000  # steps of all runs together that more than one thread shares
 
 
 class Runner:
@@ -57,12 +54,9 @@ class Runner:
         last = np.full(runs, -1) if last is None else last
         lost = np.zeros(runs, dtype=bool) if lost is None else lost
         push = np.zeros((0, N)) if jumps is None else given(jumps)
-        shares = threads() if runs * (end - k) >= WORTH else 1
-        edges = np.linspace(0, runs, shares + 1).astype(int).tolist()
         while True:
             work = partial(self.march, Z, at, end, out, q, push, judge, last, lost, *self.packed.given())
-            each = map if shares == 1 else pool().map
-            missing = set(each(work, edges[:-1], edges[1:])) - {-1}
+            missing = in_shares(work, runs, end - k) - {-1}
             if not missing:
                 return at, lost
             for code in missing:
@@ -74,14 +68,3 @@ def beside(r: np.ndarray, v: np.ndarray) -> np.ndarray:
     if not (r.any() or v.any()):
         return np.eye(1, 1 + r.shape[1] + v.shape[1])
     return np.hstack([np.ones((len(r), 1)), r, v])
-
-
-def threads() -> int:
-    """How many threads share many runs."""
-    return min(4, os.cpu_count() or 1)
-
-
-@cache
-def pool() -> ThreadPoolExecutor:
-    """Threads for runs that do not wait for one another."""
-    return ThreadPoolExecutor(threads(), thread_name_prefix="runs")

@@ -51,12 +51,12 @@ def _mode(loop: Loop, sign: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, h:
     outer = scale[:, None] / scale
     halvings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(balanced, 1) * h, 1e-300)))))
     short, N = h / 2**halvings, len(M)
-    term = short * np.eye(N)
-    terms = [term]
-    for k in range(2, TERMS + 1):
-        term = term @ balanced * (short / k)
-        terms.append(term)
-    Phi1 = sum(terms[::-1], np.zeros((N, N)))
+    terms, part = np.empty((TERMS, N, N)), balanced * short
+    terms[0] = short * np.eye(N)
+    for k in range(1, TERMS):
+        np.matmul(terms[k - 1], part, out=terms[k])
+        terms[k] *= 1 / (k + 1)
+    Phi1 = terms[::-1].sum(axis=0)
     flow = [(np.eye(N) + balanced @ Phi1, Phi1)]
     with np.errstate(over="ignore", invalid="ignore"):
         for _ in range(halvings):
@@ -69,7 +69,7 @@ def _mode(loop: Loop, sign: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, h:
     held = np.where(sign > 0, u_max, np.where(sign < 0, u_min, 0.0))
     low = np.where(sign > 0, u_max, np.where(sign < 0, -np.inf, u_min))
     high = np.where(sign < 0, u_min, np.where(sign > 0, np.inf, u_max))
-    return Mode(free, held, low, high, M, loop.F @ M, flow, np.vstack([outer * a for a in terms]), short, first)
+    return Mode(free, held, low, high, M, loop.F @ M, flow, (outer * terms).reshape(-1, N), short, first)
 
 
 def bounds(u0: np.ndarray, u1: np.ndarray, d0: np.ndarray, d1: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:

@@ -8,9 +8,23 @@ from functools import partial
 import numpy as np
 import pytest
 
-from app.engine import Belief, EngineError, KalmanFilter, Plant, Scenario, SquareRootFilter, lqe, lqr, simulate
+from app.engine import (
+    Belief,
+    EngineError,
+    KalmanFilter,
+    Plant,
+    Scenario,
+    SquareRootFilter,
+    compensator,
+    lqe,
+    lqr,
+    sampled_loop,
+    simulate,
+    simulate_trial,
+)
 from app.engine.kernels import SHELF, prepare_kernels
 from app.engine.kernels.shelf import SIGNATURES
+from app.engine.sampled import Hardware, SampledLoop, sampled_controller, simulate_trials
 from app.engine.simulation import Run, simulate_recovery, simulate_starts
 
 Parts = dict[str, np.ndarray]
@@ -54,6 +68,24 @@ def mapped(s: Scenario, count: int, slices: float) -> Parts:
     return {"recovered": found.recovered.astype(float), "settling": np.nan_to_num(found.settling, posinf=-1.0)}
 
 
+def sampled(steps: int, **hardware: float) -> SampledLoop:
+    """A sampled controller on the spring, with the limits of its hardware."""
+    s = loop(1.0)
+    built = sampled_controller(compensator(s.plant, s.K, s.L), 0.01)
+    return sampled_loop(Plant(s.plant.A, np.hstack([s.plant.B, np.eye(2)]), s.plant.C), built, [0, 1], hardware=Hardware(**hardware),
+                        W=0.1 * np.eye(2), V=1e-6 * np.eye(1))
+
+
+def trial(steps: int, **hardware: float) -> Parts:
+    found = simulate_trial(sampled(steps, **hardware), steps, seed=1, kicks=((steps // 3, [1.0, 0.0]),))
+    return {"w": found.w, "applied": found.applied}
+
+
+def trials(steps: int, runs: int, **hardware: float) -> Parts:
+    *_, (_, found) = simulate_trials(sampled(steps, **hardware), runs, steps / 100, 1, segment=8)
+    return {"density": found.density, "rms": found.rms, "peak": found.peak, "clipped": found.clipped}
+
+
 NOISE = {"W": 0.1 * np.eye(2), "V": 1e-3 * np.eye(1), "G": np.eye(2)}
 KICKED = {"impulses": ((0.055, [0.5, 0.3]), (0.07, [0.1, 0.0]), (0.2, [-1.0, 0.0]))}
 FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
@@ -70,6 +102,9 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
         yield f"run {[*more]}", partial(run, loop(horizon, **more))
     for more in ({}, NOISE, KICKED):
         yield f"together {[*more]}", partial(together, loop(horizon / 4, **more), 4, steps // 8)
+    for hardware in ({"limit": 0.3}, {"step": 1e-3}, {"limit": 0.3, "step": 1e-3, "delay": 0.013}, {"limit": 1e-3, "walk": 0.1}):
+        yield f"trial {hardware}", partial(trial, steps, **hardware)
+        yield f"trials {hardware}", partial(trials, steps, 3, **hardware)
     falling = Scenario(FALLING, [[5.0, 4.0]], [[12.0], [37.0]], horizon=horizon / 8, u_min=-1, u_max=1, **KICKED)
     yield "map", partial(mapped, falling, 5, 10.0)
     yield "map in slices", partial(mapped, falling, 3, 0.0)
