@@ -28,7 +28,7 @@ KNOWN = frozenset(WORD.findall("""
     mrad rad rpm kHz dB min max log eig rank det diag cos sin exp cov vec tr
     LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
     Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
-    Julier Uhlmann sigma
+    Julier Uhlmann sigma maxon
     Observer Lab Hautus Popov Belevitch"""))
 
 
