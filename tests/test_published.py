@@ -55,7 +55,7 @@ def test_every_source_and_every_slip_of_the_spring_damper_is_covered() -> None:
                                            "004 bilinear functional observer", "Doyle 1978", "MATLAB kalman",
                                            "Chen & Patton 1999", "χ² table",
                                            "scalar plant, lossy measurements", "Sinopoli et al. 2004",
-                                           "EKF/UKF toolbox 2011", "Julier 2000"}
+                                           "EKF/UKF toolbox 2011", "Julier 2000", "maxon RE 40, 148867"}
     slips = {p.printed for p in RECORDS if p.source.startswith("001") and p.kind == "slip"}
     assert {"2, 1", "2.5, -1.25", "-2.5 1; -0.25 -0.5", "1, 0"} <= slips
     assert len({(p.source, p.item) for p in RECORDS}) == len(RECORDS)

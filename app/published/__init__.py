@@ -6,6 +6,7 @@ from collections.abc import Iterable, Sequence
 from unicodedata import combining
 
 from . import (
+    arm,
     bilinear,
     classics,
     diagnosis,
@@ -41,6 +42,7 @@ def records() -> tuple[Published, ...]:
         *classics.RECORDS,
         *diagnosis.RECORDS,
         *network.RECORDS,
+        *arm.RECORDS,
     )
 
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from app.lesson.claims import claim
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.plants.arm import PARAMETERS, SHEET
-from app.text import text
+from app.text import joined, text
 
 from .knobs import JOINT
-from .study import Study
+from .study import SOLID, Study
 
 CANCEL = Typed("(R+K)/(n*k)", ("R", "K", "n", "k"), slips=(
     ("R/(n*k)", text("That voltage holds the load, but −K î takes away what K asks for its current.")),
@@ -74,8 +75,9 @@ def _supply(outcome: Outcome[Study]) -> Verdict:
                                    angle=m["angle_error"]))
     if d["u_max"] > 1.35 * least:
         return Verdict(False, text("It arrives with {u_max:g} V; it can with less.", u_max=d["u_max"]))
-    return Verdict(True, text("{u_max:g} V: the load alone takes {least:.3g} V, and the error never noticed the limit (meter {meter:.0e}).",
-                              u_max=d["u_max"], least=least, meter=m["separation_meter"]))
+    plain = text("{u_max:g} V: the load alone takes {least:.3g} V.", u_max=d["u_max"], least=least)
+    kept = text("The error never noticed the limit: the meter reads {meter:.0e}.", meter=m["separation_meter"])
+    return Verdict(True, joined(plain, claim(kept, m["separation_meter"], below=SOLID)))
 
 
 def _around(q: float, slope: float = 1 / 3) -> tuple[complex, ...]:

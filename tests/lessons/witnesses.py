@@ -347,6 +347,20 @@ def _on_target(shown: Shown, _: Text) -> None:
     assert abs(float(tail.mean()) - shown["target"]) < 0.05, f"it stands at {tail.mean():.4g}°"
 
 
+def _below_target(shown: Shown, words: Text) -> None:
+    tail = np.degrees(shown.run.x[-max(len(shown.run.t) // 10, 1):, 2])
+    near(value(words, "droop"), shown["target"] - float(tail.mean()))
+
+
+def _claimed_in_vain(shown: Shown, words: Text) -> None:
+    early = shown.run.t < 1 - 1e-9
+    near(value(words, "false"), float(np.max(np.abs(shown.run.xhat[early, 3]))))
+
+
+def _off_the_motor(shown: Shown, words: Text) -> None:
+    assert value(words, "apart") <= shown["gap"] / 2 * (1 + 1e-4) and shown["encoder"] != "joint"
+
+
 def _on_a_flank(shown: Shown, words: Text) -> None:
     figure = shown.figure
     assert isinstance(figure, LineFigure)
@@ -404,6 +418,9 @@ WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
     "The load enters the error at {at:g} s and stays there: nothing in this observer takes it in.": _meter_zero,
     "The load is found to 5 % after {found:.3f} s.": _load_found,
     "At the end the arm stands on its target.": _on_target,
+    "At the end the arm is {droop:.3g}° below its target.": _below_target,
+    "Before the load came it had claimed up to {false:.2g} N m.": _claimed_in_vain,
+    "The arm stands up to {apart:.2g}° off the motor, and the encoder on the motor does not see it.": _off_the_motor,
     "At the end the arm rests on one flank, {apart:.3g}° from the motor.": _on_a_flank,
     "The run ends where the equations of rest say.": _at_rest,
     "Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.": _bound,
