@@ -27,7 +27,7 @@ CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "sid
 KNOWN = frozenset(WORD.findall("""
     mrad rad rpm kHz dB min max log eig rank det diag cos sin exp cov vec tr
     LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
-    Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
+    Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup backlash Luenberger Duan Athans Wishner Bertolini
     Julier Uhlmann sigma maxon
     Observer Lab Hautus Popov Belevitch"""))
 
