@@ -27,9 +27,11 @@ CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "sid
 KNOWN = frozenset(WORD.findall("""
     mrad rad rpm kHz dB min max log eig rank det diag cos sin exp cov vec tr
     LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
-    Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup backlash Luenberger Duan Athans Wishner Bertolini
+    Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
     Julier Uhlmann sigma maxon
     Observer Lab Hautus Popov Belevitch"""))
+
+TERM = re.compile(r"(?<=[\u4e00-\u9fff])（[A-Za-z][A-Za-z ]*）")
 
 
 def shown(record: Any, field: str = "", language: str = "zh") -> Iterator[str]:
@@ -65,8 +67,8 @@ def page(lesson: Lesson, design: Design, language: str = "zh") -> Iterator[str]:
 
 
 def english(texts: Iterator[str]) -> dict[str, list[str]]:
-    """Texts with words that are not known names."""
-    found = {text: [w for w in WORD.findall(FORMULA.sub(" ", text)) if w not in KNOWN] for text in texts}
+    """Texts with words that are not known names, but for a term in brackets behind the Chinese one, to look it up by."""
+    found = {text: [w for w in WORD.findall(TERM.sub(" ", FORMULA.sub(" ", text))) if w not in KNOWN] for text in texts}
     return {text: words for text, words in found.items() if words}
 
 
