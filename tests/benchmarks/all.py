@@ -1,6 +1,6 @@
 """The engine beside its peers in one run, as Markdown: `python tests/benchmarks/all.py [loops] [filters] [designs] [drafts]`.
 
-Medians of processor seconds on one thread, or by the wall where all cores work; ratios are what counts, machines differ.
+Medians of processor seconds, so that a busy machine hardly counts; ratios are what counts, machines differ.
 Without names all but the drafts of the lessons, which take some minutes more (`bench_drafts.py` prints those of chosen ones).
 """
 

@@ -36,7 +36,7 @@ def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within,
     n, near, far, rest, bound = int(judge[0]), judge[1], judge[2], judge[3], judge[4]
     w, v, ud = np.empty(N + q.shape[1]), np.empty(width), np.empty(read.shape[2])
     trial, change, line = np.empty(len(w)), np.empty(taylor.shape[2]), np.empty((taylor.shape[2] // N + 1, m))
-    missing, held = -1, q.shape[0] == 1
+    missing, held, small = -1, q.shape[0] == 1, min(rest, bound)
     for run in range(begin, stop):
         if lost[run]:
             continue
@@ -73,15 +73,17 @@ def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within,
             if jumps.shape[0]:
                 for j in range(N):
                     w[j] += jumps[k, j]
-            square, most, beyond = 0.0, 0.0, 0.0
+            square, most, beyond = 0.0, np.sqrt(length2(w, N)), 0.0
             for j in range(n):
                 square += w[j] * w[j]
-            for j in range(N):
-                size = abs(w[j])
-                if not size <= most:
-                    most = size
-                if j >= n and not size <= beyond:
-                    beyond = size
+            if not most < small:  # ‖z‖ is at least its largest entry: only now look at each
+                most = 0.0
+                for j in range(N):
+                    size = abs(w[j])
+                    if not size <= most:
+                        most = size
+                    if j >= n and not size <= beyond:
+                        beyond = size
             if not most < bound:
                 lost[run] = True
                 break
@@ -107,6 +109,20 @@ def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within,
     return missing
 
 
+def length2(w, N):
+    """‖z‖² of the first N entries."""
+    a = b = c = d = 0.0
+    even = N - N % 4
+    for j in range(0, even, 4):
+        a += w[j] * w[j]
+        b += w[j + 1] * w[j + 1]
+        c += w[j + 2] * w[j + 2]
+        d += w[j + 3] * w[j + 3]
+    for j in range(even, N):
+        a += w[j] * w[j]
+    return a + b + c + d
+
+
 def mode_at(w, slot, limits, F, read, ud):
     """The place of the mode just after a state, ud = (u, u̇) in it; −1 − its code where it is missing.
 
@@ -114,9 +130,7 @@ def mode_at(w, slot, limits, F, read, ud):
     """
     m, N = F.shape
     times(read[0], w, ud)
-    code, power, near, most = 0, 1, False, 0.0
-    for j in range(N):
-        most = max(most, abs(w[j]))
+    code, power, near, most = 0, 1, False, np.sqrt(length2(w, N))
     for i in range(m):
         u = ud[i]
         code += power * (2 if u > limits[1, i] else 0 if u < limits[0, i] else 1)
@@ -151,7 +165,7 @@ def mode_at(w, slot, limits, F, read, ud):
 
 
 def slack_of(i, w, limits, F):
-    """How near to its limit input i counts as on it: limits[2], or its own rounding, at most limits[3]·max|z|."""
+    """How near to its limit input i counts as on it: limits[2], or its own rounding, at most limits[3]·‖z‖."""
     reach = 0.0
     for j in range(F.shape[1]):
         reach += abs(F[i, j]) * abs(w[j])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .small import factor, product, put, solve_both, solve_upper, symmetrise, triangle, turn
+from .small import factor, product, product_below, put, solve_both, solve_upper, symmetrise, triangle, turn
 
 __all__ = ["joseph_steps", "mean_steps", "root_steps"]
 
@@ -18,7 +18,6 @@ def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, g
     `near` of `goal`; 0 never looks.
     """
     steps, n, p = len(priors), len(A), len(C)
-    nothing = np.zeros((n, n))
     AT, CT, keepT = np.empty((n, n)), np.empty((n, p)), np.empty((n, n))
     turn(A, AT)
     turn(C, CT)
@@ -51,18 +50,15 @@ def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, g
             keep[i, i] += 1.0
         product(keep, P, X)
         product(M, R, MR)
-        product(MR, MT, P)
+        product_below(MR, MT, P)
         turn(keep, keepT)
-        product(X, keepT, Y)
-        for i in range(n):
-            for j in range(n):
-                Y[i, j] += P[i, j]
-        symmetrise(Y, nothing, P)
+        product_below(X, keepT, Y)
+        symmetrise(Y, P, P)
         put(P, posteriors[k])
         if look > 0 and k % look == 0 and there(priors[k], goal, near):
             return k + 1
         product(A, P, X)
-        product(X, AT, Y)
+        product_below(X, AT, Y)
         symmetrise(Y, Q, P)
     return steps
 

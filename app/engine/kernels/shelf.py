@@ -36,9 +36,9 @@ SIGNATURES = MappingProxyType({
                    f"{_3},{_1},f8,i8,i8)",
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
 })
-PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor, small.solve_upper,
-         small.solve_both, recursion.there, clipped.mode_at, clipped.slack_of, clipped.stays, clipped.careful, clipped.piece,
-         clipped.first_exit)
+PARTS = (small.triangle, small.times, small.product, small.product_below, small.put, small.turn, small.symmetrise, small.factor,
+         small.solve_upper, small.solve_both, recursion.there, clipped.length2, clipped.mode_at, clipped.slack_of, clipped.stays,
+         clipped.careful, clipped.piece, clipped.first_exit)
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
 SWITCH = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it

@@ -63,9 +63,11 @@ def _mode(loop: Loop, sign: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, h:
             Phi, Phi1 = flow[-1]
             flow.append((Phi @ Phi, Phi1 + Phi @ Phi1))
         flow = tuple((outer * Phi, outer * Phi1) for Phi, Phi1 in flow[::-1])
-    poles = np.linalg.eigvals(balanced)
-    ringing = np.abs(poles.imag[np.abs(poles.imag) > RINGING * np.abs(poles.real)])
-    first = int(np.ceil(np.log2(max(1.0, ringing.max(initial=0.0) * h)))) if len(ringing) else 0
+    first = 0
+    if np.linalg.norm(balanced - balanced.T) * h > 2.0:  # else no |Im λ| h, at most half of it, is beyond 1
+        poles = np.linalg.eigvals(balanced)
+        ringing = np.abs(poles.imag[np.abs(poles.imag) > RINGING * np.abs(poles.real)])
+        first = int(np.ceil(np.log2(max(1.0, ringing.max(initial=0.0) * h)))) if len(ringing) else 0
     held = np.where(sign > 0, u_max, np.where(sign < 0, u_min, 0.0))
     low = np.where(sign > 0, u_max, np.where(sign < 0, -np.inf, u_min))
     high = np.where(sign < 0, u_min, np.where(sign > 0, np.inf, u_max))
