@@ -109,7 +109,7 @@ def _serve(request: ServeRequest) -> None:
             raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
                                "--public as well if that is meant.")
         server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions,
-                           plant, request.names, state)
+                           plant, request.names, state, bool(request.lesson or plant))
     except OSError as problem:
         raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); "
                            "choose a free port of an address of this machine.") from problem

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from ..text import Text
 from .examined import Examining
-from .orders import Comparing, Taking
+from .orders import Comparing, Shelving, Taking
 
 
 @dataclass(frozen=True)
@@ -226,12 +226,15 @@ class Answer:
 class Recalled:
     """What the browser's tab kept before it was loaded again, None if nothing.
 
-    `token` stands in the address bar, "" where none does; `known` says that this tab itself has put it there.
+    `token` stands in the address bar, "" where none does; `known` says that this tab itself has put it there. `earlier` is what
+    the browser's last tab kept, for a new one; `shelf` the designs that it keeps under names.
     """
 
     text: str | None
     token: str = ""
     known: bool = False
+    earlier: str | None = None
+    shelf: str | None = None
 
 
 @dataclass(frozen=True)
@@ -266,5 +269,5 @@ Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolutio
 Sharing = OpenState | Placed | ToggleTake | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp | Answer
           | Recalled)
-Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Paging
+Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging
 Edit = SetKnobs | Command

@@ -8,17 +8,15 @@ from typing import assert_never
 from ..lesson.comparing import MOST, Pin, free_name
 from ..lesson.knobs import KnobError
 from ..text import text
-from .gate import number
+from .gate import named, number
 from .orders import Comparing, GoToStep, OpenPin, PinDesign, Unpin
 from .presenter import Presenter
-from .state import LONGEST_NAME
 
 FULL = text("{most} designs are pinned already; unpin one first.", most=MOST)
 KNOWN = text("This design is pinned already, as {name}.")
 NAMESAKE = text("There is a pin {name} already; choose another name.")
 NO_PIN = text("There is no such pin any more.")
 NO_STEP = text("There is no such step any more.")
-UNNAMED = text("A name has at most {most} characters.", most=LONGEST_NAME)
 
 
 def obey(show: Presenter, command: Comparing) -> None:
@@ -35,14 +33,6 @@ def obey(show: Presenter, command: Comparing) -> None:
             _go(show, place)
         case _:
             assert_never(command)
-
-
-def named(words: object) -> str:
-    """A name that a person typed, "" for none. Raises KnobError."""
-    name = " ".join(words.split()) if isinstance(words, str) else ""
-    if len(name) > LONGEST_NAME or not name.isprintable():
-        raise KnobError(UNNAMED)
-    return name
 
 
 def _pin(show: Presenter, name: str) -> None:

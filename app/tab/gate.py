@@ -8,6 +8,15 @@ from typing import SupportsFloat
 
 from ..lesson.knobs import KnobError
 from ..text import text
+from .state import LONGEST_NAME
+
+
+def named(words: object) -> str:
+    """A name that a person typed, "" for none. Raises KnobError."""
+    name = " ".join(words.split()) if isinstance(words, str) else ""
+    if len(name) > LONGEST_NAME or not name.isprintable():
+        raise KnobError(text("A name has at most {most} characters.", most=LONGEST_NAME))
+    return name
 
 
 def number(value: object, finite: bool = True) -> float:

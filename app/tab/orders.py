@@ -53,5 +53,32 @@ class GoToStep:
     place: object
 
 
+@dataclass(frozen=True)
+class KeepDesign:
+    """Keep the present design in the browser's own storage, under a name of one's own."""
+
+    name: object
+
+
+@dataclass(frozen=True)
+class OpenKept:
+    """Open the design that is kept under a name."""
+
+    name: object
+
+
+@dataclass(frozen=True)
+class ForgetDesign:
+    """Keep the design of that name no longer."""
+
+    name: object
+
+
+@dataclass(frozen=True)
+class ClearBrowser:
+    """Let the browser forget all that it keeps."""
+
+
 Taking = TakeFile | Made
+Shelving = KeepDesign | OpenKept | ForgetDesign | ClearBrowser
 Comparing = PinDesign | Unpin | OpenPin | GoToStep

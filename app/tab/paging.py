@@ -55,8 +55,8 @@ def obey(show: Presenter, command: Paging) -> None:
             show.view.open_help()
         case Answer(question):
             show.view.answer(number(question))
-        case Recalled(kept, token, known):
-            recalled(show, kept, token, known)
+        case Recalled():
+            recalled(show, command)
         case _:
             assert_never(command)
 

@@ -13,6 +13,7 @@ from ..lesson.figures import Figure, TableFigure
 from ..lesson.lesson import Board, Design, Lesson, Outcome, Verdict
 from ..lesson.living import Part, over
 from ..text import Text
+from .shelf import Kept
 
 
 @dataclass(frozen=True)
@@ -88,6 +89,7 @@ class State:
     plant: str = ""  # the plant that the person brought last, shown now or not
     tab: str | None = None  # the English name of the figures' tab that is open, None for the first
     step: int | None = None  # which step of thought is open
+    shelf: tuple[Kept, ...] = ()  # designs that the browser keeps under names
     pins: tuple[Pin, ...] = ()  # designs of this lesson that are compared
     camera: tuple[float, ...] | None = None  # position and target that a link asked for, None for the whole view
     can_undo: bool = False
@@ -214,9 +216,14 @@ class View(Protocol):
     def hand_over(self, name: str, content: bytes) -> None:
         """Give the person a file."""
 
-    def recall(self, answer: Callable[[str | None, str, bool], object]) -> None:
-        """Ask for what `remember` kept in this tab before it was reloaded, and for the token in the address bar; the answer
-        may come late, or never."""
+    def recall(self, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
+        """Ask for what a `Recalled` holds; the answer may come late, or never."""
 
     def remember(self, text: str) -> None:
-        """Keep a text in the browser's tab."""
+        """Keep a text in the browser's tab, and for the tabs after it."""
+
+    def shelve(self, name: str, words: str) -> None:
+        """Keep words in the browser under a name, or nothing any more for ""."""
+
+    def wipe(self) -> None:
+        """Let the browser forget all that it keeps."""

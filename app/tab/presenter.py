@@ -44,6 +44,7 @@ class Presenter:
         self.desks = Desks(self.lessons)
         self.touched = False  # whether the person has done anything yet
         self.recalled = False  # whether it is known what the browser's tab kept
+        self.insists = False  # whether the server names the lesson or the state that a new tab opens with
         self.asked = 0  # the number of the last state that was opened from the address bar
         self._drafts = Drafts()
         self._pinning = Pinning(self._drafts, self.lessons)

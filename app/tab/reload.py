@@ -10,8 +10,10 @@ from dataclasses import replace
 
 from ..text import text
 from . import sharing
+from .commands import Recalled
 from .memory import Memory, read_memory
 from .presenter import Presenter
+from .shelf import read_shelf
 
 PATIENCE = 3.0  # s that a tab waits for the answer before it opens without
 RARELY = 60.0  # s between two questions at last; the time between them doubles
@@ -21,7 +23,7 @@ LATE = text("Your work from before the reload has arrived late: one step of undo
 class Recall:
     """The question what the tab kept, asked until it is answered."""
 
-    def __init__(self, show: Presenter, answer: Callable[[str | None, str, bool], object]) -> None:
+    def __init__(self, show: Presenter, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
         self._show, self._answer = show, answer
         self._pause, self._next = PATIENCE, 0.0
 
@@ -41,40 +43,58 @@ class Recall:
             self.ask()
 
 
-def recalled(show: Presenter, kept: str | None, token: str = "", known: bool = False) -> None:
+def recalled(show: Presenter, said: Recalled) -> None:
     """The answer: go on where this tab was, or keep what the person has done meanwhile and put what was kept beside
-    it. A token in the address bar that this tab has not put there itself is opened over it."""
+    it. A new tab goes on where the browser's last one was. A token in the address bar that this tab has not put there itself is
+    opened over it."""
     if show.recalled:
         return
     show.recalled = True
-    memory = read_memory(kept, show.lessons)
-    _go_on(show, memory)
-    if token and known and memory is not None:
-        sharing.look_again(show, token)
-    elif token:
-        sharing.open_words(show, token)
+    show.state = replace(show.state, shelf=read_shelf(said.shelf, show.lessons))
+    memory = read_memory(said.text, show.lessons)
+    if memory is not None:
+        _go_on(show, memory)
+    elif (earlier := read_memory(said.earlier, show.lessons)) is not None:
+        _begin_from(show, earlier)
+    if said.token and said.known and memory is not None:
+        sharing.look_again(show, said.token)
+    elif said.token:
+        sharing.open_words(show, said.token)
     if show.shown is not None:
         show.remember()
 
 
-def _go_on(show: Presenter, memory: Memory | None) -> None:
-    if memory is not None and show.touched:
+def _go_on(show: Presenter, memory: Memory) -> None:
+    if show.touched:
         _put_beside(show, memory)
-    elif memory is not None:
-        show.desks.forget()
-        show.desks.take_back(memory.desks)
-        show.lesson = show.lessons[memory.lesson]
-        show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
-                             plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
-                             withheld=memory.withheld or show.state.withheld)
-        if show.shown is not None:
-            show.open()
+        return
+    show.desks.forget()
+    show.desks.take_back(memory.desks)
+    show.lesson = show.lessons[memory.lesson]
+    show.state = replace(show.state, language=memory.language, lecture=memory.lecture, dark=memory.dark,
+                         plant=memory.plant or show.state.plant, key=memory.key, fresh=memory.fresh or show.state.fresh,
+                         withheld=memory.withheld or show.state.withheld)
+    if show.shown is not None:
+        show.open()
+
+
+def _begin_from(show: Presenter, earlier: Memory) -> None:
+    """A new tab: what was predicted, solved, pinned and designed before is there; exams are drawn anew."""
+    state = show.state
+    memory = replace(earlier, fresh=state.fresh, withheld=state.withheld)
+    if not show.insists:
+        _go_on(show, memory)
+        return
+    show.desks.take_back(memory.desks)
+    show.state = replace(state, dark=memory.dark, plant=state.plant or memory.plant, key=memory.key)
+    if show.shown is not None:
+        show.open()
 
 
 def _put_beside(show: Presenter, memory: Memory) -> None:
     met = show.desks.take_back(memory.desks)
     desk = show.desk
-    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, tasks=desk.tasks, exams=desk.exams,
+    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, tasks=desk.tasks, exams=desk.exams, pins=desk.pins,
                         plant=show.state.plant or memory.plant, key=show.state.key or memory.key, fresh=memory.fresh or show.state.fresh,
                         withheld=show.state.withheld or memory.withheld))
     if met:

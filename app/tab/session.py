@@ -17,12 +17,12 @@ from typing import assert_never
 from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
-from . import comparing, designing, examining, paging, playing, sharing, studying, taking
+from . import comparing, designing, examining, paging, playing, sharing, shelving, studying, taking
 from .commands import Answer, Command, Designing, Edit, Paging, Placed, Playing, Recalled, SeeWindow, Sharing, Studying, Watched
 from .errands import Errands
 from .examined import Examining
 from .mailbox import Mailbox, grouped
-from .orders import Comparing, Made, Taking
+from .orders import Comparing, Made, Shelving, Taking
 from .picture import Picture, State, View
 from .presenter import Presenter
 from .reload import PATIENCE, Recall, recalled
@@ -41,8 +41,10 @@ class Session:
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
-                 state: str = "") -> None:
+                 state: str = "", insists: bool = False) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
+
+        A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
 
         Exams are drawn for a random key until the person gives one.
         """
@@ -50,6 +52,7 @@ class Session:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
         self._show = Presenter(lessons, view, lesson, State(language=language, fresh=secrets.token_hex(8), plant=plant), clock)
+        self._show.insists = insists or bool(state)
         self._errands = Errands(self.post)
         self._recall = Recall(self._show, lambda *kept: self.post(Recalled(*kept)))
 
@@ -76,7 +79,7 @@ class Session:
     # --- the worker ------------------------------------------------------------------------------------------------
     def restore(self, text: str | None, token: str = "", known: bool = False) -> None:
         """Go on where this tab was before a reload, which kept that text; None if it kept nothing. See `Recalled`."""
-        recalled(self._show, text, token, known)
+        recalled(self._show, Recalled(text, token, known))
 
     def open(self) -> None:
         """Compute the lesson's present design and lay the screen out."""
@@ -123,6 +126,8 @@ class Session:
             taking.obey(self._show, self._errands, command)
         elif isinstance(command, Comparing):
             comparing.obey(self._show, command)
+        elif isinstance(command, Shelving):
+            shelving.obey(self._show, command)
         elif isinstance(command, Paging):
             paging.obey(self._show, command)
         else:
@@ -137,7 +142,7 @@ class Session:
         while not self._show.recalled and not self._mailbox.closed and (left := end - time.monotonic()) > 0:
             for _, edit in self._mailbox.take(left):
                 if isinstance(edit, Recalled):
-                    recalled(self._show, edit.text, edit.token, edit.known)
+                    recalled(self._show, edit)
                 else:
                     early.append(edit)
         for edit in early:

@@ -1,4 +1,4 @@
-"""Designs beside the present one, in the left column: those that are pinned, compared in a table, and every step that was taken."""
+"""Designs beside the present one, in the left column: pinned and compared, kept under names, and every step that was taken."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ..lesson.comparing import DASHES, Pinned
 from ..lesson.differences import difference, step
 from ..lesson.lesson import Design, Lesson
 from ..tab.commands import Edit
-from ..tab.orders import GoToStep, OpenPin, PinDesign, Unpin
+from ..tab.orders import ClearBrowser, ForgetDesign, GoToStep, KeepDesign, OpenKept, OpenPin, PinDesign, Unpin
 from ..tab.picture import Picture
 from ..text import NO_WORDS, Text
 from . import lettering, phrases, quirks
@@ -23,7 +23,9 @@ from .prose import with_minus
 from .svg import draw
 
 Post = Callable[[Edit], int]
-DONE: Mapping[str, Callable[[str], Edit]] = MappingProxyType({"unpin": Unpin, "open": OpenPin, "step": GoToStep})
+DONE: Mapping[str, Callable[[str], Edit]] = MappingProxyType({
+    "unpin": Unpin, "open": OpenPin, "step": GoToStep, "kept": OpenKept, "forget": ForgetDesign})
+LONGEST = 200  # characters of what a button of ours says
 
 
 class Beside:
@@ -38,6 +40,11 @@ class Beside:
             self._pins = gui.add_html("")
         with gui.add_folder(phrases.TIMELINE(self._lang), expand_by_default=False):
             self._steps = gui.add_html("")
+        with gui.add_folder(phrases.MY_DESIGNS(self._lang), expand_by_default=False):
+            under = gui.add_text(phrases.NAME(self._lang), "")
+            keep = gui.add_button(phrases.KEEP(self._lang))
+            self._kept = gui.add_html("")
+            wipe = gui.add_button(phrases.WIPE(self._lang), color="gray", hint=phrases.WIPE_HINT(self._lang))
         self._shown: tuple[tuple[Design, ...], int] | None = None
 
         @pin.on_click
@@ -47,17 +54,26 @@ class Beside:
                 name.value = ""
             post(PinDesign(given))
 
+        @keep.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            post(KeepDesign(under.value))
+
+        @wipe.on_click
+        async def _(_: viser.GuiEvent) -> None:
+            post(ClearBrowser())
+
         @self._hand.on_click
         async def _(event: viser.GuiEvent) -> None:
-            what, _, place = str(event.target.value).partition(" ")
-            if what in DONE and place.isdecimal() and len(place) < 6:
-                post(DONE[what](place))
+            what, _, which = str(event.target.value)[:LONGEST].partition(" ")
+            if what in DONE:
+                post(DONE[what](which))
 
     def show(self, picture: Picture) -> None:
         """The pins as soon as one comes or goes, all numbers when the knobs rest."""
         if not picture.resting:
             return
         self._write(self._pins, self._told(picture))
+        self._write(self._kept, self._named(picture))
         if self._shown != (picture.steps, picture.at):
             self._shown = picture.steps, picture.at
             self._write(self._steps, self._walked(picture))
@@ -82,8 +98,17 @@ class Beside:
         return (f'<div class="ol-pin">{line}<span>{said}</span>{self._button("open", pinned.place, phrases.OPEN_PIN)}'
                 f'{self._button("unpin", pinned.place, phrases.UNPIN)}</div>')
 
-    def _button(self, what: str, place: int, words: Text, now: bool = False) -> str:
-        return (f'<button type="button" class="ol-do" data-value="{what} {place}" data-to="{quirks.id_of(self._hand)}"'
+    def _named(self, picture: Picture) -> str:
+        """The designs that the browser keeps, those of this lesson first."""
+        titles = {lesson.id: lesson.words[self._lang].title for lesson in picture.catalogue}
+        shelf = sorted(picture.state.shelf, key=lambda kept: kept.lesson != picture.lesson.id)
+        return "".join(f'<div class="ol-pin"><span><b>{html.escape(kept.name)}</b> · {html.escape(titles[kept.lesson])}</span>'
+                       f'{self._button("kept", kept.name, phrases.OPEN_PIN)}{self._button("forget", kept.name, phrases.REMOVE)}</div>'
+                       for kept in shelf) or f'<p class="ol-note">{phrases.NOTHING_KEPT(self._lang)}</p>'
+
+    def _button(self, what: str, which: int | str, words: Text, now: bool = False) -> str:
+        value = html.escape(f"{what} {which}", quote=True)
+        return (f'<button type="button" class="ol-do" data-value="{value}" data-to="{quirks.id_of(self._hand)}"'
                 f'{" disabled aria-current=step" if now else ""}>{with_minus(html.escape(words(self._lang)))}</button>')
 
     def _walked(self, picture: Picture) -> str:

@@ -26,7 +26,6 @@ NAME = "Observer Lab"
 OPENING = threading.Lock()  # two servers opened at once would take each other's socket
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
-STORAGE = "observer-lab"
 ADDRESS = "observer-lab-address"  # the key of the token that a tab has put into its address bar
 SPOKEN = "observer-lab-language"  # the key of the language that a tab spoke last
 
@@ -225,11 +224,6 @@ def write(widget: Any, value: Any) -> None:
     widget._queue_update("value", value)
 
 
-def write_tab_storage(client: viser.ClientHandle, text: str) -> None:
-    """Keep a text in the browser's sessionStorage: it belongs to one tab and survives a reload."""
-    run(client, "remember", key=STORAGE, text=text)
-
-
 def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int) -> None:
     """Let the address bar say a state: another lesson is a page of its own to go back from, all else is not.
 
@@ -243,9 +237,10 @@ def tell_places(client: viser.ClientHandle, widget: Any, tabs: Sequence[str], st
     run(client, "places", widget=id_of(widget), tabs=tabs, steps=steps, tab=tab)
 
 
-def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None, str, bool, str], object]) -> None:
-    """Ask for the text that this tab kept and for what stands in its address bar; `answer` is called on the event loop when
-    they come, which may be never: (text, token, whether this tab has put the token there itself, address of the page)."""
+def ask_storage(client: viser.ClientHandle, key: str, shelf: str,
+                answer: Callable[[str | None, str, bool, str, str | None, str | None], object]) -> None:
+    """Ask the page what it keeps under these keys and what stands in its address bar; `answer` is called on the event loop with
+    what `kept` makes of it, when it comes, which may be never."""
     request, connection = secrets.token_hex(8), client._websock_connection
 
     def heard(client_id: Any, message: _messages.LocalStorageGetItemResponseMessage) -> None:
@@ -254,5 +249,5 @@ def read_tab_storage(client: viser.ClientHandle, answer: Callable[[str | None, s
             answer(*kept(message.value))
 
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
-    run(client, "recall", key=STORAGE, request=request)
+    run(client, "recall", key=key, shelf=shelf, request=request)
     client.flush()

@@ -13,10 +13,10 @@ from ..lesson.lesson import Board
 from ..tab.commands import Command, Edit, PickPoint, SetKnobs, Watched
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
-from ..tab.token import LONGEST_LINK
 from ..text import Text
 from . import quirks
 from .boards import BoardView
+from .browser import Browser
 from .charts import Chart
 from .columns import Columns
 from .help import Help
@@ -27,18 +27,18 @@ from .panel import Panel
 from .sizes import Sizes, listen_to_the_window
 from .stage import StageView, letters
 from .style import sheet
-from .take import HOME, Take
+from .take import Take
 from .transport import Transport
 
 Post = Callable[[Edit], int]
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
 
 
-class Screen:
+class Screen(Browser):
     """Everything that one browser shows. All methods are called by the session's worker."""
 
     def __init__(self, client: viser.ClientHandle) -> None:
-        self._client = client
+        super().__init__(client)
         self._post: Post = lambda edit: 0
         self._stage = StageView(client)
         self._boards: dict[str, BoardView] = {}
@@ -54,7 +54,6 @@ class Screen:
         self._columns = Columns()
         self._help = Help(client)
         self._take: Take | None = None
-        self._home = ""  # where the browser found the page, as its address bar says
 
     def attach(self, post: Post) -> None:
         """Where edits go."""
@@ -192,30 +191,11 @@ class Screen:
         """Position and target of the camera, None where it stands as it was put."""
         return self._stage.eye()
 
-    def address(self, token: str, lesson: str, asked: int) -> None:
-        """Put a state into the address bar, if it fits there."""
-        quirks.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked)
-
     def offer(self, token: str) -> None:
         """Open the dialog in which a state can be taken away, or close it."""
         if self._take is not None and self._picture is not None:
             self._take.toggle(token, self._picture)
             self._client.flush()
-
-    def hand_over(self, name: str, content: bytes) -> None:
-        """Give the person a file."""
-        self._client.send_file_download(name, content, save_immediately=True)
-
-    def recall(self, answer: Callable[[str | None, str, bool], object]) -> None:
-        """Ask for what this tab's own storage kept through a reload, and for what stands in the address bar."""
-        def heard(kept: str | None, token: str, known: bool, home: str) -> None:
-            self._home = home if HOME.fullmatch(home) else ""
-            answer(kept, token, known)
-        quirks.read_tab_storage(self._client, heard)
-
-    def remember(self, text: str) -> None:
-        """Keep a text in this tab's own storage."""
-        quirks.write_tab_storage(self._client, text)
 
     # --- parts -----------------------------------------------------------------------------------------------------
     def _right_panel(self, picture: Picture) -> None:

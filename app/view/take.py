@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import json
-import re
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -20,7 +19,6 @@ from ..tab.token import LONGEST_LINK, LONGEST_TOKEN
 from ..text import Text
 from . import phrases, quirks
 
-HOME = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
 LONGEST_CODE = 700  # characters of a link whose code a telephone reads from the back of a hall
 KINDS = ("PNG", "SVG", "PDF", "CSV", "JSON")  # of a figure
 BORDER = 4  # modules of white around a code, as its standard asks for

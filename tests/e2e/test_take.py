@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+
 import pytest
 from playwright.sync_api import Browser, Locator
 from tab import Tab, eventually
@@ -65,3 +68,35 @@ def test_a_link_copied_in_one_browser_opens_the_same_in_another(tab: Tab, browse
     eventually(lambda: address(other), lambda url: url == link, "the address bar as before")
     assert other.notices() and not other.complaints
     other.page.context.close()
+
+
+def test_what_a_browser_keeps_is_there_in_a_new_tab_after_the_server_was_restarted(
+        serve: Callable[..., AbstractContextManager[str]], browser: Browser) -> None:
+    context = browser.new_context(viewport={"width": 900, "height": 560})
+    with serve() as address:
+        tab = Tab(context.new_page(), address, drawn=False)
+        tab.predict("A")
+        tab.slide(STIFFNESS["en"])
+        tab.key("c")
+        tab.page.get_by_role("button", name="My designs").click()
+        tab.row("name").locator("input").fill("mine")
+        tab.answered()
+        tab.press("keep this design under that name")
+        tab.slide(STIFFNESS["en"])
+        tab.answered(rests=True)
+        before = tab.page.locator(".ol-pin").all_text_contents()
+        tab.page.close()
+    with serve(int(address.rpartition(":")[2])) as again:
+        assert again == address
+        tab = Tab(context.new_page(), address, drawn=False)
+        assert tab.page.locator(".ol-pin").all_text_contents() == before and len(before) == 2
+        assert tab.value(STIFFNESS["en"]) == 6 and tab.page.locator(".ol-option:enabled").count() == 0
+        tab.page.evaluate("""document.querySelector('[data-value="kept mine"]').click()""")
+        tab.answered(rests=True)
+        assert tab.value(STIFFNESS["en"]) == 3 and not tab.complaints
+        tab.page.evaluate("""[...document.querySelectorAll('button')].find(b => b.textContent.startsWith('forget all')).click()""")
+        eventually(lambda: tab.page.locator(".ol-pin").count(), lambda count: count == 0, "nothing is kept")
+        tab.answered(rests=True)
+        assert tab.page.locator(".ol-option:enabled").count() == 4
+        assert "mine" not in tab.page.evaluate("JSON.stringify([{...localStorage}, {...sessionStorage}])")
+    context.close()

@@ -135,6 +135,13 @@ class FakeView:
     def remember(self, text: str) -> None:
         self.kept = text
 
+    def shelve(self, name: str, words: str) -> None:
+        self.calls.append(("shelve", (name, words)))
+
+    def wipe(self) -> None:
+        self.kept = None
+        self.calls.append(("wipe", None))
+
     # --- questions -------------------------------------------------------------------------------------------------
     def of(self, name: str) -> list[Any]:
         """The arguments of all calls of one name."""

@@ -212,7 +212,7 @@ class WireTab:
         if script == "remember":
             self.kept = given["text"]
         elif script == "recall" and self.answers:
-            value = json.dumps([self.kept, "", False, "http://127.0.0.1/"])
+            value = json.dumps([self.kept, "", False, "http://127.0.0.1/", None, None])
             self.send("LocalStorageGetItemResponseMessage", value=value, error=None, request_uuid=given["request"])
 
     # --- seeing ----------------------------------------------------------------------------------------------------

@@ -1,8 +1,14 @@
-// Answers with what this tab kept and what stands in its address bar, in the shape of viser's one answer about storage.
-({key, request}) => {
+// Answers with what this tab kept, what stands in its address bar, what the tabs before it kept, and the designs with names, in
+// the shape of viser's one answer about storage.
+({key, shelf, request}) => {
   const lab = window.observerLabAddress, token = lab?.token() ?? '';
-  let kept = null;
-  try { kept = sessionStorage.getItem(key); } catch (error) { console.warn('no storage', error); }
-  const value = JSON.stringify([kept, token, token === lab?.shown, location.origin + location.pathname]);
+  const read = (store, name) => { try { return window[store].getItem(name); } catch (error) { console.warn('no storage', error); return null; } };
+  const kept = read('sessionStorage', key), earlier = read('localStorage', key);
+  try {
+    window.observerLabKept = Object.fromEntries(Object.entries(JSON.parse(kept ?? earlier ?? '{}').desks ?? {})
+      .map(([name, written]) => [name, JSON.stringify(written)]));
+  } catch (error) { window.observerLabKept = {}; }
+  const home = location.origin + location.pathname;
+  const value = JSON.stringify([kept, token, token === lab?.shown, home, kept === null ? earlier : null, read('localStorage', shelf)]);
   window.__viserMutable.sendMessage({type: 'LocalStorageGetItemResponseMessage', value, error: null, request_uuid: request});
 }

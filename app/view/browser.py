@@ -1,0 +1,50 @@
+"""What a browser keeps for a person, and what it is handed: its storage, its address bar, its downloads."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import viser
+
+from ..tab.memory import MOST
+from ..tab.token import LONGEST_LINK
+from . import quirks
+
+HOME = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
+STORAGE, SHELF = "observer-lab", "observer-lab-designs"  # the keys of what tabs keep, and of the designs under names
+
+
+class Browser:
+    """The part of a screen that outlives it. All methods are called by the session's worker."""
+
+    def __init__(self, client: viser.ClientHandle) -> None:
+        self._client = client
+        self._home = ""  # where the browser found the page, as its address bar says
+
+    def address(self, token: str, lesson: str, asked: int) -> None:
+        """Put a state into the address bar, if it fits there."""
+        quirks.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked)
+
+    def hand_over(self, name: str, content: bytes) -> None:
+        """Give the person a file."""
+        self._client.send_file_download(name, content, save_immediately=True)
+
+    def recall(self, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
+        """Ask for what this tab kept through a reload, for what stands in the address bar, and for what the browser keeps."""
+        def heard(kept: str | None, token: str, known: bool, home: str, earlier: str | None, shelf: str | None) -> None:
+            self._home = home if HOME.fullmatch(home) else ""
+            answer(kept, token, known, earlier, shelf)
+        quirks.ask_storage(self._client, STORAGE, SHELF, heard)
+
+    def remember(self, text: str) -> None:
+        """Keep a text in this tab's own storage, which survives a reload, and beside that of other tabs for those to come."""
+        quirks.run(self._client, "remember", key=STORAGE, text=text, most=MOST)
+
+    def shelve(self, name: str, words: str) -> None:
+        """Keep words in the browser under a name, or nothing any more for ""."""
+        quirks.run(self._client, "shelve", key=SHELF, under=name, words=words)
+
+    def wipe(self) -> None:
+        """Let the browser forget all that it keeps."""
+        quirks.run(self._client, "wipe", keys=[STORAGE, SHELF])

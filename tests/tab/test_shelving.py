@@ -1,0 +1,121 @@
+"""A browser keeps designs under names, and what was done in one tab is there in the next; nothing of it is trusted."""
+
+from __future__ import annotations
+
+import json
+
+from fakes import BROKEN, FakeView, Tab, toy
+
+from app.tab.commands import OpenLesson, OpenState, Predict, Recalled, SetLanguage, Undo
+from app.tab.orders import ClearBrowser, ForgetDesign, KeepDesign, OpenKept, PinDesign
+from app.tab.session import Session
+from app.tab.shelf import MOST, read_shelf
+from app.tab.shelving import FULL, NAME_IT, NO_SUCH
+from app.tab.state import Saved
+from app.tab.token import write_token
+
+LESSONS = {name: toy(name) for name in ("first", "second")}
+
+
+def new_tab(earlier: str | None, shelf: str | None = None, token: str = "", **options: object) -> Session:
+    """A tab of a browser that has been here before."""
+    session = Session(LESSONS, FakeView(), "first", **options)  # type: ignore[arg-type]
+    session.post(Recalled(None, token, False, earlier, shelf))
+    session.open()
+    session.step()
+    return session
+
+
+def worked() -> Tab:
+    tab = Tab(LESSONS)
+    tab.do(OpenLesson("second"))
+    tab.set(gain=6.0)
+    tab.do(Predict(1))
+    tab.do(PinDesign())
+    tab.do(SetLanguage("zh"))
+    tab.rest()
+    return tab
+
+
+def test_a_design_is_kept_under_a_name_opened_anywhere_and_removed() -> None:
+    tab = worked()
+    tab.do(KeepDesign("  my   design "))
+    (name, words), = tab.view.of("shelve")
+    assert name == "my design" and [kept.name for kept in tab.picture.state.shelf] == ["my design"]
+    session = new_tab(None, json.dumps({name: words}))
+    session.post(OpenKept("my design"))
+    session.step()
+    picture = session.picture
+    assert picture is not None and picture.lesson.id == "second" and picture.design["gain"] == 6.0
+    assert picture.state.language == "en", "the page stays as it is"
+    tab.set(gain=2.0)
+    tab.do(KeepDesign("my design"))
+    assert len(tab.picture.state.shelf) == 1
+    tab.set(gain=1.0)
+    tab.do(OpenKept("my design"))
+    assert tab["gain"] == 2.0
+    tab.do(Undo())
+    assert tab["gain"] == 1.0
+    tab.do(ForgetDesign("my design"))
+    assert tab.view.of("shelve")[-1] == ("my design", "") and tab.picture.state.shelf == ()
+    for wrong, why in ((OpenKept("my design"), NO_SUCH), (ForgetDesign(3), NO_SUCH), (KeepDesign(" "), NAME_IT)):
+        tab.do(wrong)
+        assert tab.view.scolded()[-1] == why
+
+
+def test_a_new_tab_goes_on_where_the_last_one_was() -> None:
+    before = worked()
+    picture = new_tab(before.view.kept).picture
+    assert picture is not None and picture.lesson.id == "second" and picture.design == before.picture.design
+    assert (picture.state.predicted, picture.state.language, len(picture.pinned)) == (1, "zh", 1)
+
+
+def test_a_link_or_a_server_that_insists_comes_before_what_the_last_tab_did() -> None:
+    kept = worked().view.kept
+    link = write_token(LESSONS["first"], Saved(LESSONS["first"].apply(LESSONS["first"].start(), {"gain": 3.0})))
+    linked, insisted, stated = new_tab(kept, token=link), new_tab(kept, insists=True), new_tab(kept, state=link)
+    for session, lesson in ((linked, "first"), (insisted, "first"), (stated, "first")):
+        assert session.picture is not None and session.picture.lesson.id == lesson
+        session.post(OpenLesson("second"))
+        session.step()
+        assert session.picture.design["gain"] == 6.0 and session.picture.state.predicted == 1, "its work is not lost"
+
+
+def test_what_a_tab_kept_itself_comes_before_what_others_did() -> None:
+    tab = Tab(LESSONS)
+    tab.set(gain=2.0)
+    tab.rest()
+    session = Session(LESSONS, FakeView(), "first")
+    session.post(Recalled(tab.view.kept, "", False, worked().view.kept))
+    session.open()
+    session.step()
+    assert session.picture is not None and session.picture.lesson.id == "first" and session.picture.design["gain"] == 2.0
+
+
+def test_a_browser_forgets_everything_when_told_to() -> None:
+    tab = worked()
+    tab.do(KeepDesign("mine"))
+    tab.do(ClearBrowser())
+    state = tab.picture.state
+    assert tab.view.of("wipe") == [None] and (state.shelf, state.pins, state.predicted, state.key) == ((), (), None, "")
+    assert tab.picture.design == LESSONS["second"].start()
+    tab.do(OpenLesson("first"))
+    assert tab.view.kept is not None and set(json.loads(tab.view.kept)["desks"]) == {"first", "second"}
+    assert '"6' not in tab.view.kept
+
+
+def test_what_comes_from_storage_is_judged() -> None:
+    good = json.dumps({"version": 1, "lesson": "first", "knobs": {}})
+    for wrong in ("", "{", "[]", "3", "null", "[" * 50_000, json.dumps({"a": 3}), json.dumps({"a": "{"}), json.dumps({"a": "[]"}),
+                  json.dumps({"": good}), json.dumps({"x" * 99: good}), json.dumps({"a\n": good}),
+                  json.dumps({"a": good.replace("first", "nowhere")})):
+        assert read_shelf(wrong, LESSONS) == ()
+    many = json.dumps({f"d{k}": good for k in range(MOST + 9)})
+    assert len(read_shelf(many, LESSONS)) == MOST
+    session = new_tab("{", many.replace('"d0"', '"broken"', 1).replace("{}", '{\\"gain\\": \\"' + str(BROKEN) + '\\"}', 1))
+    view: FakeView = session._show.view  # type: ignore[assignment]
+    for edit in (OpenKept("broken"), KeepDesign("one more"), OpenState("{")):
+        session.post(edit)
+        session.step()
+    assert len(view.scolded()) == 3 and FULL in view.scolded()
+    assert session.picture is not None and session.picture.design == LESSONS["first"].start()
