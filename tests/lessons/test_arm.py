@@ -96,3 +96,18 @@ def test_the_determinant_of_the_observability_matrix_is_what_the_task_says() -> 
     p, P = PARAMETERS, plant()
     rows = np.vstack([P.C @ np.linalg.matrix_power(P.A, k) for k in range(4)])
     assert np.linalg.det(rows) == pytest.approx(p.torque * SHEET.resistance / (p.inertia**2 * SHEET.inductance), rel=1e-9)
+
+
+def test_the_numbers_in_the_words_are_those_of_the_lesson() -> None:
+    """In every language, where they stand."""
+    solved = {task.id: outcome(**task.solution).metrics for task in LESSON.tasks}
+    p = PARAMETERS
+    play = solved["play"]
+    said = {"step": (f"{-WINDING:.0f}", f"{p.inertia / p.reflected:.0f}", f"{outcome(gap=1.0).metrics['angle_belief']:.1f}°",
+                     f"{outcome().metrics['holding']:.2f}"),
+            "counts": (f"{solved['counts']['found_after']:.3f} s",),
+            "play": (f"{play['angle_error']:.2f}°", f"{play['false_load']:.2f} N m", f"{play['found_after']:.2f} s"),
+            "supply": (f"{solved['supply']['holding']:.2f} V", f"{solved['supply']['clipped_for']:.1f} s")}
+    for prose in LESSON.words.values():
+        where = {"step": " ".join(text for _, text in prose.steps), **{id: task.solution for id, task in prose.tasks.items()}}
+        assert not [(id, number) for id, numbers in said.items() for number in numbers if number not in where[id]]
