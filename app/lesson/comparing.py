@@ -89,7 +89,7 @@ def _laid_in(figure: Figure, pinned: Sequence[Pinned]) -> Figure:
 
 def _mark(point: Point) -> tuple[str, str, str, str]:
     """What a mark is and where it stands, to nine digits."""
-    return point.role, point.mark, f"{point.x:.9g}", f"{point.y:.9g}"
+    return point.role, point.mark, f"{point.x + 0.0:.9g}", f"{point.y + 0.0:.9g}"
 
 
 def _same_axes(figure: LineFigure, other: LineFigure) -> bool:
