@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .loops import BEST, NONE, POLES, SHAPED
@@ -83,6 +84,12 @@ def _close(outcome: Outcome[Study]) -> Verdict:
 
 
 NEAR_THE_ZEROS = (-0.3 + 7.42j, -0.3 - 7.42j)
+
+
+DAMPER = Typed("sqrt(1+k*m/g^2)", ("k", "m", "g"), slips=(
+    ("sqrt(k*m)/g", text("That is the coil on the deck's own velocity; a damper between deck and ground lets the ground push too.")),
+    ("1+sqrt(k*m)/g", text("Spring and damper push a quarter of a period apart: add the squares."))))
+
 TASKS = (
     Task("constant", _constant, MappingProxyType({"vertical": SHAPED, "gain_v": 31250.0, "lag": 0.0, "lead": 0.0})),
     Task("mixing", _mixing, MappingProxyType({"mix": BEST, "f_low": 2.0, "f_high": 10.0})),
@@ -90,4 +97,5 @@ TASKS = (
     Task("close-pitch", _close, MappingProxyType({
         "horizontal": POLES, "pitch": True, "bandwidth": 5.0, "control_poles": (-20 + 15j, -20 - 15j, *NEAR_THE_ZEROS),
         "observer_poles": (-60 + 45j, -60 - 45j, *NEAR_THE_ZEROS)})),
+    pencil("damper", DAMPER),
 )

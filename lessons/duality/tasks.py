@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
@@ -47,8 +48,13 @@ def _mirror_image(outcome: Outcome[Twins]) -> Verdict:
                                m=100 * m))
 
 
+READ_OFF = Typed("sqrt(2)*(W/V)^(1/4)", ("W", "V"), slips=(
+    ("sqrt(W/V)", text("That is l₂: transposing a double integrator changes the order of its states.")),
+    ("sqrt(2)*(V/W)^(1/4)", text("W takes the place of q, V that of r."))))
+
 TASKS = (
     Task("published", _published, {"method": BY_POLES, "poles": (-1 + 0j, -1 + 0j), "sensor": 0.0}),
     Task("ratio", _ratio, {"method": BY_WEIGHTS, "mirror": False, "w": 40.0, "v": 10.0}),
     Task("mirror", _mirror_image, {"sensor": 90.0}, easy="the sensor belongs where the force acts, which is its stop"),
+    pencil("read-off", READ_OFF),
 )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -75,9 +75,14 @@ def confused(outcome: Outcome[Study]) -> Verdict:
     return Verdict(False, text("The input moves the error by {moved:.0e}; look for a way to 0.1.", moved=moved))
 
 
+UNKNOWN_PUSH = Typed("(2*p-b)*d/p^2", ("p", "b", "d"), slips=(
+    ("d/p^2", text("That is the error of the position; ask the first row for that of the velocity.")),
+    ("2*d/p", text("You left out the damper: l₁ = 2 p − b."))))
+
 TASKS = (
     Task("double-pole", double_pole, {"method": POLES, "observer_poles": (-1.0, -1.0)}),
     Task("first-slip", first_slip, {"method": NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST}),
     Task("mixed-matrix", mixed_matrix, {"method": NUMBERS, "l1": 2.5, "l2": -0.75, "line": "matrix"}),
     Task("confused", confused, {"method": PRINTED, "input": "step"}, Typed(lambda _: 2 / 3)),
+    pencil("unknown-push", UNKNOWN_PUSH),
 )

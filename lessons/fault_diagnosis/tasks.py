@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text, text_in
 
 from .bank import DT, PLACES
@@ -68,9 +69,14 @@ def _limp(o: Outcome[Study]) -> Verdict:
     return Verdict(True, text("{said} and the deck goes on without VR.", said=said))
 
 
+SWALLOWED = Typed("a*f/(a+L)", ("a", "L", "f"), slips=(
+    ("f", text("That is the first moment; then the observer follows its sensor.")),
+    ("L*f/(a+L)", text("That is how far the estimate is led astray; the residual is what is left of f."))))
+
 TASKS = (
     Task("rare", _rare, {"place": "VL", "statistic": MEAN, "window": 100.0, "rate": 2e-5}),
     Task("weak", _weak, {"place": "u1", "loss": 50.0, "loop": OPEN, "tone": 1.4}),
     Task("unseen", _unseen, {"place": "u1", "loss": 100.0, "loop": OPEN, "force": 0.0}),
     Task("limp", _limp, {"place": "VR", "kind": "drift", "drift": 4.0, "loop": SWITCH, "statistic": MEAN}),
+    pencil("swallowed", SWALLOWED),
 )

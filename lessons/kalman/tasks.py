@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import Text, text
 
 from .knobs import NEAR_R, NONE, SLIPS
@@ -70,9 +71,14 @@ def _report(o: Outcome[Study]) -> Verdict:
                               over_r=e.over_R, s_over_r=e.S_over_R))
 
 
+SECOND_SENSOR = Typed("P*r/(P*r+(P+r)*s)", ("P", "r", "s"), slips=(
+    ("P/(P+s)", text("After the first reading the variance is no longer P.")),
+    ("r/(r+s)", text("That forgets what was known before: P."))))
+
 TASKS = (
     Task("tune", _tune, {"q": 1.0, "r": 1.0}),
     Task("decoy", _decoy, {"q": 20.0, "r": 0.47}),
     Task("converter", _converter, {"noise": "carried", "q": 1.0, "r": 1.0}),
     Task("report", _report, {"q": 1.0, "r": 1.0, "line": NEAR_R}),
+    pencil("second-sensor", SECOND_SENSOR),
 )

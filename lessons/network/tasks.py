@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -65,9 +65,14 @@ def _wall(outcome: Outcome[Study]) -> Verdict:
                               loop_radius=m["loop_radius"]))
 
 
+PERFECT_READINGS = Typed("Q/(1-p*a^2)", ("a", "p", "Q"), slips=(
+    ("Q/(1-a^2)", text("That is without any reading; here only a share p of them is lost.")),
+    ("Q/(1-p*a)", text("A variance grows with a², not with a."))))
+
 TASKS = (
     Task("edge", _edge, {"a": 1.4, "loss": 0.5}),
     Task("faster", _faster, {"case": CART, "loss": 0.8, "stretch": 0.6}),
     Task("gap", _gap, {"case": TWO, "loss": 0.58}, Typed(lambda o: 1 / o.metrics["safe"])),
     Task("wall", _wall, {"case": CART, "delay": 2.0, "told": AHEAD}),
+    pencil("perfect-readings", PERFECT_READINGS),
 )

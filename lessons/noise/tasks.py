@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .knobs import KNOBS
@@ -66,8 +67,13 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("{numbers}: fast enough, and the estimate never leaps.", numbers=numbers))
 
 
+BOTH_IN_ONE_PLACE = Typed("(3*W/(5*V))^(1/4)", ("W", "V"), slips=(
+    ("(W/V)^(1/4)", text("There the Kalman filter has its poles, 45° off the axis; two poles in one place balance otherwise.")),
+    ("(W/(5*V))^(1/4)", text("The derivative of p⁻³ is −3 p⁻⁴."))))
+
 TASKS = (
     Task("by-hand", _by_hand, {"method": "poles", "observer_poles": (-2.14 - 2.34j, -2.14 + 2.34j)}),
     Task("other-side", _other_side, {"speed": 1.77}),
     Task("quiet-start", _quiet_start, {"method": "poles", "observer_poles": (-4 - 2j, -4 + 2j)}),
+    pencil("both-in-one-place", BOTH_IN_ONE_PLACE),
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import Text, text
 
 from .cases import FALL, PLATFORM
@@ -73,9 +74,14 @@ def _report(o: Outcome[Study]) -> Verdict:
                               apart_ukf=m["apart_ukf"]))
 
 
+SQUARE = Typed("2*m*P/(4*m^2*P+R)", ("m", "P", "R"), slips=(
+    ("P/(P+R)", text("That is a sensor that reads x itself; here the slope of x² at m counts.")),
+    ("2*m*P/(2*m*P+R)", text("The slope enters the innovation's variance twice."))))
+
 TASKS = (
     Task("linear", _linear, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0}),
     Task("small", _small, {"case": PLATFORM, "hardening": 0.6, "size": 0.3}),
     Task("deceived", _deceived, {"size": 0.5}, easy="the best start that can be had does not help the EKF"),
     Task("report", _report, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0, "redraw": False, "line": REDRAW}),
+    pencil("square", SQUARE),
 )

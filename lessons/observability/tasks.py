@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -82,9 +82,14 @@ def _low_rank(outcome: Outcome[Study]) -> Verdict:
                               rank=rank, n=n, d=d))
 
 
+BLIND_ANGLE = Typed("b + g*(d-a) - c*g^2", ("a", "b", "c", "d", "g"), slips=(
+    ("-b - g*(d-a) + c*g^2", text("The size is right; the sign follows the order C, then CA.")),
+    ("b + g*d", text("The second row is C A, and its first entry is not zero."))))
+
 TASKS = (
     Task("one-sensor", _one_sensor, {"left": -0.115}),
     Task("find-the-error", _wrong_sentence, {"plant": "notes", "criterion": GRAMIAN, "angle": 55.5}),
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),
     Task("low-rank", _low_rank, {"plant": "many", "count": 20}, Typed(lambda o: o.design["count"] ** (o.design["count"] - 1))),
+    pencil("blind-angle", BLIND_ANGLE),
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .analyses import Refusal
@@ -57,8 +58,13 @@ def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:
                               rank=rank, n=n))
 
 
+DEADBEAT = Typed("d^2/h", ("d", "h"), slips=(
+    ("1/h", text("That is for a velocity that nothing slows, d = 1.")),
+    ("d/h", text("The determinant is d (1 − l₁) + h l₂, and l₁ = 1 + d."))))
+
 TASKS = (
     Task("through-the-limit", _through_the_limit, {"limited": True, "fed": APPLIED, "u_max": 0.2}),
     Task("wrong-belief", _wrong_belief, {"belief": 0.05, "sensor": 0.02}),
     Task("below-the-tolerance", _below_the_tolerance, {"tolerance": 0.29}),
+    pencil("deadbeat", DEADBEAT),
 )

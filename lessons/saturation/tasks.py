@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .knobs import APPLIED, KNOBS
@@ -61,9 +62,14 @@ def _better_observer(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("It comes home with {u_max:g} N; only the observer has changed.", u_max=d["u_max"]))
 
 
+LAST_START = Typed("b*U/k^2 - w/k", ("b", "U", "k", "w"), slips=(
+    ("b*U/k^2", text("That holds from rest; a start that already moves is further out: z = θ + θ̇/k.")),
+    ("b*U/k^2 + w/k", text("It moves away from the top: the speed takes room, it gives none."))))
+
 TASKS = (
     Task("false-sentence", _false_sentence, {"fed": APPLIED, "u_max": 3.7}),
     Task("lost-by-belief", _lost_by_belief, {"fed": APPLIED, "angle0": 8.0, "error0": 12.0}),
     Task("better-observer", _better_observer,
          {"fed": APPLIED, "angle0": 4.0, "error0": 8.0, "u_max": 4.0, "observer_poles": FAST}),
+    pencil("last-start", LAST_START),
 )

@@ -6,7 +6,8 @@ from types import MappingProxyType
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .knobs import KNOBS
@@ -62,8 +63,13 @@ def _unstable_compensator(outcome: Outcome[Study]) -> Verdict:
                                own=own))
 
 
+SPRING = Typed("c^2*o^2/(c^2+o^2+4*c*o)", ("c", "o"), slips=(
+    ("c^2", text("That is the stiffness of the state feedback; the estimate does not trust the reading alone.")),
+    ("-c^2*o^2/(c^2+o^2+4*c*o)", text("The size is right; −u was asked for."))))
+
 TASKS = (
     Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": FAST}),
     Task("break-the-wall", _break_the_wall, {"stiffness_error": 13.0}),
     Task("unstable-compensator", _unstable_compensator, EAGER),
+    pencil("spring", SPRING),
 )

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .players import ORDER, SISO
@@ -86,8 +87,13 @@ def _late(outcome: Outcome[Study]) -> Verdict:
                               delay=d["delay"], got=_words(got)))
 
 
+TOO_LATE = Typed("d/(360*f)", ("d", "f"), slips=(
+    ("d/(2*pi*f)", text("The margin is given in degrees: a turn has 360.")),
+    ("d/360", text("That is a share of a turn; how long does a turn take at f?"))))
+
 TASKS = (
     Task("twenty", _twenty, {"sensor": 1e-11, "v": 1e-11}),
     Task("beaten", _beaten, {"sensor": 4e-13}),
     Task("late", _late, {"delay": 4.2}),
+    pencil("too-late", TOO_LATE),
 )

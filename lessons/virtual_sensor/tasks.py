@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .knobs import HORIZON, RUNAWAY, TAME
@@ -67,9 +68,14 @@ def wrong_fan(outcome: Outcome[Study]) -> Verdict:
                                error=error, first=first))
 
 
+MATCH = Typed("a + (a-p)*(a-q)/b", ("a", "b", "p", "q"), slips=(
+    ("a - (a-p)*(a-q)/b", text("Mind the sign: the determinant holds −b (a − l₁).")),
+    ("(a-p)*(a-q)/b", text("You left out that the case warms the core: the entry is a − l₁."))))
+
 TASKS = (
     Task("feel-the-core", feel_the_core, {"observer_poles": (-3.0, -3.5)}),
     Task("tame-the-runaway", tame_the_runaway, {"plant": RUNAWAY, "trust": 0.1}),
     Task("lucky-copy", lucky_copy, {"plant": RUNAWAY, "guess_core": 12.0, "guess_case": 6.0}),
     Task("wrong-fan", wrong_fan, {"air_error": 40.0, "trust": 0.21}),
+    pencil("match", MATCH),
 )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.text import text
 
 from .body import NOMINAL, share
@@ -74,9 +75,14 @@ def _geometry(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("σ₉ = {weakest}, {times:.3g} times the old one, by geometry alone.", weakest=show(weakest), times=times))
 
 
+ONE_LAG = Typed("b*c/(2*a)", ("a", "b", "c"), slips=(
+    ("b*c/a", text("That is the gain at rest: twice the Hankel value, the error of dropping the state.")),
+    ("b^2*c^2/(4*a^2)", text("That is the product of the two Gramians; take its root."))))
+
 TASKS = (
     Task("face", _face, {"pair": "5", "order": 8}),
     Task("wider", _wider, {"order": 6}),
     Task("clock", _clock, {"clock": 5e-3, "tolerance": 1e-6}),
     Task("geometry", _geometry, {"s": 0.1, "h": 0.052}),
+    pencil("one-lag", ONE_LAG),
 )

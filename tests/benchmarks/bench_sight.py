@@ -51,7 +51,7 @@ def main() -> None:
             for lesson in asked.lessons:
                 for language in asked.language or ("en", "zh"):
                     context = browser.new_context(viewport={"width": across, "height": up}, has_touch=size == "phone")
-                    seen = measure(Tab(context.new_page(), address), lesson, language, large)
+                    seen = measure(Tab(context.new_page(), address, drawn=False), lesson, language, large)
                     context.close()
                     pages += 1
                     knobs += seen.knob == ""

@@ -1,0 +1,177 @@
+"""Results found with a pencil, beside a computation that does not know them: matrices, eigenvalues, simulations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+from laws import each
+from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.optimize import brentq, minimize_scalar
+from scipy.signal import cont2discrete
+
+from app.lesson.typed import value_of
+from lessons import LESSONS
+
+Letters = Mapping[str, float]
+POINTS = 6
+INTEGRATOR = np.array([[0.0, 1.0], [0.0, 0.0]])
+FIRST = np.array([[1.0, 0.0]])
+
+
+def gains(A: np.ndarray, C: np.ndarray, poles: list[float]) -> np.ndarray:
+    """L (n,) that puts the eigenvalues of A − L C: from the coefficients of the polynomial, Ackermann's way."""
+    seen = np.vstack([C @ np.linalg.matrix_power(A, k) for k in range(len(A))])
+    value = sum(c * np.linalg.matrix_power(A, k) for k, c in enumerate(np.poly(poles)[::-1]))
+    return value @ np.linalg.solve(seen, np.eye(len(A))[:, -1])
+
+
+def match(v: Letters) -> float:
+    A = np.array([[-v["a"], v["a"]], [v["b"], -1.7]])
+    return float(gains(A, np.array([[0.0, 1.0]]), [-v["p"], -v["q"]])[0])
+
+
+def unknown_push(v: Letters) -> float:
+    A = np.array([[0.0, 1.0], [-0.8, -v["b"]]])
+    L = gains(A, FIRST, [-v["p"], -v["p"]])
+    return float(np.linalg.solve(A - np.outer(L, FIRST), [0.0, -v["d"]])[1])
+
+
+def blind_angle(v: Letters) -> float:
+    A, C = np.array([[v["a"], v["b"]], [v["c"], v["d"]]]), np.array([1.0, v["g"]])
+    return float(np.linalg.det(np.array([C, C @ A])))
+
+
+def spring(v: Letters) -> float:
+    A, B = INTEGRATOR, np.array([[0.0], [1.0]])
+    K, L = gains(A.T, B.T, [-v["c"]] * 2)[None], gains(A, FIRST, [-v["o"]] * 2)[:, None]
+    return float((K @ np.linalg.solve(-(A - B @ K - L @ FIRST), L)).item())
+
+
+def read_off(v: Letters) -> float:
+    P = solve_continuous_are(INTEGRATOR.T, FIRST.T, np.diag([0.0, v["W"]]), np.array([[v["V"]]]))
+    return float(P[0, 0] / v["V"])
+
+
+def last_start(v: Letters) -> float:
+    """The lean from which the full force just fails, with ẋ of the pendulum integrated exactly."""
+    A, push = np.array([[0.0, 1.0], [v["k"] ** 2, 0.0]]), np.array([[0.0], [-v["b"] * v["U"]]])
+    Phi, Gamma = cont2discrete((A, push, np.eye(2), np.zeros((2, 1))), 30.0 / v["k"])[:2]
+    return float(brentq(lambda lean: (Phi @ [lean, v["w"]] + Gamma[:, 0])[0], -1e4, 1e4, xtol=1e-12))
+
+
+def both_in_one_place(v: Letters) -> float:
+    def variance(p: float) -> float:
+        L = gains(INTEGRATOR, FIRST, [-p, -p])
+        return solve_continuous_lyapunov(INTEGRATOR - np.outer(L, FIRST),
+                                         -np.diag([0.0, v["W"]]) - v["V"] * np.outer(L, L))[0, 0]
+    near = minimize_scalar(variance, bounds=(0.05, 8.0), method="bounded", options={"xatol": 1e-9}).x
+    step = 1e-3 * near
+    return float(brentq(lambda p: variance(p + step) - variance(p - step), 0.8 * near, 1.2 * near, xtol=1e-13))
+
+
+def second_sensor(v: Letters) -> float:
+    C, R = np.ones((2, 1)), np.diag([v["r"], v["s"]])  # both at once: what the second gets is its gain there
+    return float((v["P"] * C.T @ np.linalg.inv(v["P"] * C @ C.T + R))[0, 1])
+
+
+def damper(v: Letters) -> float:
+    s = 1j * np.sqrt(v["k"] / v["m"])
+    return float(abs((v["g"] * s + v["k"]) / (v["m"] * s**2 + v["g"] * s + v["k"])))
+
+
+def one_lag(v: Letters) -> float:
+    gramians = [solve_continuous_lyapunov(np.array([[-v["a"]]]), np.array([[-v[name] ** 2]])).item() for name in ("b", "c")]
+    return float(np.sqrt(np.prod(gramians)))
+
+
+def too_late(v: Letters) -> float:
+    lost = np.deg2rad(v["d"])
+    return float(brentq(lambda t: np.angle(np.exp(-2j * np.pi * v["f"] * t)) + lost, 0.0, 0.49 / v["f"], xtol=1e-14))
+
+
+def square(v: Letters) -> float:
+    small = 1e-5
+    slope = ((v["m"] + small) ** 2 - (v["m"] - small) ** 2) / (2 * small)
+    return v["P"] * slope / (slope * v["P"] * slope + v["R"])
+
+
+def swallowed(v: Letters) -> float:
+    return float(v["f"] - np.linalg.solve([[-v["a"] - v["L"]]], [-v["L"] * v["f"]])[0])
+
+
+def perfect_readings(v: Letters) -> float:
+    """Σ a²ᵏ Q pᵏ over the readings lost in a row, k or more with probability pᵏ; where it diverges, the series continued."""
+    ratio = v["p"] * v["a"] ** 2
+    if ratio < 1:
+        return float(v["Q"] * np.sum(ratio ** np.arange(20_000)))
+    return float(-v["Q"] * np.sum(ratio ** -np.arange(1.0, 20_000)))
+
+
+def deadbeat(v: Letters) -> float:
+    A = np.array([[1.0, v["h"]], [0.0, v["d"]]])
+    L = gains(A, FIRST, [0.0, 0.0])
+    assert np.allclose(np.linalg.matrix_power(A - np.outer(L, FIRST), 2), 0)
+    return float(L[1])
+
+
+def one_observer(v: Letters) -> float:
+    return float(np.array([1.0, v["w"]]) @ np.array([v["a"], v["b"]]))
+
+
+def cancel(v: Letters) -> float:
+    """The c with which, at the target, voltage, current and load are at rest: two equations in i and c."""
+    tau = 1.3
+    i, u = np.linalg.solve([[v["n"] * v["k"], 0.0], [-v["R"], 1.0]], [tau, 0.0])
+    return float((u + v["K"] * i) / tau)
+
+
+def injection(v: Letters) -> float:
+    """With a winding so fast that its pole stays where it is: poles placed numerically."""
+    R, L, J, k, b = 1.0, 2e-7, v["J"], 1.0, 0.0
+    A = np.array([[-R / L, -k / L, 0, 0], [k / J, -b / J, 0, -1 / J], [0, 1, 0, 0], [0, 0, 0, 0]])
+    return float(gains_by_units(A, np.array([[0, 0, 1.0, 0]]), [-R / L, -v["p"], -v["p"], -v["p"]])[3])
+
+
+def gains_by_units(A: np.ndarray, C: np.ndarray, poles: list[float]) -> np.ndarray:
+    """The same with the first state, a fast one, counted in small units."""
+    scale = np.array([np.abs(A).max(), 1.0, 1.0, 1.0])
+    return gains(A * scale[:, None] / scale, C / scale, poles) / scale
+
+
+def seen(v: Letters) -> float:
+    J, b = v["J"], 0.4
+    A = np.array([[-v["R"] / v["L"], -v["n"] * v["k"] / v["L"], 0, 0], [v["n"] * v["k"] / J, -b / J, 0, -1 / J],
+                  [0, 1.0, 0, 0], [0, 0, 0, 0]])
+    C = np.array([[0, 0, 1.0, 0]])
+    return float(np.linalg.det(np.vstack([C @ np.linalg.matrix_power(A, k) for k in range(4)])))
+
+
+COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
+    ("virtual-sensor", "match"): match, ("error-dynamics", "unknown-push"): unknown_push,
+    ("observability", "blind-angle"): blind_angle, ("separation", "spring"): spring, ("duality", "read-off"): read_off,
+    ("saturation", "last-start"): last_start, ("noise", "both-in-one-place"): both_in_one_place,
+    ("kalman", "second-sensor"): second_sensor, ("decoupling", "damper"): damper, ("weak-states", "one-lag"): one_lag,
+    ("showdown", "too-late"): too_late, ("nonlinear", "square"): square, ("fault-diagnosis", "swallowed"): swallowed,
+    ("network", "perfect-readings"): perfect_readings, ("sandbox", "deadbeat"): deadbeat,
+    ("robust-observer", "one-observer"): one_observer,
+    ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
+}
+COUNTED = {("robust-observer", "remark-3"), ("robust-observer", "sizes")}  # ratios and numbers of rows, which the lesson's sizes show
+PENCILS = {(lesson.id, task.id): task for lesson in LESSONS.values() for task in lesson.tasks
+           if task.typed is not None and task.typed.letters}
+
+
+def test_every_expression_has_a_computation_beside_it() -> None:
+    assert set(PENCILS) == set(COMPUTED) | COUNTED
+
+
+@each("place", sorted(COMPUTED))
+def test_the_right_answer_is_what_a_computation_finds(place: tuple[str, str]) -> None:
+    typed: Any = PENCILS[place].typed
+    rng = np.random.default_rng(len(place[1]))
+    for _ in range(POINTS):
+        point = {letter: float(rng.uniform(*typed.span)) for letter in typed.letters}
+        assert value_of(typed.answer, point) == pytest.approx(COMPUTED[place](point), rel=2e-6), point
