@@ -205,7 +205,7 @@ def _feedback(plant: Plant) -> dict[str, dict[str, Any]]:
               psd={"frequency": f, "rows": I2, "ground": f}, parts={"frequency": f, "rows": I2, "ground": f},
               response={"frequency": f, "rows": I2}, variance={"rows": I2}, joint={"rows": I2}, cost={"Q": I2, "R": ONE}),
         **_of(noisy_loop(plant, None, B, ONE), "NoisyLoop", sampled={"dt": 0.1}),
-        **_of(sensitivity(plant, controller), "Sensitivity", at={"omega": f}, entry={"i": 0, "omega": f}),
+        **_of(sensitivity(plant, controller), "Sensitivity", at={"omega": f}, along={"i": 0}),
     }
 
 

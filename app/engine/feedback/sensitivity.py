@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -85,14 +86,20 @@ class Sensitivity:
         residues = self.modal[1].reshape(len(self.A), -1)
         return (self._weights(omega) @ residues).reshape(*omega.shape, *self.D.shape) + self.D
 
-    @gated(i=count(), omega=array(infinite=True))
-    def entry(self, i: int, omega: np.ndarray) -> np.ndarray:
-        """S_ii alone, complex (…)."""
+    @gated(i=count())
+    def along(self, i: int) -> Callable[[np.ndarray], np.ndarray]:
+        """S_ii alone as a function of finite frequencies (…) → complex (…), for searches that ask again and again."""
         if i >= len(self.D):
             raise EngineError("There is no signal number {index}; the loop has {count}.", index=i, count=len(self.D))
         if self.modal is None:
-            return self.at(omega)[..., i, i]
-        return self._weights(omega) @ self.modal[1][:, i, i] + self.D[i, i]
+            return lambda omega: self.at(omega)[..., i, i]
+        poles, residues, direct, dt = self.modal[0], np.ascontiguousarray(self.modal[1][:, i, i]), self.D[i, i], self.dt
+
+        def at(omega: np.ndarray) -> np.ndarray:
+            points = np.exp(1j * omega * dt) if dt else 1j * omega
+            return (1 / (points[..., None] - poles)) @ residues + direct
+
+        return at
 
     def _weights(self, omega: np.ndarray) -> np.ndarray:
         """1/(λ − λ_k) at λ = jω or e^{jω dt}, zero at ∞: (…, N)."""

@@ -207,7 +207,7 @@ def test_sensitivity_is_the_inverse_of_one_plus_the_loop(seed):
         S = loop.at(np.array([w]))[0]
         np.testing.assert_allclose(S[:1, :1], np.linalg.inv(np.eye(1) - Kc @ P), rtol=1e-9)
         np.testing.assert_allclose(S[1:, 1:], np.linalg.inv(np.eye(2) - P @ Kc), rtol=1e-9)
-        np.testing.assert_allclose(loop.entry(2, np.array([w]))[0], S[2, 2], rtol=1e-12)
+        np.testing.assert_allclose(loop.along(2)(np.array([w]))[0], S[2, 2], rtol=1e-12)
     np.testing.assert_array_equal(loop.at(np.array([np.inf]))[0], np.eye(3))
     assert loop.omega[0] == 0 and loop.omega[-1] == np.inf
 
