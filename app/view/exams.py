@@ -15,6 +15,7 @@ from ..tab.commands import Edit
 from ..tab.examined import AnotherVariant, AnswerExam, SetKey, Withhold
 from ..tab.examining import item_of, said_of, verdict_of
 from ..tab.picture import Picture
+from ..text import joined, same
 from . import phrases
 from .prose import drawn, judged, render
 from .readback import ReadBack
@@ -82,7 +83,7 @@ class _Form:
     def show(self, picture: Picture) -> None:
         state, exam = picture.state, self._exam
         item = item_of(state, picture.lesson.id, exam)
-        statement = render(f"{fill(self._words.statement, item.given)} {exam.digits.asked(self._lang)}")
+        statement = render(joined(same(fill(self._words.statement, item.given)), exam.digits.asked)(self._lang))
         if self._statement.content != statement:
             if self._statement.content and self._answer.value != said_of(state, exam):  # other numbers, another answer
                 self._answer.value = said_of(state, exam)
@@ -100,6 +101,8 @@ class _Form:
             noted = picture.state.withheld and said
             return f'<div class="ol-note">{html.escape(phrases.NOTED.format(said=said)(self._lang))}</div>' if noted else ""
         values = self._exam.values(item_of(picture.state, picture.lesson.id, self._exam))
+        if picture.state.predicted is None:  # formulas would answer the prediction
+            return judged(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-note">{phrases.HOW_LATER(self._lang)}</p>'
         return (judged(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-caption">{phrases.HOW(self._lang)}</p>'
                 + derived(fill(self._words.derivation, values)))
 

@@ -40,11 +40,19 @@ def _written(number: re.Match[str]) -> str:
     return ("" if mantissa == "1" else f"{mantissa}·") + "10" + raised(power)
 
 
+INLINE = re.compile(r"\$(.+?)\$([,.;:?!)，。；：？！）、]*)", re.S)
+
+
 @lru_cache(maxsize=1024)
 def render(markdown: str) -> str:
     """Markdown whose $…$ and $$…$$ have become MathML."""
     text = re.sub(r"\$\$(.+?)\$\$", lambda m: mathml(m[1].strip(), True), markdown, flags=re.S)
-    return re.sub(r"\$(.+?)\$", lambda m: mathml(m[1].strip()), text, flags=re.S)
+    return INLINE.sub(lambda m: _tied(mathml(m[1].strip()), m[2]), text)
+
+
+def _tied(formula: str, mark: str) -> str:
+    """A formula and the mark behind it, which is not to begin the next line."""
+    return f'<span class="ol-tied">{formula}{mark}</span>' if mark else formula
 
 
 def drawn(equation: str) -> str:
