@@ -17,7 +17,7 @@ from ..tab.examining import item_of, said_of, verdict_of
 from ..tab.picture import Picture
 from ..text import joined, same
 from . import phrases
-from .prose import drawn, judged, render
+from .prose import drawn, judged, render, with_minus
 from .readback import ReadBack
 
 EQUATION = re.compile(r"\$\$(.+?)\$\$", re.S)
@@ -99,7 +99,7 @@ class _Form:
         said, verdict = said_of(picture.state, self._exam), verdict_of(picture.state, picture.lesson.id, self._exam)
         if verdict is None:
             noted = picture.state.withheld and said
-            return f'<div class="ol-note">{html.escape(phrases.NOTED.format(said=said)(self._lang))}</div>' if noted else ""
+            return f'<div class="ol-note">{with_minus(html.escape(phrases.NOTED.format(said=said)(self._lang)))}</div>' if noted else ""
         values = self._exam.values(item_of(picture.state, picture.lesson.id, self._exam))
         if picture.state.predicted is None:  # formulas would answer the prediction
             return judged(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-note">{phrases.HOW_LATER(self._lang)}</p>'

@@ -26,7 +26,7 @@ def _silence(lot: Lot) -> ExamItem | None:
     p1, p2, q1, q2 = (float(lot.whole(-5, 5)) for _ in range(4))
     a, f, pole = float(lot.whole(-5, 5)), float(lot.whole(-5, 5)), -float(lot.whole(6, 15))
     det = q1 * p2 - p1 * q2
-    if 0 in (p1, p2, q1, q2, a, f) or abs(det) < 3:
+    if min(map(abs, (p1, p2, q1, q2))) < 2 or a * f == 0 or abs(det) < 3:
         return None
     l1 = (f * p2 - (a - pole) * q2) / det
     return ExamItem({"A3": np.array([[p1], [p2], [a]]), "F3": np.array([[q1], [q2], [f]]), "p": pole}, l1,

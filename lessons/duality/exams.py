@@ -21,7 +21,7 @@ def _pole(lot: Lot) -> ExamItem | None:
     """Regulator and filter share the pole −√(a² + c² W/V)."""
     a, c, W, V = float(lot.whole(-3, 4)), float(lot.whole(2, 4)), float(lot.whole(2, 20)), float(lot.whole(2, 8))
     root = math.sqrt(a * a + c * c * W / V)
-    return ExamItem({"a": a, "c": c, "W": W, "V": V}, -root, {"P": V * (a + root) / (c * c)}) if a else None
+    return ExamItem({"a": a, "c": c, "W": W, "V": V}, -root, {"P": V * (a + root) / (c * c)}) if abs(a) > 1 else None
 
 
 def _predictor(lot: Lot) -> ExamItem:

@@ -16,7 +16,7 @@ def _doyle(lot: Lot) -> ExamItem:
 
 def _cost(lot: Lot) -> ExamItem:
     """One state: J = W S + K² R P, with S = R K and P = V L; the roots are whole."""
-    a, R, V = float(lot.whole(1, 3)), float(lot.whole(1, 4)), float(lot.whole(1, 4))
+    a, R, V = float(lot.whole(2, 3)), float(lot.whole(2, 4)), float(lot.whole(2, 4))
     K, L = 2 * a + lot.whole(1, 4), 2 * a + lot.whole(1, 4)
     Q, W = R * (K * K - 2 * a * K), V * (L * L - 2 * a * L)
     return ExamItem({"a": a, "W": W, "V": V, "Q": Q, "R": R}, W * R * K + K * K * R * V * L, {"K": K, "L": L})
@@ -24,7 +24,7 @@ def _cost(lot: Lot) -> ExamItem:
 
 def _regulator(lot: Lot) -> tuple[dict[str, float], float]:
     """An unstable plant with weights, and the gain of its LQR."""
-    a, Q, R = float(lot.whole(1, 6)), float(lot.whole(2, 40)), lot.one((0.5, 2.0, 4.0, 5.0, 8.0))
+    a, Q, R = float(lot.whole(2, 7)), float(lot.whole(2, 40)), lot.one((0.5, 2.0, 4.0, 5.0, 8.0))
     return {"a": a, "Q": Q, "R": R}, a + math.sqrt(a * a + Q / R)
 
 

@@ -11,13 +11,13 @@ QUIET = (0.1, 0.2, 0.5, 2.0)
 
 def _least(lot: Lot) -> ExamItem:
     """ẋ = −a x + w, y = x + v: the Kalman gain L = −a + √(a² + W/V)."""
-    a, W, V = float(lot.whole(1, 6)), float(lot.whole(2, 39)), lot.one((*QUIET, 1.0))
+    a, W, V = float(lot.whole(2, 7)), float(lot.whole(2, 39)), lot.one((*QUIET, 1.0))
     return ExamItem({"a": a, "W": W, "V": V}, -a + math.sqrt(a * a + W / V))
 
 
 def _valley(lot: Lot) -> ExamItem:
     """The variance at any L: P = (W + L² V)/(2 (a + L))."""
-    a, W, V, L = float(lot.whole(1, 6)), float(lot.whole(2, 30)), lot.one(QUIET), float(lot.whole(2, 12))
+    a, W, V, L = float(lot.whole(2, 7)), float(lot.whole(2, 30)), lot.one(QUIET), float(lot.whole(2, 12))
     return ExamItem({"a": a, "W": W, "V": V, "L": L}, (W + L * L * V) / (2 * (a + L)))
 
 

@@ -19,7 +19,7 @@ def _update(lot: Lot) -> ExamItem | None:
     y = round(a * m * m + lot.part(-40, 40), 1)
     H = 2 * a * m
     K = P * H / (H * H * P + R)
-    return ExamItem({"m": m, "P": P, "a": a, "R": R, "y": y}, m + K * (y - a * m * m), {"H": H, "K": K}) if y > 0 else None
+    return ExamItem({"m": m, "P": P, "a": a, "R": R, "y": y}, m + K * (y - a * m * m), {"H": H, "K": K}) if y > 0 and a != 1 else None
 
 
 def _spread(lot: Lot) -> ExamItem:

@@ -19,11 +19,11 @@ def _windup(lot: Lot) -> ExamItem:
     return ExamItem({"U": U, "ki": ki, "Tt": Tt, "e": e}, U + Tt * ki * e)
 
 
-def _reach(lot: Lot) -> ExamItem:
+def _reach(lot: Lot) -> ExamItem | None:
     """ẋ = a x + b u is lost beyond b U/a; waiting costs e^{aτ}."""
     a, b, U, tau = lot.part(2, 20), float(lot.whole(2, 6)), float(lot.whole(2, 9)), lot.part(1, 12)
     edge = b * U / a
-    return ExamItem({"a": a, "b": b, "U": U, "tau": tau}, edge * math.exp(-a * tau), {"edge": edge})
+    return ExamItem({"a": a, "b": b, "U": U, "tau": tau}, edge * math.exp(-a * tau), {"edge": edge}) if a != 1 else None
 
 
 def _fastest(lot: Lot) -> ExamItem:

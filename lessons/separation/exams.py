@@ -22,13 +22,13 @@ def _peak(lot: Lot) -> ExamItem:
 
 def _own(lot: Lot) -> ExamItem:
     """One state: the compensator's pole is a − K − L = p + q − a."""
-    a, p, q = float(lot.whole(1, 6)), -float(lot.whole(1, 6)), -float(lot.whole(7, 15))
+    a, p, q = float(lot.whole(2, 7)), -float(lot.whole(1, 6)), -float(lot.whole(7, 15))
     return ExamItem({"a": a, "p": p, "q": q}, p + q - a, {"K": a - p, "L": a - q})
 
 
 def _leak(lot: Lot) -> ExamItem | None:
     """A real pole crosses zero at a = K L/(K + L − â), before the trace vanishes at K + L − â."""
-    m, K, L = lot.part(1, 4, 2), float(lot.whole(3, 9)), float(lot.whole(8, 20))
+    m, K, L = lot.one((0.5, 1.5, 2.0, 2.5)), float(lot.whole(3, 9)), float(lot.whole(8, 20))
     rest = K + L - m
     return ExamItem({"m": m, "K": K, "L": L}, K * L / rest) if rest**2 > K * L and m < K else None
 

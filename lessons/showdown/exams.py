@@ -29,7 +29,7 @@ def _late(lot: Lot) -> ExamItem:
 
 def _rounding(lot: Lot) -> ExamItem:
     """Steps of 2U/2^N volts: a deviation of one step over √12, in µV."""
-    bits, U = lot.whole(8, 18), lot.one((2.0, 2.5, 3.0, 4.0, 5.0, 10.0))
+    bits, U = lot.whole(8, 16), lot.one((2.0, 2.5, 3.0, 4.0, 5.0, 10.0))
     width = 2 * U / 2**bits
     return ExamItem({"bits": float(bits), "U": U}, 1e6 * width / math.sqrt(12), {"steps": 2.0**bits, "width": width})
 

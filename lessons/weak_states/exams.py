@@ -11,14 +11,14 @@ from app.lesson.exam import Exam, ExamItem, Lot, decimals, significant
 
 def _bound(lot: Lot) -> ExamItem:
     """g s/(s² + c s + k) is cut away: both its Hankel values are g/(2c), so the bound 2Σσ is 2g/c."""
-    g, c, k = float(lot.whole(1, 9)), lot.one((0.2, 0.4, 0.5, 0.8, 1.6, 2.5)), float(lot.whole(20, 89))
+    g, c, k = float(lot.whole(2, 12)), lot.one((0.2, 0.4, 0.5, 0.8, 1.6, 2.5)), float(lot.whole(20, 89))
     return ExamItem({"g": g, "c": c, "k": k}, 2 * g / c, {"sigma": g / (2 * c)})
 
 
 def _balance(lot: Lot) -> ExamItem | None:
     """b²/(2a T²) = c² T²/(2a) at T = √(b/c)."""
-    a, b, c = lot.part(2, 30), lot.part(2, 60), lot.part(2, 60)
-    return ExamItem({"a": a, "b": b, "c": c}, math.sqrt(b / c)) if b != c else None
+    a, b, c = (lot.part(2, 60) for _ in range(3))
+    return ExamItem({"a": a, "b": b, "c": c}, math.sqrt(b / c)) if b != c and 1 not in (a, b, c) else None
 
 
 def _slow(lot: Lot) -> ExamItem | None:

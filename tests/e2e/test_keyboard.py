@@ -151,6 +151,12 @@ def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None
     walk_to(tab, FOCUS, wanted="check")
     tab.key("Enter")
     eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == len(lesson.tasks) + 1, "the exam")
+    choose(tab, "mode", "withheld")
+    enter(tab, "answer", "-3")
+    walk_to(tab, FOCUS, wanted="note")
+    tab.key("Enter")
+    eventually(tab.page.get_by_text("Noted: −3.").count, lambda n: n == 1, "an answer that is noted")
+    assert tab.page.locator(".ol-right").count() == len(lesson.tasks)
 
 
 def choose(tab: Tab, label: str, option: str) -> None:
