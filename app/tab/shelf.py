@@ -10,6 +10,7 @@ from ..lesson.lesson import Lesson
 from .state import LONGEST, LONGEST_NAME
 
 MOST = 60  # designs that are kept
+ROOM = 60_000  # bytes that all of them take: what a browser keeps comes back in one message, which has its bound
 
 
 @dataclass(frozen=True)
@@ -24,7 +25,7 @@ class Kept:
 def read_shelf(written: str | None, lessons: Mapping[str, Lesson]) -> tuple[Kept, ...]:
     """What a browser says that it keeps; whatever is no design under a name is passed over."""
     try:
-        data = json.loads(written) if written and len(written) <= MOST * LONGEST else None
+        data = json.loads(written) if written and len(written) <= 10 * ROOM else None
     except (ValueError, RecursionError):
         return ()
     found = [Kept(name, lesson, words) for name, words in data.items() if (lesson := _lesson_of(name, words, lessons))

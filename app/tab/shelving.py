@@ -10,11 +10,11 @@ from ..text import text
 from .gate import named
 from .orders import ClearBrowser, ForgetDesign, KeepDesign, OpenKept, Shelving
 from .presenter import Presenter
-from .shelf import MOST, Kept
-from .state import LONGEST, Saved, read_state, write_state
+from .shelf import MOST, ROOM, Kept
+from .state import Saved, read_state, write_state
 
 FULL = text("{most} designs are kept already; remove one first.", most=MOST)
-TOO_LONG = text("This design with its plant is too large to be kept here; save it as a file.")
+NO_ROOM = text("There is no room left for this design with its plant; remove one, or save it as a file.")
 NAME_IT = text("Give the design a name first.")
 NO_SUCH = text("There is no kept design of that name any more.")
 KEPT = text("Kept in this browser as {name}.")
@@ -48,8 +48,8 @@ def _keep(show: Presenter, name: str) -> None:
         raise KnobError(NAME_IT)
     if len(others) >= MOST:
         raise KnobError(FULL)
-    if len(words) > LONGEST:
-        raise KnobError(TOO_LONG)
+    if sum(len(each.encode()) for each in (words, *(kept.words for kept in others))) > ROOM:
+        raise KnobError(NO_ROOM)
     show.view.shelve(name, words)
     show.change(replace(show.state, shelf=(*others, Kept(name, show.lesson.id, words))))
     show.view.say(KEPT.format(name=name), False)

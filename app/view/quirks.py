@@ -19,10 +19,11 @@ from viser import _messages, infra
 from ..text import languages
 from . import page, phrases
 from .gate import Gate, Refusal
-from .handshake import Page, guarded
+from .handshake import LARGEST, Page, guarded
 from .kept import kept
 
 NAME = "Observer Lab"
+SPARE = 10_000  # bytes of a message beside what it carries
 OPENING = threading.Lock()  # two servers opened at once would take each other's socket
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
@@ -249,5 +250,5 @@ def ask_storage(client: viser.ClientHandle, key: str, shelf: str,
             answer(*kept(message.value))
 
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
-    run(client, "recall", key=key, shelf=shelf, request=request)
+    run(client, "recall", key=key, shelf=shelf, most=LARGEST - SPARE, request=request)
     client.flush()

@@ -10,7 +10,7 @@ from app.tab.commands import OpenLesson, OpenState, Predict, Recalled, SetLangua
 from app.tab.orders import ClearBrowser, ForgetDesign, KeepDesign, OpenKept, PinDesign
 from app.tab.session import Session
 from app.tab.shelf import MOST, read_shelf
-from app.tab.shelving import FULL, NAME_IT, NO_SUCH
+from app.tab.shelving import FULL, NAME_IT, NO_ROOM, NO_SUCH
 from app.tab.state import Saved
 from app.tab.token import write_token
 
@@ -61,6 +61,10 @@ def test_a_design_is_kept_under_a_name_opened_anywhere_and_removed() -> None:
     for wrong, why in ((OpenKept("my design"), NO_SUCH), (ForgetDesign(3), NO_SUCH), (KeepDesign(" "), NAME_IT)):
         tab.do(wrong)
         assert tab.view.scolded()[-1] == why
+    tab.set(hand=[(k / 100 + 1e-9 * k, 0.123456789 * (k % 8)) for k in range(400)])
+    for k in range(20):
+        tab.do(KeepDesign(f"long {k}"))
+    assert tab.view.scolded()[-1] == NO_ROOM and 3 < len(tab.picture.state.shelf) < 20
 
 
 def test_a_new_tab_goes_on_where_the_last_one_was() -> None:

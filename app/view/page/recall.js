@@ -1,6 +1,6 @@
 // Answers with what this tab kept, what stands in its address bar, what the tabs before it kept, and the designs with names, in
 // the shape of viser's one answer about storage.
-({key, shelf, request}) => {
+({key, shelf, most, request}) => {
   const lab = window.observerLabAddress, token = lab?.token() ?? '';
   const read = (store, name) => { try { return window[store].getItem(name); } catch (error) { console.warn('no storage', error); return null; } };
   const kept = read('sessionStorage', key), earlier = read('localStorage', key);
@@ -9,6 +9,9 @@
       .map(([name, written]) => [name, JSON.stringify(written)]));
   } catch (error) { window.observerLabKept = {}; }
   const home = location.origin + location.pathname;
-  const value = JSON.stringify([kept, token, token === lab?.shown, home, kept === null ? earlier : null, read('localStorage', shelf)]);
+  const told = [kept, token, token === lab?.shown, home, kept === null ? earlier : null, read('localStorage', shelf)];
+  const heavy = () => new Blob([JSON.stringify(told)]).size > most;  // a larger message would cost the connection
+  for (const less of [5, 4, 0]) if (heavy()) told[less] = null;
+  const value = JSON.stringify(told);
   window.__viserMutable.sendMessage({type: 'LocalStorageGetItemResponseMessage', value, error: null, request_uuid: request});
 }
