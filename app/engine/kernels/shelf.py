@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
+import logging
 import os
 import subprocess
 import sys
@@ -25,6 +26,7 @@ from . import clipped, held, recursion, small
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels"]
 
+log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
 _1, _2, _3, _4 = ("f8[" + ":," * d + "::1]" for d in range(4))
 _STEPS = f"b1[:,::1],{_2},{_2},i8,{_3},{_3},{_3},{_3})"
@@ -108,7 +110,10 @@ def _prepare() -> None:
         there = os.pathsep.join(filter(None, [str(package), os.environ.get("PYTHONPATH", "")]))
         subprocess.run([sys.executable, "-m", "app.engine.kernels"], check=False, env={**os.environ, "PYTHONPATH": there},
                        stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    SHELF.fill()
+    try:
+        SHELF.fill()
+    except Exception as problem:  # whatever a compiler of another version may say: all goes on the plain way
+        log.warning("no kernels, so that some runs take longer: %s", problem)
 
 
 def cache_folder() -> Path | None:

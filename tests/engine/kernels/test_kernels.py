@@ -22,7 +22,7 @@ from app.engine import (
     simulate,
     simulate_trial,
 )
-from app.engine.kernels import SHELF, prepare_kernels
+from app.engine.kernels import SHELF, prepare_kernels, shelf
 from app.engine.kernels.shelf import SIGNATURES
 from app.engine.sampled import Hardware, SampledLoop, sampled_controller, simulate_trials
 from app.engine.simulation import Run, simulate_recovery, simulate_starts
@@ -138,6 +138,17 @@ def test_what_a_kernel_cannot_judge_is_left_to_the_plain_way() -> None:
     twice = KalmanFilter([[1]], [[0]], [[1], [1]], 1.0, np.zeros((2, 2)))
     with SHELF.holding({f: f for f in SIGNATURES}), pytest.raises(EngineError, match="singular"):
         twice.run(Belief([0], [[0]]), np.ones((3, 2)))
+
+
+def test_a_compiler_that_fails_leaves_the_plain_ways(monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    def fails() -> dict:
+        raise ImportError("another version is needed")
+
+    monkeypatch.delenv("OBSERVER_LAB_KERNELS")
+    monkeypatch.setattr(shelf, "cache_folder", lambda: None)
+    monkeypatch.setattr(shelf, "_compiled", fails)
+    prepare_kernels().join()
+    assert not SHELF.made and "another version is needed" in caplog.text
 
 
 @pytest.mark.slow
