@@ -15,6 +15,7 @@ from app.cli import serve as serving
 from app.cli.entry import main
 from app.cli.serve import ServeRequest
 from app.engine import EngineError
+from app.lesson.exam import seed_of
 from app.lesson.lesson import Check, Job, Lesson
 from app.published import records
 from app.tab.state import Saved, write_state
@@ -158,6 +159,9 @@ def test_a_design_that_the_engine_refuses_is_bad_input(capsys, monkeypatch) -> N
     (["teach"], "LESSON"),
     (["teach", "nope"], "no lesson nope"),
     (["teach", "kalman", "--lang", "de"], "de"),
+    (["exam", "kalman"], "--key"),
+    (["exam", "nope", "--key", "me"], "no lesson nope"),
+    (["exam", "kalman", "--key", "me", "--variant", "-1"], "no variant"),
     (["status", "127.0.0.1:8080"], "is no address"),
     (["serve", "--data-dir", "a\0b"], "cannot hold the log"),
     (["--port", "abc"], "not a port"),
@@ -259,6 +263,17 @@ def test_teach_prints_the_notes_as_they_are_written(capsys) -> None:
                         (["hidden-modes", "--lang", "zh"], "app/locale/zh/hidden-modes.teacher.md")):
         assert main(["teach", *words]) == 0
         assert capsys.readouterr().out == (ROOT / path).read_text(encoding="utf-8")
+
+
+def test_exam_prints_what_a_key_draws_and_the_answers(capsys) -> None:
+    lesson = LESSONS["kalman"]
+    for lang, variant in (("en", 0), ("zh", 3)):
+        assert main(["exam", "kalman", "--key", "Li Wei", "--variant", str(variant), "--lang", lang]) == 0
+        told = capsys.readouterr().out
+        assert "[[" not in told and told.count("## ") == len(lesson.exams)
+        for exam in lesson.exams:
+            right = exam.digits.written(exam.item(seed_of("li wei", "kalman", exam.id, variant)).answer)
+            assert f"## {lesson.words[lang].exams[exam.id].title}\n" in told and f"\n**{right}**\n" in told
 
 
 def test_help_is_status_0_and_names_the_commands(capsys) -> None:

@@ -19,6 +19,7 @@ from .typed import Unreadable, value_of
 
 T = TypeVar("T")
 DRAWS = 500  # after so many unfit ones a generator is wrong
+LONGEST_KEY = 60  # characters of a key that count
 TIE = 0.01  # of a digit: no answer lies nearer to where rounding turns from one digit to the next
 TRIVIAL = (0.0, 1.0, 2.0)  # answers that need no work, and stand in most statements
 ROUNDING = 1e-6  # of a digit, what floating point may add to a rounded answer
@@ -156,7 +157,7 @@ def _item(exam: Exam, seed: str) -> ExamItem:
 
 def seed_of(student: str, lesson: str, exam: str, variant: int) -> str:
     """The seed for a student's key, however it is written: blanks and capitals do not count. Variant 0 is the withheld one."""
-    key = " ".join(unicodedata.normalize("NFKC", student).casefold().split())
+    key = " ".join(unicodedata.normalize("NFKC", student).casefold().split())[:LONGEST_KEY]
     return hashlib.sha256("\n".join((key, lesson, exam, str(variant))).encode("utf-8", "surrogatepass")).hexdigest()
 
 

@@ -19,7 +19,6 @@ from .picture import MOST_ANSWERS, MOST_VARIANTS, Answered, ExamState, State
 from .presenter import Presenter
 
 WITHHELD = 0  # the variant that is asked where nothing is told
-LONGEST_KEY = 60
 
 
 def obey(show: Presenter, command: Examining) -> None:
@@ -30,7 +29,7 @@ def obey(show: Presenter, command: Examining) -> None:
         case AnotherVariant(exam):
             _turn(show, _find(show, exam))
         case SetKey(key):
-            show.change(replace(show.state, key=key.strip()[:LONGEST_KEY] if isinstance(key, str) else ""))
+            show.change(replace(show.state, key=key.strip()[:LONGEST] if isinstance(key, str) else ""))
         case Withhold(on):
             show.change(replace(show.state, withheld=on is True))
         case _:

@@ -1,0 +1,35 @@
+"""`exam`: the exams of a lesson as a student's key draws them, with answers and derivations; no page shows them so."""
+
+from __future__ import annotations
+
+import argparse
+
+from ..text.languages import languages
+from .options import whole
+
+HELP = "the exams of a lesson for a student's key, with answers"
+MOST = 10**6
+
+
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """The options of `exam`."""
+    parser.add_argument("lesson", metavar="LESSON", help="a lesson's name; see list")
+    parser.add_argument("--key", required=True, help="the student's key, as it is typed on the page")
+    parser.add_argument("--variant", type=whole(0, MOST, "is no variant; give a whole number, 0 for the withheld one"), default=0,
+                        metavar="N", help="which variant, 1 the first in practice; 0, unless given, the withheld one")
+    parser.add_argument("--lang", choices=languages(), default="en", help="language of the words")
+
+
+def execute(options: argparse.Namespace) -> int:
+    """Print each exam in Markdown: statement, answer, derivation. Raises CommandError at a lesson that there is not."""
+    from ..lesson.derivation import fill
+    from ..lesson.exam import seed_of
+    from ..text import joined, same
+    from .inputs import find_lesson
+
+    lesson, lang = find_lesson(options.lesson), options.lang
+    for exam in lesson.exams:
+        words, item = lesson.words[lang].exams[exam.id], exam.item(seed_of(options.key, lesson.id, exam.id, options.variant))
+        statement = joined(same(fill(words.statement, item.given)), exam.digits.asked)(lang)
+        print(f"## {words.title}\n{statement}\n\n**{exam.digits.written(item.answer)}**\n\n{fill(words.derivation, exam.values(item))}\n")
+    return 0
