@@ -21,6 +21,7 @@ class Row:
     goal: float | None = None
     bound: float | None = None
     said: str = ""
+    limit: str = ""  # what a profile shows to stand in the way of the goal
 
     @property
     def met(self) -> bool | None:
