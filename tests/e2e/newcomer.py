@@ -107,8 +107,8 @@ def main() -> int:
     with serving() as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
         for name in options.lesson or LESSONS:
-            context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="reduce")
-            what, moved = play(Tab(context.new_page(), address), LESSONS[name])
+            context = browser.new_context(viewport={"width": width, "height": height}, reduced_motion="no-preference")
+            what, moved = play(Tab(context.new_page(), address, drawn=False), LESSONS[name])
             context.close()
             fails = has_a_ghost(LESSONS[name]) and moved <= WANTED
             failed += fails
