@@ -73,4 +73,4 @@ def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _compress(R: np.ndarray) -> np.ndarray:
     """A factor of R Rᵀ with no more columns than rows."""
-    return np.linalg.qr(R.T, mode="r").T if R.size else R
+    return np.transpose(np.linalg.qr(R.T, mode="r")) if R.size else R  # pyright: ignore[reportArgumentType, reportCallIssue]
