@@ -61,16 +61,10 @@ class Take:
             parts = gui.add_tab_group()
             with parts.add_tab(phrases.LINK(lang)):
                 self._offer_state(token)
-            if self._picture.seen:
-                with parts.add_tab(phrases.FIGURES(lang)):
-                    self._offer_figures()
-            with parts.add_tab(phrases.SCRIPTS(lang)):
-                self._note(phrases.PROVES)
-                self._button_each({phrases.PYTHON: TakeFile("python"), phrases.NOTEBOOK: TakeFile("notebook"),
-                                   phrases.MATLAB: TakeFile("matlab")})
-            with parts.add_tab(phrases.PAPER(lang)):
-                self._note(phrases.SHEET_HAS)
-                self._button_each({phrases.SHEET: TakeFile("sheet")})
+                if picture.state.predicted is None:
+                    self._note(phrases.AFTER_CHOICE)
+            if picture.state.predicted is not None:
+                self._offer_files(parts)
             close = gui.add_button(phrases.CLOSE(lang), color="gray")
 
         @close.on_click
@@ -88,6 +82,20 @@ class Take:
         async def _(event: viser.GuiEvent) -> None:
             self._close()
             self._post(OpenState(event.target.value.content[:LONGEST + 1]))
+
+    def _offer_files(self, parts: viser.GuiTabGroupHandle) -> None:
+        """Figures, scripts and the sheet, all of which hold the answer to the question."""
+        lang = self._lang
+        if self._picture.seen:
+            with parts.add_tab(phrases.FIGURES(lang)):
+                self._offer_figures()
+        with parts.add_tab(phrases.SCRIPTS(lang)):
+            self._note(phrases.PROVES)
+            self._button_each({phrases.PYTHON: TakeFile("python"), phrases.NOTEBOOK: TakeFile("notebook"),
+                               phrases.MATLAB: TakeFile("matlab")})
+        with parts.add_tab(phrases.PAPER(lang)):
+            self._note(phrases.SHEET_HAS)
+            self._button_each({phrases.SHEET: TakeFile("sheet")})
 
     def _offer_figures(self) -> None:
         """A figure to choose, the one that is on top first, with its kinds of file; all of them; the stage."""
