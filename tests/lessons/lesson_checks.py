@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from typing import Any
 
@@ -21,7 +21,7 @@ from app.lesson.figures import (
     TableFigure,
 )
 from app.lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
-from app.lesson.lesson import Design, Lesson, Outcome
+from app.lesson.lesson import Design, Lesson, Outcome, Task
 from app.text import Text
 from app.view.prose import mathml, render
 from lessons import LESSONS
@@ -113,6 +113,11 @@ def numbers_of(outcome: Outcome) -> Iterator[tuple[str, np.ndarray]]:
 
 
 # --- knobs ---------------------------------------------------------------------------------------------------------
+def by_knobs(tasks: Iterable[Task[Any]]) -> list[Task[Any]]:
+    """Those of the tasks that a design solves, and not an expression found with a pencil."""
+    return [task for task in tasks if task.typed is None or not task.typed.letters]
+
+
 def others(knob: Knob, design: Design) -> list[Any]:
     """A few valid values of a knob that differ from the present one."""
     now = design[knob.name]

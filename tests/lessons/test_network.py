@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from lesson_checks import carried
+from lesson_checks import by_knobs, carried
 
 from app.engine.network import mean_square_growth
 from app.lesson.knobs import Choice, Number
@@ -189,7 +189,7 @@ def test_neither_holding_nor_zero_always_wins() -> None:
 
 
 # --- tasks, exam, stage ------------------------------------------------------------------------------------------------------
-@pytest.mark.parametrize("task", TASKS, ids=lambda t: t.id)
+@pytest.mark.parametrize("task", by_knobs(TASKS), ids=lambda t: t.id)
 def test_no_task_turns_on_the_noise(task: Any) -> None:
     for seed in SEEDS:
         assert task.check(outcome(**task.solution, seed=seed)).solved
@@ -197,7 +197,7 @@ def test_no_task_turns_on_the_noise(task: Any) -> None:
 
 
 def test_near_misses_of_the_tasks() -> None:
-    edge, faster, gap, wall = TASKS
+    edge, faster, gap, wall = by_knobs(TASKS)
     assert not edge.check(outcome(a=1.4, loss=0.52)).solved and not edge.check(outcome(a=1.4, loss=0.45)).solved
     assert not faster.check(outcome(case=CART, loss=0.8)).solved
     assert not gap.check(outcome(case=TWO, loss=0.5)).solved and not gap.check(outcome(case=TWO, loss=0.7)).solved

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from lesson_checks import carried
+from lesson_checks import by_knobs, carried
 
 from app.engine import chi2_band
 from lessons.nonlinear.cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF, case_of
@@ -112,7 +112,7 @@ def test_on_the_platform_the_extended_filter_is_honest_up_to_an_amplitude(seed):
     assert two.nees[EKF].max() > 20 * two.nees[UKF].max()
 
 
-@pytest.mark.parametrize("task", LESSON.tasks, ids=lambda t: t.id)
+@pytest.mark.parametrize("task", by_knobs(LESSON.tasks), ids=lambda t: t.id)
 def test_tasks_hold_for_any_seed(task):
     for seed in range(20):
         start = LESSON.apply(LESSON.start(), {"seed": seed})

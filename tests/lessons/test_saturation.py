@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lesson_checks import by_knobs
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
@@ -236,14 +237,14 @@ def test_a_fallen_pole_is_shown_at_its_fall_for_the_rest_of_the_time() -> None:
     assert outcome.run.t[-1] < stopped
 
 
-@pytest.mark.parametrize("task", LESSON.tasks, ids=lambda task: task.id)
+@pytest.mark.parametrize("task", by_knobs(LESSON.tasks), ids=lambda task: task.id)
 def test_task_fails_at_the_start_and_passes_at_its_solution(task) -> None:
     assert not task.check(LESSON.compute(LESSON.start())).solved
     assert task.check(LESSON.compute(LESSON.apply(LESSON.start(), task.solution))).solved
 
 
 def test_told_the_truth_is_needed_in_every_task() -> None:
-    for task in LESSON.tasks:
+    for task in by_knobs(LESSON.tasks):
         lied = LESSON.apply(LESSON.start(), {**task.solution, "fed": "commanded"})
         assert not task.check(LESSON.compute(lied)).solved
 
