@@ -118,8 +118,10 @@ def checked(tab: Tab, task: str) -> None:
     eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == solved + 1, f"task {task} solved by keys")
 
 
-def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None:
+def test_tasks_of_each_kind_and_an_exam_by_keyboard_alone(tab: Tab) -> None:
+    """Poles, a choice with a number, and a result that is typed."""
     lesson = LESSONS["virtual-sensor"]
+    done = [task for task in lesson.tasks if task.id in ("feel-the-core", "tame-the-runaway", "match")]
     named = {knob.name: label_of(knob, "en") for knob in lesson.knobs}
     for _ in LESSONS:
         if tab.question() == lesson.words["en"].question:
@@ -131,7 +133,7 @@ def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None
     walk_to(tab, OPTION, "ABCD"[lesson.answer])
     tab.key("Enter")
     open_folder(tab, "Tasks")
-    for task in lesson.tasks:
+    for task in done:
         tab.page.evaluate(ON_PAGE)
         tab.key("r")
         for name, value in task.solution.items():
@@ -148,7 +150,7 @@ def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None
         enter(tab, "Your result", task.typed.right(None))
         walk_to(tab, FOCUS, wanted="check")
         tab.key("Enter")
-        eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == len(lesson.tasks), f"task {task.id} typed by keys")
+        eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == len(done), f"task {task.id} typed by keys")
     exam = lesson.exams[0]
     open_folder(tab, "Exam")
     enter(tab, "your key", "me")
@@ -156,13 +158,13 @@ def test_every_task_and_the_exam_of_a_lesson_by_keyboard_alone(tab: Tab) -> None
     enter(tab, "answer", exam.digits.written(exam.item(seed_of("me", lesson.id, exam.id, 1)).answer))
     walk_to(tab, FOCUS, wanted="check")
     tab.key("Enter")
-    eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == len(lesson.tasks) + 1, "the exam")
+    eventually(lambda: tab.page.locator(".ol-right").count(), lambda n: n == len(done) + 1, "the exam")
     choose(tab, "mode", "withheld")
     enter(tab, "answer", "-3")
     walk_to(tab, FOCUS, wanted="note")
     tab.key("Enter")
     eventually(tab.page.get_by_text("Noted: −3.").count, lambda n: n == 1, "an answer that is noted")
-    assert tab.page.locator(".ol-right").count() == len(lesson.tasks)
+    assert tab.page.locator(".ol-right").count() == len(done)
 
 
 def choose(tab: Tab, label: str, option: str) -> None:
