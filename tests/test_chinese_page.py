@@ -24,8 +24,9 @@ CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "sid
                    "value", "parts", "source", "plant",  # fields of plain text that no page shows
                    "equation", "now"})  # and mathematics
 # What Chinese control literature writes in Latin letters: units, functions, people, methods.
-KNOWN = frozenset(WORD.findall("""
-    mrad rad rpm kHz dB min max log eig rank det diag cos sin exp cov vec tr
+FUNCTIONS = frozenset(WORD.findall("min max log eig rank det diag cos sin exp cov vec tr"))  # of something; alone they are words
+KNOWN = FUNCTIONS | frozenset(WORD.findall("""
+    mrad rad rpm kHz dB
     LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
     Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
     Julier Uhlmann sigma maxon
@@ -68,7 +69,8 @@ def page(lesson: Lesson, design: Design, language: str = "zh") -> Iterator[str]:
 
 def english(texts: Iterator[str]) -> dict[str, list[str]]:
     """Texts with words that are not known names, but for a term in brackets behind the Chinese one, to look it up by."""
-    found = {text: [w for w in WORD.findall(TERM.sub(" ", FORMULA.sub(" ", text))) if w not in KNOWN] for text in texts}
+    found = {text: [w for w in WORD.findall(TERM.sub(" ", FORMULA.sub(" ", text)))
+                    if w not in KNOWN or (w in FUNCTIONS and text.strip() == w)] for text in texts}
     return {text: words for text, words in found.items() if words}
 
 

@@ -68,7 +68,7 @@ def _ranks(outcome: Outcome[Study]) -> PlaneFigure:
               for rank, role in zip(now, ("force", "estimate"), strict=True)]
     return PlaneFigure(
         "ranks", text("rank against tolerance"), tuple(curves), tuple(points),
-        "log₁₀ τ", "rank", (-18.0, 0.0), (0.0, 11.5), tab=RANK_TAB,
+        "log₁₀ τ", text("rank"), (-18.0, 0.0), (0.0, 11.5), tab=RANK_TAB,
         caption=text("At this tolerance: rank {now} of controllability, {now2} of observability, of {states}.",
                      now=now[0], now2=now[1], states=STATES))
 
