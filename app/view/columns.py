@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+
 import viser
+
+from . import quirks
+
+FORGOTTEN = (296.0, 312.0)  # px: as wide as viser makes a column of which it knows no width
 
 
 class Columns:
-    """Docked panels with their widths in pixels. A busy browser may hear a width before the column stands: say it twice."""
+    """Docked panels with their widths in pixels.
+
+    A browser that is busy while one page follows another puts the new column beside the old one and forgets its width; so
+    the page says, for some seconds after it was laid out, how wide the column on the right stands, and is told again.
+    """
 
     def __init__(self) -> None:
         self._held: list[tuple[viser.MainPanelHandle | viser.PanelHandle, float]] = []
@@ -16,7 +26,16 @@ class Columns:
         self._held.append((panel, width))
         panel.set_width(width)
 
-    def again(self) -> None:
-        """Say all widths once more."""
-        for panel, width in self._held:
-            panel.set_width(width)
+    def watch(self, client: viser.ClientHandle) -> None:
+        """Hear how wide the column on the right stands, the first of these panels."""
+        if len(self._held) < 2:
+            return
+        told = client.gui.add_number("", -1.0, visible=False)
+        panel, width = self._held[0]
+
+        @told.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            if FORGOTTEN[0] <= event.target.value <= FORGOTTEN[1]:
+                with suppress(RuntimeError):  # the page has been laid out anew meanwhile
+                    panel.set_width(width)
+        quirks.run(client, "columns", widget=quirks.id_of(told))

@@ -79,6 +79,7 @@ class Screen(Browser):
             self._take = Take(self._client, picture, self._post, self._home)
             gui.main_panel.dock_left()
             self._columns.add(gui.main_panel, sizes.left)
+            self._columns.watch(self._client)
             self._commands(language)
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
@@ -110,8 +111,6 @@ class Screen(Browser):
         self._client.flush()
         time.sleep(APART)
         with self._client.atomic():
-            if before is None:
-                self._columns.again()
             if anew:
                 self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
             for board in picture.boards:
