@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .small import factor, product, product_below, put, solve_both, solve_upper, symmetrise, triangle, turn
+from .small import factor, product, put, solve_both, solve_upper, symmetrise, triangle, turn
 
 __all__ = ["joseph_steps", "mean_steps", "root_steps"]
 
@@ -25,8 +25,8 @@ def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, g
     heard, L, keep, X, Y = np.empty((p, p)), np.empty((p, p)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
     for k in range(steps):
         put(P, priors[k])
-        product(P, CT, across)
-        product(C, across, heard)
+        product(P, CT, False, across)
+        product(C, across, False, heard)
         symmetrise(heard, R, heard)
         put(heard, S[k])
         turn(across, MT)
@@ -43,22 +43,22 @@ def joseph_steps(A, C, Q, R, P, seen, goal, near, look, priors, posteriors, S, g
         solve_both(L, MT)
         M = gains[k]
         turn(MT, M)
-        product(M, C, keep)
+        product(M, C, False, keep)
         for i in range(n):
             for j in range(n):
                 keep[i, j] = -keep[i, j]
             keep[i, i] += 1.0
-        product(keep, P, X)
-        product(M, R, MR)
-        product_below(MR, MT, P)
+        product(keep, P, False, X)
+        product(M, R, False, MR)
+        product(MR, MT, True, P)
         turn(keep, keepT)
-        product_below(X, keepT, Y)
+        product(X, keepT, True, Y)
         symmetrise(Y, P, P)
         put(P, posteriors[k])
         if look > 0 and k % look == 0 and there(priors[k], goal, near):
             return k + 1
-        product(A, P, X)
-        product_below(X, AT, Y)
+        product(A, P, False, X)
+        product(X, AT, True, Y)
         symmetrise(Y, Q, P)
     return steps
 
@@ -72,10 +72,10 @@ def root_steps(A, C, Q_root, R, R_root, U, seen, goal, near, look, priors, poste
     S_root, K, AU = np.empty((p, p)), np.empty((p, n)), np.empty((n, n))
     for k in range(steps):
         turn(U, UT)
-        product(U, UT, priors[k])
-        product(C, U, CU)
+        product(U, UT, False, priors[k])
+        product(C, U, False, CU)
         turn(CU, CUT)
-        product(CU, CUT, S[k])
+        product(CU, CUT, False, S[k])
         for i in range(p):
             for j in range(p):
                 S[k, i, j] += R[i, j]
@@ -113,10 +113,10 @@ def root_steps(A, C, Q_root, R, R_root, U, seen, goal, near, look, priors, poste
                 for j in range(n):
                     U[i, j] = wide[count + j, count + i] if j <= i else 0.0
         turn(U, UT)
-        product(U, UT, posteriors[k])
+        product(U, UT, False, posteriors[k])
         if look > 0 and k % look == 0 and there(priors[k], goal, near):
             return k + 1
-        product(A, U, AU)
+        product(A, U, False, AU)
         for i in range(n):  # the transpose of [A U Q^½]
             for j in range(n):
                 tall[j, i] = AU[i, j]

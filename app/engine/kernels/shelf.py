@@ -38,7 +38,7 @@ SIGNATURES = MappingProxyType({
                    f"{_3},{_1},f8,i8,i8)",
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
 })
-PARTS = (small.triangle, small.times, small.product, small.product_below, small.put, small.turn, small.symmetrise, small.factor,
+PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor,
          small.solve_upper, small.solve_both, recursion.there, clipped.length2, clipped.mode_at, clipped.slack_of, clipped.stays,
          clipped.careful, clipped.piece, clipped.first_exit)
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})

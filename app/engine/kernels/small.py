@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ["factor", "product", "product_below", "put", "solve_both", "solve_upper", "symmetrise", "times", "triangle", "turn"]
+__all__ = ["factor", "product", "put", "solve_both", "solve_upper", "symmetrise", "times", "triangle", "turn"]
 
 
 def times(M: np.ndarray, w: np.ndarray, out: np.ndarray) -> None:
@@ -26,12 +26,15 @@ def times(M: np.ndarray, w: np.ndarray, out: np.ndarray) -> None:
             out[l] += a * M[j, l]
 
 
-def product(X: np.ndarray, Y: np.ndarray, out: np.ndarray) -> None:
-    """out = X Y for X (n, m), Y (m, p): two rows and four columns at a time."""
+def product(X: np.ndarray, Y: np.ndarray, lower: bool, out: np.ndarray) -> None:
+    """out = X Y for X (n, m), Y (m, p): two rows and four columns at a time.
+
+    `lower`: the product is symmetric, and only its lower triangle and what stands beside it in the same four columns is made.
+    """
     n, m, p = X.shape[0], Y.shape[0], Y.shape[1]
     wide, high = p - p % 4, n - n % 2
     for l in range(0, wide, 4):
-        for i in range(0, high, 2):
+        for i in range(l if lower else 0, high, 2):
             a = b = c = d = e = f = g = h = 0.0
             for j in range(m):
                 x, y = X[i, j], X[i + 1, j]
@@ -46,34 +49,7 @@ def product(X: np.ndarray, Y: np.ndarray, out: np.ndarray) -> None:
             out[i, l], out[i, l + 1], out[i, l + 2], out[i, l + 3] = a, b, c, d
             out[i + 1, l], out[i + 1, l + 1], out[i + 1, l + 2], out[i + 1, l + 3] = e, f, g, h
     for i in range(n):
-        for l in range(wide if i < high else 0, p):
-            a = 0.0
-            for j in range(m):
-                a += X[i, j] * Y[j, l]
-            out[i, l] = a
-
-
-def product_below(X: np.ndarray, Y: np.ndarray, out: np.ndarray) -> None:
-    """out = X Y where the product is symmetric, its lower triangle only and what stands beside it in the same four columns."""
-    n, m = X.shape[0], Y.shape[0]
-    wide, high = n - n % 4, n - n % 2
-    for l in range(0, wide, 4):
-        for i in range(l, high, 2):
-            a = b = c = d = e = f = g = h = 0.0
-            for j in range(m):
-                x, y = X[i, j], X[i + 1, j]
-                a += x * Y[j, l]
-                b += x * Y[j, l + 1]
-                c += x * Y[j, l + 2]
-                d += x * Y[j, l + 3]
-                e += y * Y[j, l]
-                f += y * Y[j, l + 1]
-                g += y * Y[j, l + 2]
-                h += y * Y[j, l + 3]
-            out[i, l], out[i, l + 1], out[i, l + 2], out[i, l + 3] = a, b, c, d
-            out[i + 1, l], out[i + 1, l + 1], out[i + 1, l + 2], out[i + 1, l + 3] = e, f, g, h
-    for i in range(n):
-        for l in range(wide if i < high else 0, i + 1):
+        for l in range(wide if i < high else 0, i + 1 if lower else p):
             a = 0.0
             for j in range(m):
                 a += X[i, j] * Y[j, l]
