@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from .code import code
 from .derive import derived
 from .exams import EXAMS
 from .figures import figures
@@ -20,4 +21,4 @@ LESSON = Lesson(
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
     words=read_prose(Path(__file__).parent), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,
-    derived=derived)
+    derived=derived, code=code)

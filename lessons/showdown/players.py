@@ -22,6 +22,7 @@ NAMES = (
     text("LQG, recursive filter"), text("decoupled LQG"),
 )
 OWN, PUBLISHED = "own", "published"
+SCALES = ((V_MAG, 2), (V_MAG, 2), (H_MAG, 1))  # of each channel: its unit of velocity, and coils that share its force
 STRIDE, STRIDES = 512, 40  # samples between two looks at the recursive gain, and how many: 20 s
 
 
@@ -49,10 +50,10 @@ def _feedback() -> tuple[np.ndarray, SampledLqg]:
 
 
 @lru_cache(maxsize=3)
-def _channel(index: int) -> tuple[Plant, np.ndarray, np.ndarray]:
+def channel(index: int) -> tuple[Plant, np.ndarray, np.ndarray]:
     """The reduced model of a channel, its G, and its K by the report's weights seen in this channel."""
     plant, G = siso.reduced_channel(siso.THREE[index])
-    magnitude, pair = ((V_MAG, 2), (V_MAG, 2), (H_MAG, 1))[index]
+    magnitude, pair = SCALES[index]
     weights = Weights()
     Q = weights.alpha_q * 2 / magnitude**2 * plant.C.T @ plant.C
     return plant, G, lqr(plant.A, plant.B, Q, [[weights.alpha_r * pair]]).gain
@@ -64,12 +65,15 @@ def full(v: float) -> Plant:
     return compensator(coils(plant), _feedback()[0], lqe(plant.A, ground(plant), plant.C, weights.W, weights.V).gain)
 
 
+def channel_filter(index: int, v: float) -> np.ndarray:
+    """L of a channel's steady filter: two sensors together are half as noisy."""
+    plant, G, _ = channel(index)
+    return lqe(plant.A, G, plant.C, GROUND_UNIT * np.eye(2), [[v / 2]]).gain
+
+
 def decoupled(v: float) -> Plant:
     """Three LQGs of two states each, y → u: `platform_siso.decoupled_lqg`."""
-    parts = []
-    for index in range(3):
-        plant, G, K = _channel(index)
-        parts.append(compensator(plant, K, lqe(plant.A, G, plant.C, GROUND_UNIT * np.eye(2), [[v / 2]]).gain))
+    parts = [compensator(channel(index)[0], channel(index)[2], channel_filter(index, v)) for index in range(3)]
     return siso.from_channels(*parts, name="decoupled LQG")
 
 
@@ -91,11 +95,16 @@ def _player(index: int, controller: Plant) -> Player:
     return Player(ORDER[index], NAMES[index], sampled_controller(controller, DT))
 
 
+def siso_pair(pair: str) -> Plant:
+    """The two SISO loops, y → u, in continuous time: the report's or ours."""
+    return siso.published() if pair == PUBLISHED else siso.designed()
+
+
 @lru_cache(maxsize=4)
 def _unbelieving(pair: str) -> tuple[Player, Player]:
     """Those whom the believed noise does not concern."""
     silent = Plant(np.zeros((0, 0)), np.zeros((0, 4)), np.zeros((3, 0)), np.zeros((3, 4)), DT)
-    return _player(0, silent), _player(1, siso.published() if pair == PUBLISHED else siso.designed())
+    return _player(0, silent), _player(1, siso_pair(pair))
 
 
 @lru_cache(maxsize=64)

@@ -79,14 +79,14 @@ def world_of(design: Design) -> World:
 
 
 @lru_cache(maxsize=64)
-def _plant(parameters: platform.Parameters) -> tuple[Plant, np.ndarray]:
+def plant_of(parameters: platform.Parameters) -> tuple[Plant, np.ndarray]:
     """The true plant, and the rows of its recorded outputs."""
     plant = platform.plant(parameters)
     return plant, np.vstack([T_y[:3] @ plant.C, plant.C[[0, 2]]])
 
 
 @lru_cache(maxsize=1)
-def _ground() -> Plant:
+def ground_filter() -> Plant:
     """White noise to ground motion (z_g, x_g) of density ASD²/f⁴ above the corners."""
     A, B, C = np.zeros((4, 4)), np.zeros((4, 2)), np.zeros((2, 4))
     for i, asd in enumerate(ASD):
@@ -98,8 +98,8 @@ def _ground() -> Plant:
 @lru_cache(maxsize=128)
 def loop_of(world: World, player: Player) -> SampledLoop:
     """The player's sampled loop in this world."""
-    plant, outputs = _plant(world.parameters)
-    W, shaping = (np.eye(2), _ground()) if world.shaped else (1e-12 * np.eye(2), None)
+    plant, outputs = plant_of(world.parameters)
+    W, shaping = (np.eye(2), ground_filter()) if world.shaped else (1e-12 * np.eye(2), None)
     return sampled_loop(plant, player.controller, range(3), hardware=world.hardware, W=W, V=world.sensor * np.eye(4),
                         shaping=shaping, outputs=outputs)
 
@@ -107,7 +107,7 @@ def loop_of(world: World, player: Player) -> SampledLoop:
 @lru_cache(maxsize=64)
 def grid(parameters: platform.Parameters) -> np.ndarray:
     """Frequencies in Hz: evenly on the logarithmic axis, and close together at the deck's three resonances."""
-    poles = _plant(parameters)[0].poles
+    poles = plant_of(parameters)[0].poles
     peaks = [abs(p) / (2 * np.pi) for p in poles if p.imag > 0 and abs(p) < 100]
     f = np.unique(np.concatenate([BROAD, *(peak + NEAR for peak in peaks)]))
     return f[np.concatenate([[True], np.diff(f) > 1e-9])]
