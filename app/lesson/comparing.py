@@ -12,7 +12,7 @@ from ..text import NO_WORDS, Text, joined, same, text
 from .design import Design
 from .differences import difference
 from .figures import Curve, Dash, Figure, LineFigure, PlaneFigure, Point, TableFigure, finite
-from .lesson import Board, Lesson, Outcome
+from .lesson import Board, Lesson, Outcome, Stage
 
 MOST = 4  # designs that are pinned at once
 DASHES: tuple[Dash, ...] = ("pin1", "pin2", "pin3", "pin4")
@@ -41,6 +41,17 @@ class Pin:
 
     name: str
     design: Design
+    ghost: bool = False  # whether it walks on the stage
+
+
+@dataclass(frozen=True, eq=False)
+class Ghost:
+    """What a pinned run believes at each time: a record of `states`, as the present body's pose takes them."""
+
+    place: int
+    name: str
+    t: np.ndarray
+    states: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +151,21 @@ def boards_with_pins(boards: Sequence[Board], pinned: Sequence[Pinned]) -> tuple
     return tuple(replace(board, pinned=tuple(
         (pin.place, tuple(pole for pole in other.poles if not any(abs(pole - own) <= ALIKE * (1 + abs(own)) for own in board.poles)))
         for pin in pinned for other in pin.outcome.boards if other.id == board.id)) for board in boards)
+
+
+# --- stage -------------------------------------------------------------------------------------------------------------
+def fits(stage: Stage | None, pinned: Pinned) -> bool:
+    """Whether a pin's run can walk on the present stage: another plant has other parts."""
+    other = pinned.outcome.stage
+    if stage is None or other is None or other.x.shape[1:] != stage.x.shape[1:]:
+        return False
+    return any(part.twin for part in stage.body.parts) and stage.body.parts == other.body.parts
+
+
+def ghosts(stage: Stage | None, pinned: Sequence[Pinned]) -> tuple[Ghost, ...]:
+    """The ghosts of the pins that are wanted: the estimate, the plant itself where nothing is estimated."""
+    return tuple(Ghost(pin.place, pin.pin.name, other.t, other.x if other.xhat is None else other.xhat)
+                 for pin in pinned if pin.pin.ghost and fits(stage, pin) and (other := pin.outcome.stage) is not None)
 
 
 # --- numbers -----------------------------------------------------------------------------------------------------------

@@ -34,6 +34,11 @@ class Part:
         return max(step * decade for step in (1.0, 2.0, 5.0) if step * decade <= asked * (1 + 1e-9))
 
 
+def sample_at(times: np.ndarray, t: float) -> int:
+    """The index of the last sample that is not after `t`, the first one before all."""
+    return max(0, min(int(np.searchsorted(times, t + 1e-9, side="right")) - 1, len(times) - 1))
+
+
 def apart(stage: Stage) -> tuple[np.ndarray, np.ndarray]:
     """Moments of the run, and how far plant and ghost stand apart then: the sum over the body's anchors, in stage units."""
     index = np.unique(np.linspace(0, len(stage.t) - 1, MOMENTS).round().astype(int))

@@ -9,7 +9,7 @@ from ..lesson.comparing import MOST, Pin, free_name
 from ..lesson.knobs import KnobError
 from ..text import text
 from .gate import named, number
-from .orders import Comparing, GoToStep, OpenPin, PinDesign, Unpin
+from .orders import Comparing, GoToStep, OpenPin, PinDesign, TurnGhost, Unpin
 from .presenter import Presenter
 
 FULL = text("{most} designs are pinned already; unpin one first.", most=MOST)
@@ -29,6 +29,10 @@ def obey(show: Presenter, command: Comparing) -> None:
             show.change(replace(show.state, pins=tuple(pin for pin in show.state.pins if pin is not gone)))
         case OpenPin(place):
             show.adopt(_at(show, place).design)
+        case TurnGhost(place):
+            turned = _at(show, place)
+            show.change(replace(show.state, pins=tuple(replace(pin, ghost=not pin.ghost) if pin is turned else pin
+                                                       for pin in show.state.pins)))
         case GoToStep(place):
             _go(show, place)
         case _:

@@ -15,7 +15,7 @@ from ..engine import EngineError
 from ..lesson.comparing import MOST as MOST_PINS
 from ..lesson.comparing import Pin
 from ..lesson.knobs import KnobError
-from ..lesson.lesson import Design, Lesson, Verdict
+from ..lesson.lesson import Lesson, Verdict
 from ..lesson.typed import LONGEST
 from ..plants.own import canonical, plant_of
 from ..text import languages, text
@@ -23,6 +23,7 @@ from .desk import Desk
 from .history import History
 from .picture import MOST_ANSWERS, MOST_VARIANTS, Answered, ExamState, State, TaskState
 from .state import LONGEST_NAME, judged, plain
+from .steps import read_steps, write_steps
 
 VERSION = 2
 MOST = 300_000  # bytes that a tab keeps; what was worked on longest ago is left out
@@ -44,14 +45,16 @@ class Memory:
     desks: Mapping[str, object] = field(default_factory=dict)
 
 
-def write_desk(lesson: Lesson, design: Design, state: State) -> str:
-    """The desk of a lesson as JSON: its present design, the prediction, and how far its tasks are."""
+def write_desk(lesson: Lesson, history: History, state: State) -> str:
+    """The desk of a lesson as JSON: its present design and the steps about it, the prediction, and how far its tasks are."""
+    steps = write_steps(lesson, history)
     tasks = {name: [task.hints, task.solution, task.verdict is not None and task.verdict.solved]
              for name, task in state.tasks.items()}
-    return json.dumps({**plain(lesson, design), "predicted": state.predicted, "revealed": state.revealed,
+    return json.dumps({**plain(lesson, history.design), "predicted": state.predicted, "revealed": state.revealed,
                        "tasks": tasks, "exams": {name: [exam.variant, [[a.student, a.variant, a.said] for a in exam.answers]]
                                                  for name, exam in state.exams.items()},
-                       **({"pins": [[pin.name, plain(lesson, pin.design)] for pin in state.pins]} if state.pins else {})},
+                       **({"pins": [[pin.name, plain(lesson, pin.design), pin.ghost] for pin in state.pins]} if state.pins else {}),
+                       **({"steps": steps} if steps else {})},
                       ensure_ascii=False)
 
 
@@ -99,7 +102,7 @@ def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk 
         return None
     options, predicted = len(lessons[lesson].words["en"].options), data.get("predicted")
     known = isinstance(predicted, int) and not isinstance(predicted, bool) and -1 <= predicted < options
-    return Desk(History(design), predicted if known else None, known and data.get("revealed") is True,
+    return Desk(read_steps(data.get("steps"), data, design, lessons), predicted if known else None, known and data.get("revealed") is True,
                 _tasks(data.get("tasks"), lessons[lesson]), _exams(data.get("exams"), lessons[lesson]),
                 _pins(data.get("pins"), lesson, lessons))
 
@@ -139,11 +142,11 @@ def _pins(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> tuple[Pin
     found: dict[str, Pin] = {}
     for entry in data[:MOST_PINS] if isinstance(data, list) else ():
         match entry:
-            case [str(name), dict(written)] if 0 < len(name) <= LONGEST_NAME:
+            case [str(name), dict(written), *rest] if 0 < len(name) <= LONGEST_NAME:
                 with suppress(KnobError, EngineError, RecursionError, OverflowError):
                     design = judged(written, lessons).design
                     if design.lesson == lesson:
-                        found[name] = Pin(name, design)
+                        found[name] = Pin(name, design, rest == [True])
     return tuple(found.values())
 
 

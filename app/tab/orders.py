@@ -47,6 +47,13 @@ class OpenPin:
 
 
 @dataclass(frozen=True)
+class TurnGhost:
+    """Let the ghost of the pin of that place walk on the stage, or no longer."""
+
+    place: object
+
+
+@dataclass(frozen=True)
 class GoToStep:
     """The design of that place in the history."""
 
@@ -81,4 +88,4 @@ class ClearBrowser:
 
 Taking = TakeFile | Made
 Shelving = KeepDesign | OpenKept | ForgetDesign | ClearBrowser
-Comparing = PinDesign | Unpin | OpenPin | GoToStep
+Comparing = PinDesign | Unpin | OpenPin | TurnGhost | GoToStep

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
 
-from ..lesson.comparing import Pin, Pinned, boards_with_pins, side_by_side, with_pins
+from ..lesson.comparing import Ghost, Pin, Pinned, boards_with_pins, ghosts, side_by_side, with_pins
 from ..lesson.figures import Figure, TableFigure
 from ..lesson.lesson import Board, Design, Lesson, Outcome, Verdict
 from ..lesson.living import Part, over
@@ -140,6 +140,11 @@ class Picture:
     def boards(self) -> tuple[Board, ...]:
         """The boards as they are shown, with the poles of the pins."""
         return boards_with_pins(self.outcome.boards, self.pinned) if self.pinned else self.outcome.boards
+
+    @cached_property
+    def ghosts(self) -> tuple[Ghost, ...]:
+        """The ghosts of those pins that are wanted on the stage."""
+        return ghosts(self.outcome.stage, self.pinned)
 
     @cached_property
     def compared(self) -> TableFigure | None:

@@ -281,4 +281,4 @@ class Presenter:
         return Saved(self.design, state.language, state.lecture, state.tab, state.step, self.view.eye(), state.withheld)
 
     def _write_down(self) -> None:
-        self.desk.text = write_desk(self.lesson, self.design, self.state)
+        self.desk.text = write_desk(self.lesson, self.desk.history, self.state)

@@ -11,11 +11,11 @@ from types import MappingProxyType
 
 import viser
 
-from ..lesson.comparing import DASHES, Pinned
+from ..lesson.comparing import DASHES, Pinned, fits
 from ..lesson.differences import difference, step
 from ..lesson.lesson import Design, Lesson
 from ..tab.commands import Edit
-from ..tab.orders import ClearBrowser, ForgetDesign, GoToStep, KeepDesign, OpenKept, OpenPin, PinDesign, Unpin
+from ..tab.orders import ClearBrowser, ForgetDesign, GoToStep, KeepDesign, OpenKept, OpenPin, PinDesign, TurnGhost, Unpin
 from ..tab.picture import Picture
 from ..text import NO_WORDS, Text
 from . import lettering, phrases, quirks
@@ -24,7 +24,8 @@ from .svg import draw
 
 Post = Callable[[Edit], int]
 DONE: Mapping[str, Callable[[str], Edit]] = MappingProxyType({
-    "unpin": Unpin, "open": OpenPin, "step": GoToStep, "kept": OpenKept, "forget": ForgetDesign})
+    "unpin": Unpin, "open": OpenPin, "ghost": TurnGhost, "step": GoToStep, "kept": OpenKept, "forget": ForgetDesign})
+NOW = " disabled aria-current=step"
 LONGEST = 200  # characters of what a button of ours says
 
 
@@ -95,8 +96,14 @@ class Beside:
         said = with_minus(html.escape(difference(picture.lesson, pinned.name, pinned.pin.design, picture.design)(self._lang)))
         dash = lettering.DASHES[DASHES[pinned.place]]
         line = f'<svg width="34" height="8"><path d="M1 4H33" stroke="currentColor" stroke-width="2"{dash}/></svg>'
-        return (f'<div class="ol-pin">{line}<span>{said}</span>{self._button("open", pinned.place, phrases.OPEN_PIN)}'
+        ghost = self._switch(pinned) if fits(picture.outcome.stage, pinned) else ""
+        return (f'<div class="ol-pin">{line}<span>{said}</span>{ghost}{self._button("open", pinned.place, phrases.OPEN_PIN)}'
                 f'{self._button("unpin", pinned.place, phrases.UNPIN)}</div>')
+
+    def _switch(self, pinned: Pinned) -> str:
+        """The button that lets a pin's ghost walk, pressed while it does."""
+        title, on = html.escape(phrases.GHOST_HINT(self._lang), quote=True), str(pinned.pin.ghost).lower()
+        return self._button("ghost", pinned.place, phrases.GHOST, look=f' aria-pressed={on} title="{title}"')
 
     def _named(self, picture: Picture) -> str:
         """The designs that the browser keeps, those of this lesson first."""
@@ -106,16 +113,16 @@ class Beside:
                        f'{self._button("kept", kept.name, phrases.OPEN_PIN)}{self._button("forget", kept.name, phrases.REMOVE)}</div>'
                        for kept in shelf) or f'<p class="ol-note">{phrases.NOTHING_KEPT(self._lang)}</p>'
 
-    def _button(self, what: str, which: int | str, words: Text, now: bool = False) -> str:
+    def _button(self, what: str, which: int | str, words: Text, look: str = "") -> str:
         value = html.escape(f"{what} {which}", quote=True)
         return (f'<button type="button" class="ol-do" data-value="{value}" data-to="{quirks.id_of(self._hand)}"'
-                f'{" disabled aria-current=step" if now else ""}>{with_minus(html.escape(words(self._lang)))}</button>')
+                f'{look}>{with_minus(html.escape(words(self._lang)))}</button>')
 
     def _walked(self, picture: Picture) -> str:
         """Every step by what it changed, the latest on top, the present one marked."""
         steps = picture.steps
         said = [phrases.FIRST_STEP, *(_step(picture.lesson, a, b) for a, b in pairwise(steps))]
-        rows = [f"<li>{self._button('step', k, words, k == picture.at)}</li>" for k, words in enumerate(said)]
+        rows = [f"<li>{self._button('step', k, words, NOW if k == picture.at else '')}</li>" for k, words in enumerate(said)]
         return f'<ol class="ol-steps" reversed>{"".join(reversed(rows))}</ol>'
 
 

@@ -23,7 +23,7 @@ from .meshes import bolt, cross, landscape
 from .naming import Frame, Place, free_place, leader, pole_name
 from .pane import DARK, LIGHT, pane
 from .pinmarks import PinMarks
-from .stage import rgb
+from .solids import rgb
 from .ticks import ticks
 
 WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0

@@ -12,7 +12,7 @@ from ..lesson.figures import COLOURS, MapFigure
 from ..text import wording
 from . import phrases
 from .letters import Letters
-from .stage import rgb
+from .solids import rgb
 from .ticks import ticks
 
 WIDTH, DEPTH, TILT = 3.2, 1.7, 0.42  # stage units, radians

@@ -117,6 +117,7 @@ class Screen(Browser):
                 self._board(board, picture).show(board, veiled=picture.state.predicted is None)
             self._landscape(picture)
             self._show_map(picture)
+            self._stage.haunt(picture.ghosts)
             self._stage.pose(picture.state.t)
         self._client.flush()
         with self._client.atomic():

@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from types import MappingProxyType
 
 import numpy as np
 import viser
 
+from ..lesson.comparing import Ghost
 from ..lesson.figures import COLOURS
 from ..lesson.lesson import Stage
-from ..plants.body import Ball, Body, Box, Cylinder, Part, Pose, Spring, Vector
+from ..lesson.living import sample_at
+from ..plants.body import Body, Vector
 from ..text import wording
 from . import phrases
 from .letters import Letters
-from .meshes import helix
+from .pinghosts import PinGhosts
+from .solids import Solids, rgb
 
 PHONE = 0.62  # width over height below which the panels lie over the lower half
 NARROW = 0.90  # width over height of a canvas that just shows both boards
@@ -32,11 +35,6 @@ CAMERAS = MappingProxyType({
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
     "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
 })
-
-
-def rgb(colour: str) -> tuple[int, int, int]:
-    """'#RRGGBB' as three bytes."""
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 def aspect_of(camera: viser.CameraHandle) -> float:
@@ -69,14 +67,13 @@ class StageView:
         self._client = client
         self._scene = client.scene
         self._body: Body | None = None
-        self._solid: dict[str, viser.SceneNodeHandle] = {}
-        self._ghost: dict[str, viser.SceneNodeHandle] = {}
-        self._last: dict[str, Pose] = {}
+        self._solid, self._ghost = self._parts()
         self._forces: viser.ArrowsHandle | None = None
         self._errors: viser.LineSegmentsHandle | None = None
         self._clouds: list[viser.IcosphereHandle] = []
         self._names: list[viser.LabelHandle] = []
         self._letters = Letters(self._scene, 1.0)
+        self._pins = PinGhosts(self._scene, self._letters)
         self._stage: Stage | None = None
         self._posed: tuple[Stage, int] | None = None
         self._arrived = False  # whether the browser has said that it looks from where it was told to
@@ -149,18 +146,20 @@ class StageView:
 
     def build(self, stage: Stage | None, language: str, em: float) -> None:
         """Put a plant on the stage, instead of the last one."""
-        self._last, self._solid, self._ghost, self._posed = {}, {}, {}, None
+        self._posed = None
+        self._solid, self._ghost = self._parts()
         self._forces = self._errors = None
         self._clouds, self._names = [], []
         self._stage, self._body = stage, stage.body if stage is not None else None
         self._letters = Letters(self._scene, em)
+        self._pins = PinGhosts(self._scene, self._letters)
         if stage is None:
             return
         body = stage.body
         for part in body.parts:
-            self._solid[part.name] = self._add(f"/plant/{part.name}", part, part.colour, part.opacity)
+            self._solid.add(part, part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
-                self._ghost[part.name] = self._add(f"/ghost/{part.name}", part, GHOST_COLOUR, 0.42)
+                self._ghost.add(part, GHOST_COLOUR, 0.42)
         none = _segments([])
         self._forces = self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                               head_radius=0.09, head_length=0.16)
@@ -183,40 +182,38 @@ class StageView:
         words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
         self._letters.write("/factor", words, (2.9, -0.6, 0.12), "center-right", visible=bool(words))
 
-    def _add(self, name: str, part: Part, colour: str, opacity: float | None) -> viser.SceneNodeHandle:
-        scene, shape = self._scene, part.shape
-        look = {"color": rgb(colour), "opacity": opacity, "cast_shadow": False, "receive_shadow": False}
-        if isinstance(shape, Box):
-            return scene.add_box(name, dimensions=shape.size, **look)
-        if isinstance(shape, Cylinder):
-            return scene.add_cylinder(name, shape.radius, shape.height, **look)
-        if isinstance(shape, Ball):
-            return scene.add_icosphere(name, shape.radius, **look)
-        vertices, faces = helix(shape.radius, shape.turns, shape.wire) if isinstance(shape, Spring) else _rod(shape.radius)
-        return scene.add_mesh_simple(name, vertices, faces, **look)
+    def _parts(self) -> tuple[Solids, Solids]:
+        """The plant's parts and its ghost's, none yet."""
+        return Solids(self._scene, "/plant"), Solids(self._scene, "/ghost", INSIDE, coloured=False)
 
     def show(self, stage: Stage | None, language: str, em: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
-            for handle in (*self._solid.values(), *self._ghost.values(), *self._clouds, *self._names):
-                handle.remove()
+            for part in (self._solid, self._ghost, *self._clouds, *self._names):
+                part.remove()
+            self._pins.clear()
             self.build(stage, language, em)
         self._stage = stage
 
+    def haunt(self, ghosts: Sequence[Ghost]) -> None:
+        """The ghosts of pinned designs that are wanted beside the present one."""
+        self._pins.show(ghosts, self._body)
+
     def pose(self, t: float) -> None:
         """Move every part to time t of the run."""
+        self._pins.pose(t)
         stage, body = self._stage, self._body
         if stage is None or body is None:
             return
-        index = max(0, min(int(np.searchsorted(stage.t, t + 1e-9, side="right")) - 1, len(stage.t) - 1))
+        index = sample_at(stage.t, t)
         if self._posed is not None and self._posed[0] is stage and self._posed[1] == index:
             return
         self._posed = stage, index
         x = stage.x[index].tolist()
-        self._place(self._solid, "", body.pose(x, body.gain))
+        self._solid.place(body.pose(x, body.gain))
         if stage.xhat is not None and self._ghost:
             xhat = stage.xhat[index].tolist()
-            self._place(self._ghost, "ghost ", body.pose(xhat, body.gain), INSIDE)
+            self._ghost.place(body.pose(xhat, body.gain))
             believed = body.anchors(xhat, body.gain)
             self._join(body.anchors(x, body.gain), believed)
             if stage.spread is not None:
@@ -243,23 +240,6 @@ class StageView:
         if not np.array_equal(handle.points, points):
             handle.points = points
 
-    def _place(self, handles: dict[str, viser.SceneNodeHandle], prefix: str, poses: Mapping[str, Pose],
-               size: float = 1.0) -> None:
-        for name, handle in handles.items():
-            pose = poses[name]
-            last = self._last.get(prefix + name)
-            if pose == last:
-                continue
-            if last is None or pose.position != last.position:
-                handle.position = pose.position
-            if last is None or pose.wxyz != last.wxyz:
-                handle.wxyz = pose.wxyz
-            if last is None or pose.scale != last.scale:
-                handle.scale = tuple(size * s for s in pose.scale)  # type: ignore[attr-defined]
-            if pose.colour is not None and not prefix and (last is None or pose.colour != last.colour):
-                handle.color = pose.colour  # type: ignore[attr-defined]
-            self._last[prefix + name] = pose
-
 
 def _floor(half: int = 8) -> np.ndarray:
     """The lines of the floor. viser's own grid is a shader over half the screen: too dear without a graphics card."""
@@ -278,16 +258,3 @@ def _shade() -> np.ndarray:
 def _segments(pairs: list[tuple[Vector, Vector]]) -> np.ndarray:
     """Start and end points (k, 2, 3); viser keeps a node alive only if it has at least one, so one lies below the floor."""
     return np.array([*pairs, (BELOW, BELOW)], dtype=np.float32)
-
-
-def _rod(radius: float, sides: int = 16) -> tuple[np.ndarray, np.ndarray]:
-    ring = 2 * np.pi * np.arange(sides) / sides
-    circle = np.column_stack([radius * np.cos(ring), radius * np.sin(ring)])
-    bottom, top = (np.column_stack([circle, np.full(sides, z)]) for z in (0.0, 1.0))
-    vertices = np.vstack([bottom, top, [[0, 0, 0]], [[0, 0, 1]]]).astype(np.float32)
-    faces = []
-    for i in range(sides):
-        j = (i + 1) % sides
-        faces += [(i, j, sides + j), (i, sides + j, sides + i), (j, i, 2 * sides), (sides + i, sides + j, 2 * sides + 1)]
-    return vertices, np.array(faces, dtype=np.uint32)
-

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 from fakes import BROKEN, FakeView, Tab, toy
 from laws import holds_for_all
 
-from app.lesson.comparing import MOST, Pin, Pinned, boards_with_pins, side_by_side, with_pins
+from app.lesson.comparing import MOST, Pin, Pinned, boards_with_pins, ghosts, side_by_side, with_pins
 from app.lesson.differences import changed, difference, standing, step
 from app.lesson.figures import LineFigure, axis_range, same_key
+from app.lesson.knobs import Number
+from app.plants import MODELS
+from app.plants.examples import EXAMPLES, example
 from app.tab.commands import OpenLesson, SetLanguage, Undo
 from app.tab.comparing import FULL, NO_PIN, NO_STEP
-from app.tab.history import DEPTH
-from app.tab.orders import GoToStep, OpenPin, PinDesign, Unpin
+from app.tab.history import DEPTH, History
+from app.tab.orders import GoToStep, OpenPin, PinDesign, TurnGhost, Unpin
 from app.tab.session import Session
+from app.tab.state import plain
+from app.tab.steps import ROOM, read_steps, write_steps
 from app.text import languages, same
 from app.view.charts import data_of
 from lessons import LESSONS
@@ -76,6 +82,69 @@ def test_pins_survive_a_reload_a_language_and_another_lesson_and_are_bounded() -
     again.step()
     assert again.picture is not None and [pin.design["gain"] for pin in again.picture.state.pins] == [2.0, 3.0, 4.0, 5.0]
     assert [each.pin.name for each in again.picture.pinned] == ["A", "B", "C", "D"]
+
+
+def test_the_ghost_of_a_pin_walks_where_it_is_wanted_also_after_a_reload_and_not_with_another_plant() -> None:
+    tab = pinned_tab(2.0, 3.0)
+    assert tab.picture.ghosts == ()
+    tab.do(TurnGhost("1"))
+    (ghost,), stage = tab.picture.ghosts, tab.picture.outcome.stage
+    assert (ghost.place, ghost.name) == (1, "B") and stage is not None
+    np.testing.assert_allclose(ghost.states[:, 0], 3.0 * np.exp(-ghost.t), atol=1e-12)
+    again = Session(tab.lessons, FakeView(), "first")
+    again.restore(tab.view.kept)
+    again.open()
+    assert again.picture is not None and [each.name for each in again.picture.ghosts] == ["B"]
+    assert ghosts(replace(stage, body=MODELS["two-mass"].body), tab.picture.pinned) == ghosts(None, tab.picture.pinned) == ()
+    tab.do(TurnGhost(1))
+    assert tab.picture.ghosts == ()
+    tab.do(TurnGhost(7))
+    assert tab.view.scolded() == [NO_PIN]
+
+
+def test_a_reload_keeps_the_steps_and_where_one_stands() -> None:
+    tab = Tab({name: toy(name) for name in ("first", "second")})
+    for k in range(1, 21):
+        tab.set(gain=k / 10, **({"mode": "b"} if k == 7 else {}))
+        tab.clock.advance(1.0)
+    tab.do(GoToStep(12))
+    tab.rest()
+    assert tab.view.kept is not None
+    again = Session(tab.lessons, FakeView(), "first")
+    again.restore(tab.view.kept)
+    again.open()
+    assert again.picture is not None and (again.picture.steps, again.picture.at) == (tab.picture.steps, 12)
+    assert again.picture.design == tab.picture.design and again.picture.state.can_undo and again.picture.state.can_redo
+    data = json.loads(tab.view.kept)
+    for steps, back, on in (
+            (3, 0, 0), ([3, 4], 0, 0), ([[[{"gain": "5"}], 3, [{"gain": "6"}]], []], 1, 0), ([[], [[{"gain": "99"}]]], 0, 0),
+                            ([[], [[{"gain": "5"}], [3]]], 0, 1), ([[[{"gain": "2"}, "no such plant"]], [[{}, {}]]], 0, 0)):
+        data["desks"]["first"]["steps"] = steps
+        torn = Session(tab.lessons, FakeView(), "first")
+        torn.restore(json.dumps(data))
+        torn.open()
+        assert torn.picture is not None and torn.picture.design == tab.picture.design, "the present design is there whatever the steps are"
+        assert (torn.picture.at, len(torn.picture.steps)) == (back, back + on + 1), steps
+
+
+def test_the_steps_of_every_lesson_come_back_and_take_no_more_than_their_room() -> None:
+    def law(name: str) -> None:
+        lesson = LESSONS[name]
+        start, drawn = lesson.start(), np.random.default_rng(1)
+        walk = [start, *(lesson.apply(start, dict(task.solution)) for task in lesson.tasks)]
+        walk += [lesson.fit(example(key)).start() for key in EXAMPLES] if lesson.universal else []
+        numbers = [knob for knob in lesson.knobs if isinstance(knob, Number) and knob.scale != "integer"]
+        walk += [lesson.apply(walk[-1], {knob.name: knob.low + (knob.high - knob.low) * drawn.random()}) for knob in numbers[:3]
+                 if walk[-1].plant == lesson.plant]
+        walk = [a for a, b in zip(walk, [None, *walk], strict=False) if a != b]
+        history = History(start)
+        history.restore((tuple(walk), len(walk) // 2))
+        written = json.loads(json.dumps(write_steps(lesson, history)))
+        found = read_steps(written, plain(lesson, history.design), history.design, LESSONS)
+        assert found.save() == history.save()
+        history.restore((tuple(walk * 60), 30 * len(walk)))
+        assert len(json.dumps(write_steps(lesson, history))) <= 2.2 * ROOM
+    holds_for_all(LESSONS, law)
 
 
 def test_torn_and_hostile_pins_are_left_out() -> None:

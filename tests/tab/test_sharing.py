@@ -82,7 +82,8 @@ def test_a_reload_goes_on_where_the_tab_was_and_its_own_address_changes_nothing(
     tab.rest()
     session, view = fresh((tab.view.kept, tab.view.addresses[-1][0], True))
     picture = session.picture
-    assert picture is not None and picture.design["gain"] == 6.0 and picture.state.predicted == 1 and not picture.state.can_undo
+    assert picture is not None and picture.design["gain"] == 6.0 and picture.state.predicted == 1
+    assert (picture.steps, picture.at) == (tab.picture.steps, tab.picture.at), "no step more than the tab had"
     assert view.of("say") == []
 
 

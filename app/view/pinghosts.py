@@ -1,0 +1,65 @@
+"""The ghosts of pinned designs on the stage: pale, each with its pin's name above it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import viser
+
+from ..lesson.comparing import Ghost
+from ..lesson.figures import COLOURS
+from ..lesson.living import sample_at
+from ..plants.body import Body
+from .letters import Letters
+from .solids import Solids
+
+OPACITY = 0.26
+SMALLER, STEP = 0.965, 0.02  # of the body: inside the present ghost, and each pin's inside the last one's
+LIFT, APART = 0.42, 0.3  # stage units from an anchor to the first name, and from one name to the next
+
+
+class PinGhosts:
+    """One set of parts a pin whose ghost is wanted."""
+
+    def __init__(self, scene: viser.SceneApi, letters: Letters) -> None:
+        self._scene, self._letters = scene, letters
+        self._ghosts: tuple[Ghost, ...] = ()
+        self._body: Body | None = None
+        self._parts: list[Solids] = []
+        self._names: list[viser.LabelHandle] = []
+
+    def show(self, ghosts: Sequence[Ghost], body: Body | None) -> None:
+        """The ghosts that are wanted now; others go."""
+        before, self._ghosts = self._ghosts, tuple(ghosts) if body is not None else ()
+        if body is self._body and [(g.place, g.name) for g in before] == [(g.place, g.name) for g in self._ghosts]:
+            return
+        self.clear()
+        self._body = body
+        for ghost in self._ghosts:
+            solids = Solids(self._scene, f"/pins/{ghost.place}", SMALLER - STEP * ghost.place, coloured=False)
+            for part in body.parts if body is not None else ():
+                if part.twin:
+                    solids.add(part, COLOURS["muted"], OPACITY)
+            self._parts.append(solids)
+            self._names.append(self._letters.write(f"/pins/{ghost.place}/name", ghost.name, (0.0, 0.0, 0.0), "bottom-center"))
+
+    def pose(self, t: float) -> None:
+        """Move every ghost to time t of its own run."""
+        body = self._body
+        if body is None:
+            return
+        for ghost, solids, name in zip(self._ghosts, self._parts, self._names, strict=True):
+            state = ghost.states[sample_at(ghost.t, t)].tolist()
+            solids.place(body.pose(state, body.gain))
+            x, y, z = next(iter(body.anchors(state, body.gain)), (0.0, 0.0, 0.0))
+            place = (x, y, z + LIFT + APART * ghost.place)
+            if name.position is None or tuple(name.position) != place:
+                name.position = place
+
+    def clear(self) -> None:
+        """Take all of them off the stage."""
+        for solids in self._parts:
+            solids.remove()
+        for name in self._names:
+            self._letters.remove(name)
+        self._parts, self._names = [], []
