@@ -1,8 +1,9 @@
-"""Tasks of the lesson: the slip, the plant that runs away, no derivative, three sensors."""
+"""Tasks of the lesson: the slip, the plant that runs away, no derivative, three sensors, an input that blinds."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
+from app.lesson.typed import Typed
 from app.plants.bilinear import POLE
 from app.text import text
 
@@ -79,9 +80,14 @@ def _three(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("Three sensors, one L and one pole, {pole}: case 2, and right from the start.", pole=_number(m["pole"])))
 
 
+BLIND_INPUT = Typed("(1-g*b)/(g^2*f)", ("b", "f", "g"), slips=(
+    ("(1-g*b)/(g*f)", text("The second row hears u through g, and the determinant multiplies it by g once more.")),
+    ("1/(g^2*f)", text("That is without the friction b."))))
+
 TASKS = (
     Task("slip", _slip, {"line": FATAL, "gain": TYPED, "l4": 9.29}),
     Task("runaway", _runaway, {"input": "step", "amplitude": 2.5}),
     Task("lag", _lag, {"form": FILTERED, "tau": 0.004}),
     Task("three-sensors", _three, {"problem": "three-fitting", "chi0": 4.5}),
+    pencil("blind-input", BLIND_INPUT),
 )

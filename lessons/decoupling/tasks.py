@@ -1,4 +1,4 @@
-"""Tasks of the lesson: what C_v really is, a mixing that works, the claim about pitch, living with pitch closed."""
+"""Tasks of the lesson: what C_v really is, a mixing that works, the claim about pitch, pitch closed, a damper, a zero."""
 
 from __future__ import annotations
 
@@ -89,6 +89,9 @@ NEAR_THE_ZEROS = (-0.3 + 7.42j, -0.3 - 7.42j)
 DAMPER = Typed("sqrt(1+k*m/g^2)", ("k", "m", "g"), slips=(
     ("sqrt(k*m)/g", text("That is the coil on the deck's own velocity; a damper between deck and ground lets the ground push too.")),
     ("1+sqrt(k*m)/g", text("Spring and damper push a quarter of a period apart: add the squares."))))
+ZERO = Typed("sqrt(k/(J+m*h^2))", ("J", "m", "h", "k"), slips=(
+    ("sqrt(k/J)", text("That is the pitch about the centre of mass; while the line stands still the deck turns about the line.")),
+    ("k/(J+m*h^2)", text("That is its square."))))
 
 TASKS = (
     Task("constant", _constant, MappingProxyType({"vertical": SHAPED, "gain_v": 31250.0, "lag": 0.0, "lead": 0.0})),
@@ -98,4 +101,5 @@ TASKS = (
         "horizontal": POLES, "pitch": True, "bandwidth": 5.0, "control_poles": (-20 + 15j, -20 - 15j, *NEAR_THE_ZEROS),
         "observer_poles": (-60 + 45j, -60 - 45j, *NEAR_THE_ZEROS)})),
     pencil("damper", DAMPER),
+    pencil("zero", ZERO),
 )

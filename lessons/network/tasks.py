@@ -1,4 +1,4 @@
-"""Tasks of the lesson: the edge, faster sampling, the gap between the bounds, the wall."""
+"""Tasks of the lesson: the edge, faster sampling, the gap between the bounds, the wall, both bounds by hand."""
 
 from __future__ import annotations
 
@@ -68,6 +68,9 @@ def _wall(outcome: Outcome[Study]) -> Verdict:
 PERFECT_READINGS = Typed("Q/(1-p*a^2)", ("a", "p", "Q"), slips=(
     ("Q/(1-a^2)", text("That is without any reading; here only a share p of them is lost.")),
     ("Q/(1-p*a)", text("A variance grows with a², not with a."))))
+NOISY_READINGS = Typed("R*(a^2-1)/(1-p*a^2)", ("a", "p", "R"), slips=(
+    ("R*(a^2-1)", text("That is without any loss; a share p of the readings does not come.")),
+    ("R*(a^2*(1-p)-1)", text("Only the gain term is weighed with 1 − p; the growth a² acts every time."))))
 
 TASKS = (
     Task("edge", _edge, {"a": 1.4, "loss": 0.5}),
@@ -75,4 +78,5 @@ TASKS = (
     Task("gap", _gap, {"case": TWO, "loss": 0.58}, Typed(lambda o: 1 / o.metrics["safe"])),
     Task("wall", _wall, {"case": CART, "delay": 2.0, "told": AHEAD}),
     pencil("perfect-readings", PERFECT_READINGS),
+    pencil("noisy-readings", NOISY_READINGS),
 )

@@ -1,4 +1,4 @@
-"""Tasks of the lesson: back to linear, a start small enough, a filter that deceives itself, the report."""
+"""Tasks of the lesson: back to linear, a start small enough, a filter that deceives itself, the report, two tangents."""
 
 from __future__ import annotations
 
@@ -77,6 +77,9 @@ def _report(o: Outcome[Study]) -> Verdict:
 SQUARE = Typed("2*m*P/(4*m^2*P+R)", ("m", "P", "R"), slips=(
     ("P/(P+R)", text("That is a sensor that reads x itself; here the slope of x² at m counts.")),
     ("2*m*P/(2*m*P+R)", text("The slope enters the innovation's variance twice."))))
+DRAG = Typed("-c^3*v^2*exp(-k*h)", ("c", "k", "h", "v"), slips=(
+    ("c^3*v^2*exp(-k*h)", text("The size is right; the sign follows the order h, v, β of the state.")),
+    ("c*v^2*exp(-k*h)", text("That is the last entry alone; the determinant has the two others of the triangle as factors."))))
 
 TASKS = (
     Task("linear", _linear, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0}),
@@ -84,4 +87,5 @@ TASKS = (
     Task("deceived", _deceived, {"size": 0.5}, easy="the best start that can be had does not help the EKF"),
     Task("report", _report, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0, "redraw": False, "line": REDRAW}),
     pencil("square", SQUARE),
+    pencil("drag", DRAG),
 )

@@ -1,8 +1,8 @@
-"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper."""
+"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper, a wrong sensor."""
 
 from __future__ import annotations
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -67,6 +67,10 @@ def _sizes(outcome: Outcome[Story]) -> Verdict:
                               printed2=printed[1], columns=COLUMNS[d["columns"]], right=right))
 
 
+WRONG_SENSOR = Typed("(k-a)*(l-a)/(k*l)", ("a", "k", "l"), slips=(
+    ("(k-a)/k", text("That is for y fed back at once, u = −k y; the observer costs a factor as well.")),
+    ("1-(k-a)*(l-a)/(k*l)", text("That is the share that must still be read; d is what may be missing."))))
+
 TASKS = (
     Task("kink", _kink, {"pole": (complex(BEST),)}),
     Task("one-observer", _one_observer, {"example": TWO, "w12": 1.2, "carried": True},
@@ -75,4 +79,5 @@ TASKS = (
         ("n*r", text("With that, N′T′ is r² N T; the product is to stay.")),))),
     Task("sizes", _sizes, {"example": TWO, "line": "LC", "columns": "mp"},
          Typed("m + p - r", ("m", "p", "r"))),
+    pencil("wrong-sensor", WRONG_SENSOR),
 )

@@ -61,10 +61,14 @@ def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:
 DEADBEAT = Typed("d^2/h", ("d", "h"), slips=(
     ("1/h", text("That is for a velocity that nothing slows, d = 1.")),
     ("d/h", text("The determinant is d (1 − l₁) + h l₂, and l₁ = 1 + d."))))
+STROBOSCOPE = Typed("sin(w*h)/w", ("w", "h"), slips=(
+    ("sin(w*h)", text("The velocity enters the place divided by w.")),
+    ("1", text("That is the continuous oscillator; between two readings it has turned by w h."))))
 
 TASKS = (
     Task("through-the-limit", _through_the_limit, {"limited": True, "fed": APPLIED, "u_max": 0.2}),
     Task("wrong-belief", _wrong_belief, {"belief": 0.05, "sensor": 0.02}),
     Task("below-the-tolerance", _below_the_tolerance, {"tolerance": 0.29}),
     pencil("deadbeat", DEADBEAT),
+    pencil("stroboscope", STROBOSCOPE),
 )

@@ -1,4 +1,4 @@
-"""Tasks of the lesson: the face of what is cut, the wider gap, rank by another clock, geometry."""
+"""Tasks of the lesson: the face of what is cut, the wider gap, rank by another clock, geometry, two pencils."""
 
 from __future__ import annotations
 
@@ -78,6 +78,9 @@ def _geometry(outcome: Outcome[Study]) -> Verdict:
 ONE_LAG = Typed("b*c/(2*a)", ("a", "b", "c"), slips=(
     ("b*c/a", text("That is the gain at rest: twice the Hankel value, the error of dropping the state.")),
     ("b^2*c^2/(4*a^2)", text("That is the product of the two Gramians; take its root."))))
+ALMOST_TWINS = Typed("(a-b)^2/(4*a*b*(a+b)^2)", ("a", "b"), slips=(
+    ("1/(4*a*b)", text("That is without what stands off the diagonal: the lags share their input.")),
+    ("((a-b)^2/(4*a*b*(a+b)^2))^2", text("That is the square of the product; take its root."))))
 
 TASKS = (
     Task("face", _face, {"pair": "5", "order": 8}),
@@ -85,4 +88,5 @@ TASKS = (
     Task("clock", _clock, {"clock": 5e-3, "tolerance": 1e-6}),
     Task("geometry", _geometry, {"s": 0.1, "h": 0.052}),
     pencil("one-lag", ONE_LAG),
+    pencil("almost-twins", ALMOST_TWINS),
 )

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from laws import each
-from scipy.linalg import solve_continuous_are, solve_continuous_lyapunov
+from scipy.linalg import eigvals, expm, solve_continuous_are, solve_continuous_lyapunov
 from scipy.optimize import brentq, minimize_scalar
 from scipy.signal import cont2discrete
 
@@ -149,6 +149,58 @@ def seen(v: Letters) -> float:
     return float(np.linalg.det(np.vstack([C @ np.linalg.matrix_power(A, k) for k in range(4)])))
 
 
+def zero(v: Letters) -> float:
+    """The invariant zero from the force on the line to its place: a matrix pencil."""
+    line, spring = np.array([[1.0, v["h"]]]), 0.7
+    stiff = np.diag([0.0, v["k"]]) + spring * line.T @ line
+    mass = np.diag([v["m"], v["J"]])
+    A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, stiff), np.zeros((2, 2))]])
+    B, C = np.vstack([np.zeros((2, 1)), np.linalg.solve(mass, line.T)]), np.hstack([line, np.zeros((1, 2))])
+    found = eigvals(np.block([[A, B], [C, np.zeros((1, 1))]]), np.diag([1.0, 1, 1, 1, 0]))
+    return float(max(abs(s.imag) for s in found if np.isfinite(s) and abs(s) < 1e4))
+
+
+def almost_twins(v: Letters) -> float:
+    A, b = -np.diag([v["a"], v["b"]]), np.ones((2, 1))
+    Wc, Wo = solve_continuous_lyapunov(A, -b @ b.T), solve_continuous_lyapunov(A.T, -b @ b.T)
+    return float(np.prod(np.sqrt(np.linalg.eigvals(Wc @ Wo).real)))
+
+
+def drag(v: Letters) -> float:
+    """With the slopes of the fall by steps into the complex plane."""
+    def rates(x: np.ndarray) -> np.ndarray:
+        return np.array([-x[1], -np.exp(-v["k"] * x[0]) * x[1] ** 2 * x[2], 0.0])
+    step = 1e-30j
+    A = np.column_stack([rates(np.array([v["h"], v["v"], 0.9]) + step * e).imag / 1e-30 for e in np.eye(3)])
+    C = np.array([[v["c"], 0.0, 0.0]])
+    return float(np.linalg.det(np.vstack([C, C @ A, C @ A @ A])))
+
+
+def noisy_readings(v: Letters) -> float:
+    """The root of (P⁺ − P)(P + R) that is not zero."""
+    a2, R = v["a"] ** 2, v["R"]
+    growing = np.polymul([a2, 0.0], [1.0, R])
+    return float(np.roots(growing - (1 - v["p"]) * np.array([a2, 0.0, 0.0]) - np.polymul([1.0, 0.0], [1.0, R]))[0])
+
+
+def stroboscope(v: Letters) -> float:
+    Phi = expm(v["h"] * np.array([[0.0, 1.0], [-v["w"] ** 2, 0.0]]))
+    return float(np.linalg.det(np.vstack([FIRST, FIRST @ Phi])))
+
+
+def wrong_sensor(v: Letters) -> float:
+    """Where the determinant of the loop, linear in the share, is zero: from two points of the line."""
+    a, k, l = v["a"], v["k"], v["l"]
+    at = [float(np.linalg.det([[a, -k], [l * (1 - d), a - k - l]])) for d in (0.0, 5.0)]
+    return 5.0 * at[0] / (at[0] - at[1])
+
+
+def blind_input(v: Letters) -> float:
+    C = np.array([1.0, v["g"]])
+    at = [float(np.linalg.det([C, C @ np.array([[0.0, 1.0], [u * v["f"], -v["b"]]])])) for u in (0.0, 5.0)]
+    return 5.0 * at[0] / (at[0] - at[1])
+
+
 COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("virtual-sensor", "match"): match, ("error-dynamics", "unknown-push"): unknown_push,
     ("observability", "blind-angle"): blind_angle, ("separation", "spring"): spring, ("duality", "read-off"): read_off,
@@ -157,6 +209,9 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("showdown", "too-late"): too_late, ("nonlinear", "square"): square, ("fault-diagnosis", "swallowed"): swallowed,
     ("network", "perfect-readings"): perfect_readings, ("sandbox", "deadbeat"): deadbeat,
     ("robust-observer", "one-observer"): one_observer,
+    ("decoupling", "zero"): zero, ("weak-states", "almost-twins"): almost_twins, ("nonlinear", "drag"): drag,
+    ("network", "noisy-readings"): noisy_readings, ("sandbox", "stroboscope"): stroboscope,
+    ("robust-observer", "wrong-sensor"): wrong_sensor, ("bilinear-observer", "blind-input"): blind_input,
     ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
 }
 COUNTED = {("robust-observer", "remark-3"), ("robust-observer", "sizes")}  # ratios and numbers of rows, which the lesson's sizes show
