@@ -1,4 +1,4 @@
-"""Tasks of the lesson: twenty decibels everywhere, an optimum that is beaten, a delay that one side survives."""
+"""Tasks: twenty decibels everywhere, an optimum beaten, a delay that one side survives, a coarse converter, two yardsticks."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
-from .players import ORDER, SISO
+from .players import DT, ORDER, SISO
 from .study import Study
 from .world import loop_of
 
@@ -19,6 +19,8 @@ STEP = 0.2  # ms within which the least delay is to be found
 KEPT = 12.0  # dB that the full LQG is to keep while the SISO pair is lost
 ERRORS = ("stiffness", "damping", "placement")  # of the model
 CHANNELS = ("vertical", "rotation", "horizontal")
+TRUE_SENSOR, COARSE, NEAR = 1e-10, 1000.0, 0.05  # of the start, (m/s)² s; µm/s; share by which V may be off
+BOLD, QUIET = 21.0, 32.0  # dB, mN
 
 
 def _band(outcome: Outcome[Study], player: str) -> list[float]:
@@ -87,6 +89,47 @@ def _late(outcome: Outcome[Study]) -> Verdict:
                               delay=d["delay"], got=_words(got)))
 
 
+def _noise(outcome: Outcome[Study]) -> float:
+    """V₀ + Δ² h / 12 in (m/s)² s: sensors and rounding together."""
+    d = outcome.design
+    return d["sensor"] + (1e-6 * d["adc"]) ** 2 * DT / 12
+
+
+def _coarse(outcome: Outcome[Study]) -> Verdict:
+    d, rms = outcome.design, outcome.metrics["lqe_vertical_rms"]
+    if d["adc"] != COARSE or abs(d["sensor"] / TRUE_SENSOR - 1) > 1e-6:
+        return Verdict(False, text("Let the converter read in steps of {step:g} µm/s, and leave the sensors at V₀ = 1e-10.", step=COARSE))
+    off = d["v"] / _noise(outcome) - 1
+    if off < -NEAR:
+        return Verdict(False, text("The filters believe V = {v:.3g}: too little, the vertical RMS velocity is {rms:.2f} µm/s.",
+                                   v=d["v"], rms=rms))
+    if off > NEAR:
+        return Verdict(False, text("The filters believe V = {v:.3g}: too much, the vertical RMS velocity is {rms:.2f} µm/s.",
+                                   v=d["v"], rms=rms))
+    return Verdict(True, text("The vertical RMS velocity is {rms:.2f} µm/s.", rms=rms))
+
+
+def _yardsticks(outcome: Outcome[Study]) -> Verdict:
+    d, m = outcome.design, outcome.metrics
+    if d["sensor"] < TRUE_SENSOR * (1 - 1e-9) or d["ground"] != "white":
+        return Verdict(False, text("Keep the sensors at V₀ = 1e-10 or noisier and the ground white."))
+    if any(d[error] for error in ERRORS):
+        return Verdict(False, text("The plant must be what its designer believes: leave the errors of stiffness, damping "
+                                   "and placement at 0."))
+    if not m["lqe_stable"]:
+        return Verdict(False, text("The full LQG is unstable here."))
+    got, force = m["lqe_vertical_band_db"], 1e3 * m["lqe_force_rms"]
+    if got < BOLD or force > QUIET:
+        return Verdict(False, text("{got:.2f} dB vertically with {force:.1f} mN; wanted: at least {least:.1f} dB with at most {most:g} mN.",
+                                   got=got, force=force, least=BOLD, most=QUIET))
+    return Verdict(True, text("{got:.2f} dB vertically with {force:.1f} mN; the SISO pair asks for {siso:.0f} mN.", got=got, force=force,
+                              siso=1e3 * m["siso_force_rms"]))
+
+
+ROUNDED = Typed(_noise, slips=(
+    ("1e-9/12", text("That is the rounding alone; the sensors are noisy too.")),
+    ("1e-10+1e-9", text("An error spread evenly over a step has a twelfth of its square for a variance.")),
+    ("1e-10+1e-6/12", text("A variance of one sample is not an intensity: it counts h times."))))
 TOO_LATE = Typed("d/(360*f)", ("d", "f"), slips=(
     ("d/(2*pi*f)", text("The margin is given in degrees: a turn has 360.")),
     ("d/360", text("That is a share of a turn; how long does a turn take at f?"))))
@@ -96,4 +139,6 @@ TASKS = (
     Task("beaten", _beaten, {"sensor": 4e-13}),
     Task("late", _late, {"delay": 4.2}),
     pencil("too-late", TOO_LATE),
+    Task("coarse", _coarse, {"adc": COARSE, "v": 1.83e-10}, ROUNDED),
+    Task("yardsticks", _yardsticks, {"v": 3e-11}),
 )

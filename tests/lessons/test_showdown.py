@@ -229,6 +229,27 @@ def test_the_loops_are_lost_by_the_delay_and_where_it_begins(values: dict[str, o
     assert _task("late").check(outcome(delay=4.1)).solved
 
 
+def test_the_coarse_converter_is_borne_best_with_the_noise_that_is_there() -> None:
+    """The numbers of the task: V₀ + Δ²h/12, and the valley about it; the typed result and its slips."""
+    rms = {v: outcome(adc=1000.0, v=v).metrics["lqe_vertical_rms"] for v in (1e-10, 1.6e-10, 1.83e-10, 2.1e-10)}
+    assert (f"{rms[1e-10]:.2f}", f"{rms[1.83e-10]:.2f}") == ("29.65", "28.96") and min(rms, key=rms.__getitem__) == 1.83e-10
+    task, right = _task("coarse"), outcome(adc=1000.0, v=1.9e-10)
+    assert task.judge(right, "1.83e-10").solved and task.judge(right, "1e-10 + 1e-9/12").solved
+    for said, why in (("8.33e-11", "alone"), ("1.1e-9", "twelfth"), ("8.343e-8", "h times")):
+        verdict = task.judge(right, said)
+        assert not verdict.solved and why in verdict.text("en")
+    assert [task.check(outcome(adc=1000.0, v=v)).solved for v in (1.7e-10, 1.76e-10, 1.91e-10, 1.97e-10)] == [False, True, True, False]
+
+
+def test_both_yardsticks_are_met_between_too_deaf_and_too_loud() -> None:
+    task, found = _task("yardsticks"), {v: outcome(v=v) for v in (1e-11, 3e-11, 1e-10)}
+    said = [f"{o.metrics['lqe_vertical_band_db']:.1f} dB, {1e3 * o.metrics['lqe_force_rms']:.3g} mN" for o in found.values()]
+    assert said == ["21.4 dB, 52 mN", "21.1 dB, 29.9 mN", "20.1 dB, 16.3 mN"]
+    assert [task.check(o).solved for o in found.values()] == [False, True, False]
+    assert not task.check(outcome(v=3e-11, sensor=1e-12)).solved and not task.check(outcome(v=3e-11, stiffness=20.0)).solved
+    assert task.check(outcome(v=3e-11, delay=2.0)).solved
+
+
 @pytest.mark.parametrize("sensor", [1e-18, 1e-14, 1e-13, 6e-13])
 def test_the_optimum_is_not_beaten_by_the_quietest_sensor_of_all(sensor: float) -> None:
     assert not _task("beaten").check(outcome(sensor=sensor)).solved
