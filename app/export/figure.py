@@ -9,6 +9,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure as Page
 
@@ -18,7 +19,7 @@ from .panels import draw_lines, draw_map, draw_plane
 from .style import INK, SMALL, TITLE, look, words
 from .wrap import wrap
 
-__all__ = ["SUFFIXES", "Cell", "ExportError", "cell_of", "draw_page", "figures_as", "letter_of", "place", "save_figures"]
+__all__ = ["SUFFIXES", "Cell", "ExportError", "cell_of", "draw_page", "figures_as", "letter_of", "place", "place_axes", "save_figures"]
 
 # What would differ from one run to the next is left out of each kind of file.
 SUFFIXES: Mapping[str, dict[str, Any]] = MappingProxyType({
@@ -127,14 +128,21 @@ def place(page: Page, size: tuple[float, float], cell: Cell, left: float, top: f
     wide, high = size
     title = letter + words(cell.figure.title(language))
     page.text((left + 0.05) / wide, (top - 0.04) / high, title, fontsize=TITLE, va="top", color=INK)
-    inset = 0.1 if isinstance(cell.figure, TableFigure) else LEFT
     bottom = top - HEAD - cell.above - cell.axes
-    axes = page.add_axes(((left + inset) / wide, bottom / high, (CELL - inset - RIGHT) / wide, cell.axes / high))
-    axes.set_gid(cell.figure.id)
-    DRAW[type(cell.figure)](axes, cell.figure, language)
+    place_axes(page, size, cell, left, bottom, language)
     for k, line in enumerate(cell.caption):
         page.text((left + 0.05) / wide, (bottom - cell.below - 0.03 - k * LINE) / high, words(line), fontsize=SMALL,
                   va="top", color=INK)
+
+
+def place_axes(page: Page, size: tuple[float, float], cell: Cell, left: float, bottom: float, language: str) -> Axes:
+    """The axes of one figure alone, drawn."""
+    wide, high = size
+    inset = 0.1 if isinstance(cell.figure, TableFigure) else LEFT
+    axes = page.add_axes(((left + inset) / wide, bottom / high, (CELL - inset - RIGHT) / wide, cell.axes / high))
+    axes.set_gid(cell.figure.id)
+    DRAW[type(cell.figure)](axes, cell.figure, language)
+    return axes
 
 
 def letter_of(index: int) -> str:

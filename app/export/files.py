@@ -19,7 +19,7 @@ from .script import ScriptError, notebook, python_script
 from .sheet import sheet
 from .tables import figure_csv, figure_json
 
-__all__ = ["FIGURES", "SCRIPTS", "File", "FileError", "Taken", "all_in_one", "figure_file", "script_file", "sheet_file"]
+__all__ = ["FIGURES", "SCRIPTS", "File", "FileError", "Taken", "all_in_one", "figure_file", "letters_for", "script_file", "sheet_file"]
 
 DRAWN = ("png", "svg", "pdf")
 FIGURES = (*DRAWN, "csv", "json")
@@ -65,7 +65,7 @@ def figure_file(taken: Taken, figure: str, kind: str) -> File:
         raise FileError(text("There is no such figure here any more; open the dialog again."))
     name = f"{taken.lesson.id}{f'-{figure}' if figure else ''}.{kind}"
     if kind in DRAWN:
-        _letters(taken.language)
+        letters_for(taken.language)
         return File(name, figures_as(chosen, kind, taken.language, taken.token))
     if len(chosen) == 1:
         return File(name, {"csv": figure_csv, "json": figure_json}[kind](chosen[0], taken.token, taken.language))
@@ -98,11 +98,11 @@ def script_file(taken: Taken, kind: str) -> File:
 
 def sheet_file(taken: Taken) -> File:
     """The sheet of the lesson for print. Raises FileError."""
-    _letters(taken.language)
+    letters_for(taken.language)
     return File(f"{taken.lesson.id}-sheet.pdf", sheet(taken.lesson, taken.outcome, taken.figures, taken.token, taken.language))
 
 
-def _letters(language: str) -> None:
+def letters_for(language: str) -> None:
     """Raises FileError where the words of a language could not be drawn."""
     if language.split("_")[0] in HAN and chinese_font() is None:
         raise FileError(NO_FONT)

@@ -2,57 +2,30 @@
 
 from __future__ import annotations
 
-import re
 import secrets
 import socket
 import threading
-from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from types import MappingProxyType
+from typing import Any, cast
 from unittest import mock
-from urllib.parse import quote
 
 import viser
 import websockets.asyncio.server
 from viser import _messages, infra
 
-from ..text import languages
 from . import page, phrases
 from .gate import Gate, Refusal
 from .handshake import LARGEST, Page, guarded
 from .kept import kept
+from .shell import NAME, SPOKEN, page_of_our_own, web_code
 
-NAME = "Observer Lab"
 SPARE = 10_000  # bytes of a message beside what it carries
 OPENING = threading.Lock()  # two servers opened at once would take each other's socket
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
-ADDRESS = "observer-lab-address"  # the key of the token that a tab has put into its address bar
-SPOKEN = "observer-lab-language"  # the key of the language that a tab spoke last
-
-
-def page_of_our_own(language: str) -> str:
-    """viser's page under our name and sign, with what must run before the view opens in it.
-
-    Until a lesson stands it shows our name in `language`, or in the one that the tab spoke before, instead of viser's form
-    for an address; while the server does not answer, a sentence stands above what was last shown.
-
-    Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead (`manners`).
-    """
-    theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
-    text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
-    icon = "data:image/svg+xml," + quote(page.source("icon.svg"))
-    words = {web_code(code): {"name": NAME, "loading": phrases.LOADING(code), "lost": phrases.LOST(code)} for code in languages()}
-    link = page.call("link", words=words, language=web_code(language), kept=SPOKEN)
-    ours = (f'<link rel="icon" href="{icon}" /><title>{NAME}</title><style>{page.source("link.css")}</style>'
-            f"<script>{page.call('software')}</script><script>{link}</script>"
-            f"<script>{page.call('address', kept=ADDRESS)}</script>")
-    return text.replace("<title>Viser</title>", ours, 1)
-
-
-def web_code(language: str) -> str:
-    """A language's code as browsers write it."""
-    return language.replace("_", "-")
+MOVES = MappingProxyType({"SetPositionMessage": "position", "SetOrientationMessage": "wxyz", "SetSceneNodeVisibilityMessage": "visible"})
 
 
 def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None],
@@ -252,3 +225,48 @@ def ask_storage(client: viser.ClientHandle, key: str, shelf: str,
     connection.register_handler(_messages.LocalStorageGetItemResponseMessage, heard)
     run(client, "recall", key=key, shelf=shelf, most=LARGEST - SPARE, request=request)
     client.flush()
+
+
+class Tape(infra.WebsockMessageHandler):
+    """Where a scene is put that no browser looks at: `viser.ClientHandle` as far as the stage and its boards use one.
+
+    viser makes its recording of all that is put there but for what happens in `changes`.
+    """
+
+    def __init__(self, camera: Any) -> None:
+        super().__init__()
+        self.client_id, self.camera = 0, camera
+        self._websock_connection = self._viser_server = self
+        self._scene_lifecycle_lock = threading.RLock()
+        self._sent: list[Any] | None = None  # while changes are watched
+        self._recorder = self.get_message_serializer(lambda message: message.include_in_scene_serialization and self._sent is None)
+        nobody: Any = None  # looks, so no callback is ever called
+        self.scene = viser.SceneApi(cast(Any, self), nobody, nobody)
+
+    def get_message_buffer(self) -> Any:
+        """Where viser puts a message."""
+        return self
+
+    def push(self, message: infra.Message) -> None:
+        """Keep a message while changes are watched."""
+        if self._sent is not None:
+            self._sent.append(message)
+
+    @contextmanager
+    def atomic(self) -> Generator[None, None, None]:
+        """Nobody looks, so nothing is seen half done."""
+        yield
+
+    def changes(self, step: Callable[[], object]) -> Iterator[tuple[str, str, str, Any]]:
+        """What a step changes: the kind of the message, the name of the node, the property and its value."""
+        self._sent = sent = []
+        step()
+        self._sent = None
+        for message in sent:
+            kind, name = type(message).__name__, message.name
+            changed = {MOVES[kind]: getattr(message, MOVES[kind])} if kind in MOVES else message.updates
+            yield from ((kind, name, prop, value) for prop, value in changed.items())
+
+    def recording(self) -> bytes:
+        """viser's recording, with the scripts that were run; once."""
+        return self._recorder.serialize()

@@ -17,6 +17,11 @@ def sheet(lecture: bool, veiled: bool) -> str:
 def clock(t: float, horizon: float, speed: float, caption: str) -> str:
     """The cursor in all time plots and the clock beside the transport, in one element."""
     share = t / horizon if horizon > 0 else 0.0
-    digits = 2 if horizon >= 2 or horizon <= 0 else 2 - math.floor(math.log10(horizon))
+    digits = digits_of(horizon)
     return Template(page.source("clock.html")).substitute(
         share=f"{share:.4f}", now=f"{t:.{digits}f}", horizon=f"{horizon:g}", speed=f"{speed:g}", caption=caption)
+
+
+def digits_of(horizon: float) -> int:
+    """How many decimals of a second the clock of a run shows."""
+    return 2 if horizon >= 2 or horizon <= 0 else 2 - math.floor(math.log10(horizon))

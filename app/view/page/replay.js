@@ -1,0 +1,82 @@
+// Plays a recorded run on a page without a server: what stands on the stage, the clock, the cursors of the figures beside it.
+({run, words}) => {
+  const page = window.__viserMutable, calm = matchMedia('(prefers-reduced-motion: reduce)').matches, find = name => document.querySelector(name);
+  const [button, start, view, time, speed, clock] = ['play', 'start', 'view', 'time', 'speed', 'clock'].map(name => find(`.ol-replay-${name}`));
+  const last = run.t.length - 1, STALL = .25, LETTERS = 11;  // s that one frame covers at most; px of letters on the stage
+  let now = run.t[0], playing = false, before = 0, shape = 0;
+  const place = (marks, value) => {  // of the last mark that is not above a value
+    let low = 0, high = marks.length - 1;
+    while (low < high) {
+      const middle = (low + high + 1) >> 1;
+      if (marks[middle] <= value) low = middle; else high = middle - 1;
+    }
+    return low;
+  };
+  const send = messages => {
+    if (!messages.length) return;
+    page.messageQueue.push(...messages);
+    page.requestRender();
+  };
+  const message = ({type, name, prop, floats}, value) => {
+    const given = floats ? new Float32Array(value) : value, owner = run.owner;
+    return type === 'SceneNodeUpdateMessage' ? {type, name, owner, updates: {[prop]: given}} : {type, name, owner, [prop]: given};
+  };
+  const turn = (channels, step) => send(channels.flatMap(channel => {
+    const k = place(channel.at, step);
+    if (k === (channel.shown ?? 0)) return [];
+    channel.shown = k;
+    return [message(channel, channel.to[k])];
+  }));
+  const show = () => {
+    turn(run.moves, place(run.t, now + 1e-9));
+    document.querySelectorAll('.ol-replay-now').forEach(line => {
+      const {from, to} = line.dataset, share = (now - from) / (to - from);
+      line.hidden = share < 0 || share > 1;
+      line.style.setProperty('--ol-t', share);
+    });
+    time.value = now;
+    clock.textContent = `t = ${now.toFixed(run.digits)} s`;
+    time.setAttribute('aria-valuetext', clock.textContent);
+    button.textContent = playing ? words.pause : words.play;
+  };
+  const go = wanted => {
+    if (wanted && now >= run.end - 1e-9) now = run.t[0];
+    playing = wanted;
+    before = performance.now();
+    show();
+    if (playing) requestAnimationFrame(frame);
+  };
+  const frame = stamp => {
+    if (!playing) return;
+    now = Math.min(now + Math.min(Math.max(stamp - before, 0) / 1000, STALL) * run.rate * speed.value, run.end);
+    before = Math.max(stamp, before);
+    if (now >= run.end) playing = false;
+    show();
+    if (playing) requestAnimationFrame(frame);
+  };
+  const look = () => {
+    const wide = page.canvas.clientWidth, high = page.canvas.clientHeight, [x, y, z, ...aim] = run.eye;
+    if (!wide || !high) return;
+    shape = wide / high;
+    const back = Math.max(1, run.narrow / Math.max(shape, .2)), from = [x, y, z].map((value, k) => aim[k] + back * (value - aim[k]));
+    send([{type: 'SetCameraUpDirectionMessage', position: [0, 0, 1], initial: false}, {type: 'SetCameraPositionMessage', position: from, initial: false},
+      {type: 'SetCameraLookAtMessage', look_at: aim, initial: false}, {type: 'SetCameraFovMessage', fov: run.sight, initial: false}]);
+    const em = LETTERS / high * 2 * Math.tan(run.sight / 2) * (run.near * back + run.behind);
+    turn(run.letters, place(run.sizes, em * 1.06));
+  };
+  button.addEventListener('click', () => go(!playing));
+  start.addEventListener('click', () => { now = run.t[0]; go(false); });
+  view.addEventListener('click', look);
+  time.addEventListener('input', () => { now = Number(time.value); go(false); });
+  addEventListener('keydown', event => {
+    if (event.code !== 'Space' || event.target.closest?.('button,select,summary,a')) return;
+    event.preventDefault();
+    go(!playing);
+  });
+  requestAnimationFrame(() => {
+    find('.ol-replay-wait').hidden = true;
+    new ResizeObserver(() => { if (Math.abs(page.canvas.clientWidth / page.canvas.clientHeight - shape) > .03 * shape) look(); }).observe(page.canvas);
+    look();
+    go(!calm);
+  });
+}

@@ -1,0 +1,122 @@
+"""A run as viser's recording of its scene, with every change that time, and the size of letters, make to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, cast
+
+import numpy as np
+import viser
+
+from ..lesson.figures import MapFigure
+from ..tab.picture import Picture, tempo
+from . import quirks
+from .boards import BoardView
+from .mapboard import MapBoard
+from .stage import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, StageView, letters
+from .style import digits_of
+
+MOST = 1200  # moments of a run that are kept: the page shows no more than thirty a second
+LARGER = tuple(1.12 ** k for k in range(8))  # how many times larger than on a laptop letters may be wanted on a small stage
+ONCE = ("frames", "keys", "floor")  # of what a page learns, all that matters where nothing can be dragged
+DECIMALS = 4  # of stage units: a tenth of what a pixel shows
+
+
+@dataclass(frozen=True)
+class Window:
+    """A laptop's, and a camera in it that sees everything: what letters and boards ask for."""
+
+    image_width: int = 1366
+    image_height: int = 768
+    position: tuple[float, ...] = CAMERAS["all"][0]
+    look_at: tuple[float, ...] = CAMERAS["all"][1]
+    fov: float = SIGHT
+
+
+def recorded(picture: Picture, camera: tuple[float, ...] | None, words: dict[str, str]) -> bytes:
+    """viser's recording of a picture's scene at its start, and in it the script that plays the run on the page.
+
+    `camera` is position and target to look from, None for the whole view. The picture has a stage.
+    """
+    state, stage = picture.state, picture.outcome.stage
+    assert stage is not None
+    tape = quirks.Tape(Window())
+    client = cast(viser.ClientHandle, tape)
+    em = letters(client.camera, False)
+    view = StageView(client)
+    view.furnish(state.darkness)
+    view.build(stage, state.language, em)
+    lettered = [view, *_boards(client, picture, em), *_maps(client, picture, em)]
+    moments = stage.t[:: -(-len(stage.t) // MOST)].tolist()
+    view.pose(moments[0])
+    sizes = [em * times for times in LARGER]
+    run = {
+        "owner": str(tape.client_id), "digits": digits_of(picture.horizon),
+        "t": moments, "end": picture.end, "rate": tempo(picture.horizon),
+        "moves": channels(tape, [partial(view.pose, t) for t in moments]),
+        "sizes": sizes, "letters": channels(tape, [partial(_fit, lettered, size) for size in sizes]),
+        "eye": camera or [*CAMERAS["all"][0], *CAMERAS["all"][1]],
+        "near": CAMERAS["all"][1][1] - CAMERAS["all"][0][1], "behind": BOARDS_BEHIND, "narrow": NARROW, "sight": SIGHT,
+    }
+    for name in ONCE:
+        quirks.run(client, name)
+    quirks.run(client, "replay", run=run, words=words)
+    return tape.recording()
+
+
+def _boards(client: viser.ClientHandle, picture: Picture, em: float) -> list[BoardView]:
+    """The boards, which nobody can drag."""
+    out = []
+    for board in picture.boards:
+        still = replace(board, knob=None)
+        out.append(BoardView(client, still, picture.state.language, em, picture.state.darkness, lambda values, grip: None))
+        out[-1].show(still, veiled=False)
+        out[-1].show_landscape(picture.state.landscape and board.landscape is not None)
+    return out
+
+
+def _maps(client: viser.ClientHandle, picture: Picture, em: float) -> list[MapBoard]:
+    """The map in front of the stage, if the lesson has one and it has been computed."""
+    figure = next((f for f in picture.seen if isinstance(f, MapFigure)), None)
+    if figure is None or picture.lesson.pick is None or np.all(figure.values < 0):
+        return []
+    board = MapBoard(client, picture.state.language, em, lambda x, y: None)
+    board.show(figure)
+    return [board]
+
+
+def _fit(lettered: Sequence[StageView | BoardView | MapBoard], em: float) -> None:
+    for part in lettered:
+        part.fit(em)
+
+
+def channels(tape: quirks.Tape, steps: Sequence[Callable[[], object]]) -> list[dict[str, Any]]:
+    """Each property that the steps change, with the numbers of the steps from which on it has another value, and these values.
+
+    The scene stands as after the first step, and stands so again afterwards.
+    """
+    found: dict[tuple[str, str, str], list[tuple[int, Any]]] = {}
+    for k, step in enumerate([*steps[1:], steps[0]], 1):
+        for kind, name, prop, value in tape.changes(step):
+            found.setdefault((kind, name, prop), []).append((k, value))
+    out = []
+    for (kind, name, prop), values in found.items():
+        at, to = [0], [_plain(values[-1][1])]  # on the way back, or with its last change, it came to where it had been
+        for k, value in values:
+            plain = _plain(value)
+            if k < len(steps) and plain != to[-1]:
+                at.append(k)
+                to.append(plain)
+        out.append({"type": kind, "name": name, "prop": prop, "floats": isinstance(values[-1][1], np.ndarray), "at": at, "to": to})
+    return out
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON holds it, in as many decimals as can be seen."""
+    if isinstance(value, (bool, str, int)) or value is None:
+        return value
+    if isinstance(value, float):
+        return round(value, DECIMALS) + 0.0
+    return [round(number, DECIMALS) + 0.0 for number in np.ravel(value).tolist()]

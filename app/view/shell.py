@@ -1,0 +1,52 @@
+"""viser's own page under our name and sign: as it is served, and with a recording in it as a file that needs no server."""
+
+from __future__ import annotations
+
+import base64
+import html
+import re
+from pathlib import Path
+from urllib.parse import quote
+
+import viser
+
+from ..text import languages
+from . import page, phrases
+
+NAME = "Observer Lab"
+ADDRESS = "observer-lab-address"  # the key of the token that a tab has put into its address bar
+SPOKEN = "observer-lab-language"  # the key of the language that a tab spoke last
+
+
+def page_of_our_own(language: str) -> str:
+    """viser's page under our name and sign, with what must run before the view opens in it.
+
+    Until a lesson stands it shows our name in `language`, or in the one that the tab spoke before, instead of viser's form
+    for an address; while the server does not answer, a sentence stands above what was last shown.
+
+    Without a graphics card the view is drawn without multisampling; a scene at rest is finer instead (`manners`).
+    """
+    words = {web_code(code): {"name": NAME, "loading": phrases.LOADING(code), "lost": phrases.LOST(code)} for code in languages()}
+    link = page.call("link", words=words, language=web_code(language), kept=SPOKEN)
+    return _their_page(NAME, f"<style>{page.source('link.css')}</style><script>{page.call('software')}</script><script>{link}</script>"
+                             f"<script>{page.call('address', kept=ADDRESS)}</script>")
+
+
+def page_of_a_recording(recording: bytes, language: str, title: str, head: str, body: str, dark: bool) -> str:
+    """viser's page with a recording in it, which it plays without a server, and what of ours stands in its head and beside it."""
+    embedded = page.call("embed", recording=base64.b64encode(recording).decode("ascii"), dark=dark)
+    text = _their_page(title, f"{head}<script>{page.call('software')}</script><script>{embedded}</script>")
+    text = text.replace('<html lang="en">', f'<html lang="{web_code(language)}">', 1)
+    return text.replace("</body>", f"{body}</body>", 1)
+
+
+def _their_page(title: str, head: str) -> str:
+    theirs = Path(viser.__file__).parent / "client" / "build" / "index.html"
+    text = re.sub(r'<link\s+rel="icon".*?/>', "", theirs.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
+    icon = "data:image/svg+xml," + quote(page.source("icon.svg"))
+    return text.replace("<title>Viser</title>", f'<link rel="icon" href="{icon}" /><title>{html.escape(title)}</title>{head}', 1)
+
+
+def web_code(language: str) -> str:
+    """A language's code as browsers write it."""
+    return language.replace("_", "-")
