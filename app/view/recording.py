@@ -21,6 +21,7 @@ from .style import digits_of
 MOST = 1200  # moments of a run that are kept: the page shows no more than thirty a second
 LARGER = tuple(1.12 ** k for k in range(8))  # how many times larger than on a laptop letters may be wanted on a small stage
 ONCE = ("frames", "keys", "floor")  # of what a page learns, all that matters where nothing can be dragged
+NEARER, LIFTED = 0.78, 0.7  # of the lab's distance from an empty stage, and stage units of its aim above the lab's
 DECIMALS = 4  # of stage units: a tenth of what a pixel shows
 
 
@@ -48,7 +49,8 @@ def recorded(picture: Picture, camera: tuple[float, ...] | None, words: dict[str
     view = StageView(client)
     view.furnish(state.darkness)
     view.build(stage, state.language, em)
-    lettered = [view, *_boards(client, picture, em), *_maps(client, picture, em)]
+    boards, maps = _boards(client, picture, em), _maps(client, picture, em)
+    lettered = [view, *boards, *maps]
     moments = stage.t[:: -(-len(stage.t) // MOST)].tolist()
     view.pose(moments[0])
     sizes = [em * times for times in LARGER]
@@ -57,13 +59,24 @@ def recorded(picture: Picture, camera: tuple[float, ...] | None, words: dict[str
         "t": moments, "end": picture.end, "rate": tempo(picture.horizon),
         "moves": channels(tape, [partial(view.pose, t) for t in moments]),
         "sizes": sizes, "letters": channels(tape, [partial(_fit, lettered, size) for size in sizes]),
-        "eye": camera or [*CAMERAS["all"][0], *CAMERAS["all"][1]],
-        "near": CAMERAS["all"][1][1] - CAMERAS["all"][0][1], "behind": BOARDS_BEHIND, "narrow": NARROW, "sight": SIGHT,
+        "behind": BOARDS_BEHIND, "sight": SIGHT, **_seen_from(camera, bool(maps) or state.landscape),
     }
     for name in ONCE:
         quirks.run(client, name)
     quirks.run(client, "replay", run=run, words=words)
     return tape.recording()
+
+
+def _seen_from(camera: tuple[float, ...] | None, full: bool) -> dict[str, Any]:
+    """Where the page looks from: position and target, how far the boards' letters are off, and the shape that shows both boards.
+
+    Where nothing lies in front of the stage, from nearer than the lab, whose transport floats there.
+    """
+    position, target = (np.array(place) for place in CAMERAS["all"])
+    near = 1.0 if full else NEARER
+    lifted = target + np.array((0.0, 0.0, 0.0 if full else LIFTED))
+    eye = [*(lifted + near * (position - target)), *lifted] if camera is None else camera
+    return {"eye": [float(number) for number in eye], "near": near * float(target[1] - position[1]), "narrow": NARROW / near}
 
 
 def _boards(client: viser.ClientHandle, picture: Picture, em: float) -> list[BoardView]:
