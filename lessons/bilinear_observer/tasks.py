@@ -1,6 +1,8 @@
-"""Tasks of the lesson: the slip, the plant that runs away, no derivative, three sensors, an input that blinds."""
+"""Tasks of the lesson: the slip, the plant that runs away, no derivative, three sensors, an input that blinds, sensors that are off."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
@@ -8,10 +10,11 @@ from app.plants.bilinear import POLE
 from app.text import text
 
 from .page import FATAL, NONE
-from .problems import PAPER, TYPED
+from .problems import COMPUTED, PAPER, TYPED
 from .study import FILTERED, Study
 
 TO_TYPE, AT_FIRST = 0.1, 0.05  # rad/s that the pole may be off, and |ε(0)|
+LONGEST = 16.7  # of the row G − Y/p
 
 
 def _number(value: float) -> str:
@@ -80,6 +83,18 @@ def _three(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("Three sensors, one L and one pole, {pole}: case 2, and right from the start.", pole=_number(m["pole"])))
 
 
+def _offsets(outcome: Outcome[Study]) -> Verdict:
+    d, pole = outcome.design, outcome.metrics["pole"]
+    if d["problem"] != PAPER or d["gain"] != COMPUTED or pole >= 0:
+        return Verdict(False, text("Take the paper's problem with the computed gain, and a pole on the left."))
+    plain = outcome.study.observer.forms(outcome.gains["L"])[1]
+    long = float(np.linalg.norm(plain.G_y - plain.G_z @ np.linalg.solve(plain.A, plain.Y)))
+    if long > LONGEST:
+        return Verdict(False, text("At {pole} the row is {long:.2f} long; at most {most:g} is wanted.", pole=_number(pole), long=long,
+                                   most=LONGEST))
+    return Verdict(True, text("At {pole} the row is {long:.2f} long: neither too deaf nor too credulous.", pole=_number(pole), long=long))
+
+
 BLIND_INPUT = Typed("(1-g*b)/(g^2*f)", ("b", "f", "g"), slips=(
     ("(1-g*b)/(g*f)", text("The second row hears u through g, and the determinant multiplies it by g once more.")),
     ("1/(g^2*f)", text("That is without the friction b."))))
@@ -90,4 +105,5 @@ TASKS = (
     Task("lag", _lag, {"form": FILTERED, "tau": 0.004}),
     Task("three-sensors", _three, {"problem": "three-fitting", "chi0": 4.5}),
     pencil("blind-input", BLIND_INPUT),
+    Task("offsets", _offsets, {"pole": (-8.4 + 0j,)}),
 )

@@ -1,6 +1,8 @@
-"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper, a wrong sensor."""
+"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper, a wrong sensor, two roads."""
 
 from __future__ import annotations
+
+import numpy as np
 
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
@@ -8,9 +10,10 @@ from app.text import text
 
 from .knobs import COLUMNS, LINES, ONE, REMARKS, TWO
 from .paper import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
-from .study import BEST, Story
+from .study import BEST, Story, turn
 
 FLOOR_J = 38 / 9
+SLOWEST, DIRECT, NEAR, STEERS = -1.1, 3.5, 0.2, 2.2  # of the two roads: Re s, |M| and how near, entries of N
 
 
 def _kink(outcome: Outcome[Story]) -> Verdict:
@@ -67,6 +70,20 @@ def _sizes(outcome: Outcome[Story]) -> Verdict:
                               printed2=printed[1], columns=COLUMNS[d["columns"]], right=right))
 
 
+def _two_roads(outcome: Outcome[Story]) -> Verdict:
+    d, g = outcome.design, outcome.gains
+    slowest = max(p.real for p in outcome.poles["observer"])
+    if d["example"] != TWO or slowest > SLOWEST + 1e-9:
+        return Verdict(False, text("Take Example 2, with both poles at Re s ≤ −1.1; the slower one is at {slowest:.3g}.", slowest=slowest))
+    direct, size = float(np.abs(g["M"]).max()), float(np.abs(g["N"] @ turn(d)).max())
+    if abs(direct - DIRECT) > NEAR:
+        return Verdict(False, text("|M| = {direct:.3g}; wanted are {wanted:g} within {near:g}.", direct=direct, wanted=DIRECT, near=NEAR))
+    if size > STEERS:
+        return Verdict(False, text("|M| = {direct:.3g} is right, but N has an entry of {size:.3g}; at most {most:g} is wanted.",
+                                   direct=direct, size=size, most=STEERS))
+    return Verdict(True, text("|M| = {direct:.3g}, and no entry of N is above {size:.3g}.", direct=direct, size=size))
+
+
 WRONG_SENSOR = Typed("(k-a)*(l-a)/(k*l)", ("a", "k", "l"), slips=(
     ("(k-a)/k", text("That is for y fed back at once, u = −k y; the observer costs a factor as well.")),
     ("1-(k-a)*(l-a)/(k*l)", text("That is the share that must still be read; d is what may be missing."))))
@@ -80,4 +97,5 @@ TASKS = (
     Task("sizes", _sizes, {"example": TWO, "line": "LC", "columns": "mp"},
          Typed("m + p - r", ("m", "p", "r"))),
     pencil("wrong-sensor", WRONG_SENSOR),
+    Task("two-roads", _two_roads, {"example": TWO, "pair": (-1.1 - 1.05j, -1.1 + 1.05j)}),
 )

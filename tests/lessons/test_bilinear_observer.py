@@ -237,3 +237,25 @@ def test_an_observer_that_runs_away_leaves_the_plants_motion_as_it_is() -> None:
     assert np.abs(run.estimates).max() > 1e11
     own = np.array([expm(PROBLEMS[STUCK].plant.A * t) @ X0 for t in run.t[::50]])
     np.testing.assert_allclose(run.x[::50], own, rtol=0, atol=1e-9)
+
+
+def test_what_the_offsets_of_sensors_do_is_what_a_long_run_shows():
+    """The numbers of the task, against plant and observer integrated together to their rest, one sensor off at a time."""
+    task = next(t for t in LESSON.tasks if t.id == "offsets")
+
+    def off(pole):
+        o = outcome(pole=[pole])
+        form = o.study.observer.forms(o.gains["L"])[1]
+        both = np.block([[PLANT.A, np.zeros((6, 1))], [form.Y @ PLANT.C, form.A]])
+        ends = []
+        for offset in np.eye(4):
+            whole = np.zeros((8, 8))
+            whole[:7, :7], whole[:7, 7] = both, np.concatenate([np.zeros(6), form.Y @ offset])
+            x = (expm(60.0 * whole) @ np.append(X0, [0.0, 1.0]))[:7]
+            ends.append((form.G_y @ (PLANT.C @ x[:6] + offset) + form.G_z @ x[6:] - WANTED @ x[:6]).item())
+        return float(np.linalg.norm(ends)), task.check(o)
+    for pole, said in ((-30.0, "25.2"), (-2.0, "85.2"), (-8.4, "16.6")):
+        long, verdict = off(pole)
+        assert f"{long:.1f}" == said and f"{long:.2f} long" in verdict.text("en") and verdict.solved == (pole == -8.4)
+    assert [task.check(outcome(pole=[p])).solved for p in (-9.1, -9.0, -7.9, -7.8)] == [False, True, True, False]
+    assert not task.check(outcome(pole=[-8.4], gain="rounded")).solved

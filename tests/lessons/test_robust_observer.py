@@ -305,3 +305,16 @@ def test_a_transient_is_not_called_an_amplitude(s: float) -> None:
     settled = np.abs(long.e_u[-500:, 0]).max()
     assert o.study.steady == pytest.approx(settled, rel=0.01)
     assert ("will settle" in caption) == (o.metrics["late_error"] >= 1.2 * settled) and f"{o.study.steady:.2g}" in caption
+
+
+def test_two_roads_are_open_to_a_pair_only():
+    """The task's numbers, in any coordinates W; real poles with such an M steer with entries above 4."""
+    task = next(t for t in LESSON.tasks if t.id == "two-roads")
+    for w in (0.0, 1.2, -2.0):
+        o = outcome(example="2", w12=w, pair=(-1.1 - 1.05j, -1.1 + 1.05j))
+        assert task.check(o).solved and "3.51" in task.check(o).text("en") and "2." in task.check(o).text("en")
+    assert not task.check(outcome(example="2", pair=(-1.1 - 0.9j, -1.1 + 0.9j))).solved
+    assert not task.check(outcome(example="2", pair=(-1.1 - 1.2j, -1.1 + 1.2j))).solved
+    s1, s2 = np.meshgrid(np.linspace(-12, -1.1, 400), np.linspace(-12, -1.1, 400))
+    small = (np.abs(1 + s1 + s2 - s1 * s2) <= 3.7) & (np.abs(s1 - s2) > 1e-3)
+    assert steering(s1, s2)[small].min() > 4
