@@ -41,20 +41,130 @@ def empty(server: LabServer) -> None:
     eventually(lambda: not server.sessions, "the end of every session")
 
 
-class WireTab:
-    """One connection. `widgets` and `nodes` are kept up to date by everything that waits."""
+def unpack(data: bytes) -> tuple[list[dict[str, Any]], list[bytes]]:
+    """The messages of one batch as viser packs it, and the arrays that stand behind them."""
+    size = int.from_bytes(data[8:16], "little")
+    content = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(
+        data[16:16 + size], max_output_size=int.from_bytes(data[:8], "little")), strict=False)
+    arrays, at = [], 16 + size
+    for length in content["binaryBufferLengths"]:
+        at += -at % 8
+        arrays.append(data[at:at + length])
+        at += length
+    return content["messages"], arrays
 
-    def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
-                 camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720)) -> None:
+
+class WirePage:
+    """What a page holds: `widgets` and `nodes` are kept up to date by the messages that are taken; a subclass sends."""
+
+    def __init__(self, kept: str | None = None, answers: bool = True) -> None:
         self.widgets: dict[str, dict[str, Any]] = {}  # uuid → message with its props
         self.commands: dict[str, str] = {}  # label → uuid
         self.nodes: dict[str, dict[str, Any]] = {}  # scene nodes by name
         self.notes: list[str] = []  # bodies of notifications, in order
-        self.messages: list[dict[str, Any]] = []  # everything received
         self.kept = kept  # what the page's sessionStorage holds
+        self.answers = answers  # whether it says what it holds
+
+    def send_raw(self, data: bytes | str) -> None:
+        """Send anything at all."""
+        raise NotImplementedError
+
+    def send(self, kind: str, **fields: Any) -> None:
+        """Send one message of a kind."""
+        self.send_raw(msgspec.msgpack.encode({"type": kind, **fields}))
+
+    def look(self, across: int = 1280, up: int = 720) -> None:
+        """The camera message after which viser takes a connection for a tab, from a canvas of some pixels."""
+        self.send("ViewerCameraMessage", wxyz=(1.0, 0.0, 0.0, 0.0), position=(0.0, -13.0, 4.0), fov=0.6, near=0.01,
+                  far=1000.0, image_height=up, image_width=across, look_at=(0.0, 0.0, 2.0), up_direction=(0.0, 0.0, 1.0))
+
+    def command(self, label: str) -> None:
+        """Trigger a command of the palette."""
+        self.send("CommandTriggerMessage", uuid=self.commands[label])
+
+    def take(self, message: dict[str, Any]) -> None:
+        """Do what a message from the server says."""
+        kind = message["type"]
+        if kind in ("GuiUpdateMessage", "SceneNodeUpdateMessage"):
+            holder = self.widgets if kind[0] == "G" else self.nodes
+            thing = holder.get(message.get("uuid") or message.get("name") or "")
+            if thing is not None:
+                for name, value in message["updates"].items():
+                    (thing if name == "value" else thing["props"])[name] = value
+        elif kind == "SetSceneNodeVisibilityMessage" and message["name"] in self.nodes:
+            self.nodes[message["name"]]["visible"] = message["visible"]
+        elif kind == "GuiRemoveMessage":
+            self.widgets.pop(message["uuid"], None)
+        elif kind.startswith("Gui") and "props" in message:
+            self.widgets[message["uuid"]] = message
+        elif kind == "RemoveSceneNodeMessage":
+            self.nodes.pop(message["name"], None)
+        elif kind == "RegisterCommandMessage":
+            self.commands[message["props"]["label"]] = message["uuid"]
+        elif kind in ("NotificationShowMessage", "NotificationUpdateMessage"):
+            self.notes.append(message["props"]["body"])
+        elif kind == "RunJavascriptMessage" and (called := CALLED.fullmatch(message["source"])):
+            self._run(called[1], json.loads(called[2]))
+        elif "name" in message and "props" in message:
+            self.nodes[message["name"]] = message
+
+    def _run(self, script: str, given: dict[str, Any]) -> None:
+        if script == "remember":
+            self.kept = given["text"]
+        elif script == "recall" and self.answers:
+            value = json.dumps([self.kept, "", False, "http://127.0.0.1/", None, None])
+            self.send("LocalStorageGetItemResponseMessage", value=value, error=None, request_uuid=given["request"])
+
+    def offers(self, label: str) -> bool:
+        """Whether a group of buttons has that word."""
+        return any(label in (w["props"].get("options") or ()) for w in self.widgets.values())
+
+    def press(self, label: str) -> None:
+        """Press a word of a button group, or a button."""
+        for uuid, widget in self.widgets.items():
+            if label in (widget["props"].get("options") or ()) and widget["type"] == "GuiButtonGroupMessage":
+                self.send("GuiUpdateMessage", uuid=uuid, updates={"value": label})
+                break
+        else:
+            self.send("GuiUpdateMessage", uuid=self.find(label), updates={"value": True})
+
+    def mark(self) -> tuple[str, float, bool] | None:
+        """Where to ask, the last question answered, whether the knobs rest; None while the page is being laid out."""
+        for widget in self.widgets.values():
+            if found := MARK.match(str(widget["props"].get("content"))):
+                return found[1], float(found[2]), found[3] == "1"
+        return None
+
+    def find(self, label: str) -> str:
+        """The uuid of the widget with a label."""
+        for uuid, widget in self.widgets.items():
+            if widget["props"].get("label") == label:
+                return uuid
+        labels = sorted({str(w["props"].get("label")) for w in self.widgets.values()})
+        raise LookupError(f"no widget {label!r}; there are {labels}")
+
+    def has(self, label: str) -> bool:
+        """Whether there is a widget with a label."""
+        return any(w["props"].get("label") == label for w in self.widgets.values())
+
+    def value(self, label: str) -> Any:
+        """The value that a widget shows."""
+        return self.widgets[self.find(label)]["value"]
+
+    def kinds(self) -> set[str]:
+        """The kinds of widgets on the page."""
+        return {w["type"] for w in self.widgets.values()}
+
+
+class WireTab(WirePage):
+    """One connection that whoever waits reads from."""
+
+    def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
+                 camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720)) -> None:
+        super().__init__(kept, answers)
+        self.messages: list[dict[str, Any]] = []  # everything received
         self._questions = 0
         self.url = url
-        self.answers = answers  # whether it says what it holds
         place = urlsplit(url)
         name, *more = hosts or (place.netloc,)
         self._socket = connect(f"ws://{name}", origin=Origin(origin) if origin else None,
@@ -76,19 +186,6 @@ class WireTab:
         self._socket.close()
 
     # --- sending ---------------------------------------------------------------------------------------------------
-    def send(self, kind: str, **fields: Any) -> None:
-        """Send one message of a kind."""
-        self._socket.send(msgspec.msgpack.encode({"type": kind, **fields}))
-
-    def send_raw(self, data: bytes | str) -> None:
-        """Send anything at all."""
-        self._socket.send(data)
-
-    def look(self, across: int = 1280, up: int = 720) -> None:
-        """The camera message after which viser takes a connection for a tab, from a canvas of some pixels."""
-        self.send("ViewerCameraMessage", wxyz=(1.0, 0.0, 0.0, 0.0), position=(0.0, -13.0, 4.0), fov=0.6, near=0.01,
-                  far=1000.0, image_height=up, image_width=across, look_at=(0.0, 0.0, 2.0), up_direction=(0.0, 0.0, 1.0))
-
     def update(self, label: str, **updates: Any) -> None:
         """Change a widget as its browser would, and see it changed at once."""
         self.until(lambda: self.has(label), label)
@@ -99,17 +196,12 @@ class WireTab:
 
     def press(self, label: str) -> None:
         """Press a word of a button group, or a button, once it is there."""
-        self.until(lambda: self.has(label) or any(label in (w["props"].get("options") or ()) for w in self.widgets.values()), label)
-        for uuid, widget in self.widgets.items():
-            if label in (widget["props"].get("options") or ()) and widget["type"] == "GuiButtonGroupMessage":
-                self.send("GuiUpdateMessage", uuid=uuid, updates={"value": label})
-                break
-        else:
-            self.send("GuiUpdateMessage", uuid=self.find(label), updates={"value": True})
+        self.until(lambda: self.has(label) or self.offers(label), label)
+        super().press(label)
 
-    def command(self, label: str) -> None:
-        """Trigger a command of the palette."""
-        self.send("CommandTriggerMessage", uuid=self.commands[label])
+    def send_raw(self, data: bytes | str) -> None:
+        """Send anything at all."""
+        self._socket.send(data)
 
     # --- receiving -------------------------------------------------------------------------------------------------
     def until(self, condition: Callable[[], Any], what: str = "it", patience: float = PATIENCE) -> None:
@@ -118,13 +210,6 @@ class WireTab:
         while not condition():
             assert time.monotonic() < end, f"{what} never happened; last notes: {self.notes[-3:]}"
             self._receive(0.05)
-
-    def mark(self) -> tuple[str, float, bool] | None:
-        """Where to ask, the last question answered, whether the knobs rest; None while the page is being laid out."""
-        for widget in self.widgets.values():
-            if found := MARK.match(str(widget["props"].get("content"))):
-                return found[1], float(found[2]), found[3] == "1"
-        return None
 
     def answered(self, rests: bool = False) -> None:
         """Receive until all that was sent has been answered, and the knobs rest if that is asked."""
@@ -176,62 +261,6 @@ class WireTab:
         except TimeoutError:
             return
         assert isinstance(data, bytes)
-        size = int.from_bytes(data[8:16], "little")
-        content = msgspec.msgpack.decode(zstandard.ZstdDecompressor().decompress(
-            data[16:16 + size], max_output_size=int.from_bytes(data[:8], "little")), strict=False)
-        for message in content["messages"]:
+        for message in unpack(data)[0]:
             self.messages.append(message)
-            self._take(message)
-
-    def _take(self, message: dict[str, Any]) -> None:
-        kind = message["type"]
-        if kind in ("GuiUpdateMessage", "SceneNodeUpdateMessage"):
-            holder = self.widgets if kind[0] == "G" else self.nodes
-            thing = holder.get(message.get("uuid") or message.get("name") or "")
-            if thing is not None:
-                for name, value in message["updates"].items():
-                    (thing if name == "value" else thing["props"])[name] = value
-        elif kind == "SetSceneNodeVisibilityMessage" and message["name"] in self.nodes:
-            self.nodes[message["name"]]["visible"] = message["visible"]
-        elif kind == "GuiRemoveMessage":
-            self.widgets.pop(message["uuid"], None)
-        elif kind.startswith("Gui") and "props" in message:
-            self.widgets[message["uuid"]] = message
-        elif kind == "RemoveSceneNodeMessage":
-            self.nodes.pop(message["name"], None)
-        elif kind == "RegisterCommandMessage":
-            self.commands[message["props"]["label"]] = message["uuid"]
-        elif kind in ("NotificationShowMessage", "NotificationUpdateMessage"):
-            self.notes.append(message["props"]["body"])
-        elif kind == "RunJavascriptMessage" and (called := CALLED.fullmatch(message["source"])):
-            self._run(called[1], json.loads(called[2]))
-        elif "name" in message and "props" in message:
-            self.nodes[message["name"]] = message
-
-    def _run(self, script: str, given: dict[str, Any]) -> None:
-        if script == "remember":
-            self.kept = given["text"]
-        elif script == "recall" and self.answers:
-            value = json.dumps([self.kept, "", False, "http://127.0.0.1/", None, None])
-            self.send("LocalStorageGetItemResponseMessage", value=value, error=None, request_uuid=given["request"])
-
-    # --- seeing ----------------------------------------------------------------------------------------------------
-    def find(self, label: str) -> str:
-        """The uuid of the widget with a label."""
-        for uuid, widget in self.widgets.items():
-            if widget["props"].get("label") == label:
-                return uuid
-        labels = sorted({str(w["props"].get("label")) for w in self.widgets.values()})
-        raise LookupError(f"no widget {label!r}; there are {labels}")
-
-    def has(self, label: str) -> bool:
-        """Whether there is a widget with a label."""
-        return any(w["props"].get("label") == label for w in self.widgets.values())
-
-    def value(self, label: str) -> Any:
-        """The value that a widget shows."""
-        return self.widgets[self.find(label)]["value"]
-
-    def kinds(self) -> set[str]:
-        """The kinds of widgets on the page."""
-        return {w["type"] for w in self.widgets.values()}
+            self.take(message)
