@@ -28,7 +28,6 @@ SCRIPTS: Mapping[str, tuple[Callable[[Lesson, Outcome, str], str], str]] = Mappi
 BORN = (2020, 1, 1, 0, 0, 0)  # of every file in a zip, so that the same records give the same bytes
 NO_FONT = text("The server has no font that holds Chinese, so this file would have boxes for words; switch the page to English for it.")
 NO_SCRIPT = text("No script is written for this lesson yet: its run is of a kind of its own; take its data as JSON or CSV.")
-NO_MATLAB = text("No MATLAB file is written for this lesson yet: its run is of a kind of its own; take its Python script.")
 
 
 class FileError(ValueError):
@@ -92,8 +91,7 @@ def script_file(taken: Taken, kind: str) -> File:
     try:
         return File(f"{name}.{suffix}", (write(taken.lesson, taken.outcome, taken.token) + "\n").encode())
     except ScriptError as problem:
-        written = kind == "matlab" and taken.lesson.code is not None
-        raise FileError(NO_MATLAB if written else NO_SCRIPT) from problem
+        raise FileError(NO_SCRIPT) from problem
 
 
 def sheet_file(taken: Taken) -> File:

@@ -37,9 +37,13 @@ class Shown:
 
 @dataclass(frozen=True, eq=False)
 class Code:
-    """`parts` name the equations, in order, from what is `given` to what is `shown`; `unsaid` is what they leave out."""
+    """`parts` name the equations, in order, from what is `given` to what is `shown`; `unsaid` is what they leave out.
+
+    `drawn`: what Python draws from the seed, for a language whose generator gives other numbers.
+    """
 
     parts: tuple[str, ...]
     given: tuple[Given, ...]
     shown: tuple[Shown, ...]
     unsaid: str = ""
+    drawn: tuple[Given, ...] = ()

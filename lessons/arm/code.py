@@ -38,7 +38,7 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("kicks", [(float(t), *np.asarray(jump).tolist()) for t, jump in kicks], "time in s, jump of (i, omega, theta, tau)"),
     ), (
         *loaded, *cancelled,
-        Shown("eigvals((A - B @ K)[:3, :3])", outcome.poles["controller"], poles=True),
+        Shown("eigvals(steered)", outcome.poles["controller"], poles=True),
         Shown("eigvals(A - L @ C)", outcome.poles["observer"], poles=True),
         Shown("x", run.x), Shown("xhat", run.xhat), Shown("u_asked", run.u_asked), Shown("u_applied", run.u_applied), Shown("y", run.y),
         Shown("motor", shown.motor), Shown("load_error", m["load_error"], max(1e-3, m["load_error"])),

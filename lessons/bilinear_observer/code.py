@@ -9,7 +9,7 @@ from app.lesson.lesson import Outcome
 from app.plants.bilinear import PRINTED_FORM, PRINTED_L, X0
 
 from .problems import COMPUTED, PAPER, PRINTED, PROBLEMS, ROUNDED, TYPED
-from .study import DT, HOLD, HORIZON, KICK, Study, form_index
+from .study import DT, HOLD, HORIZON, KICK, Study, form_index, random_values
 
 UNSAID = ("A*, B* and pi, which belong to one elimination among many and of which only the pole A* - B*pi counts, the settling time, "
           "and what the lines of the print in doubt lead to")
@@ -28,7 +28,7 @@ def code(outcome: Outcome[Study]) -> Code:
     hand = np.array(d["hand"]).reshape(-1, 2) if d["input"] == "hand" else np.zeros((0, 2))
     size = max(1.0, float(np.abs(run.g).max()))
     errors = float(np.abs(run.errors).max())
-    shown = (Shown("L", outcome.gains["L"]), Shown("pole", m["pole"]), Shown("case", m["case"]), Shown("x", run.x), Shown("u", run.u),
+    shown = (Shown("L", outcome.gains["L"]), Shown("pole", m["pole"]), Shown("case_of_L", m["case"]), Shown("x", run.x), Shown("u", run.u),
              Shown("g", run.g), Shown("errors", run.errors, max(errors, size)), Shown("first_error", m["first_error"], size),
              Shown("late_error", m["late_error"], max(errors, size)), Shown("half_error", m["half_error"], max(errors, size)),
              Shown("late_g", m["late_g"]))
@@ -44,4 +44,4 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("L_given", given, "L where it is taken from the paper, or from a family in which no choice moves the pole"),
         Given("L4", d["l4"] if gain == TYPED else float("nan"), "the entry of L typed, if it is"),
         Given("printed_step", PRINTED_STEP_8 if gain == ROUNDED else np.zeros(0), "step 8 in printed decimals, if it runs"),
-    ), shown, UNSAID)
+    ), shown, UNSAID, (Given("values", random_values(d)),) if d["input"] == "random" else ())

@@ -68,13 +68,18 @@ def signal(design: Design) -> Callable[[np.ndarray], np.ndarray]:
     if kind == "sweep":
         return lambda t: size * np.cos(omega * t**2)
     if kind == "random":
-        values = np.random.default_rng(int(design["seed"])).uniform(-size, size, round(HORIZON / HOLD) + 1)
+        values = random_values(design)
         return lambda t: values[np.minimum(t / HOLD + 1e-9, len(values) - 1).astype(int)]
     if kind == "hand" and design["hand"]:
         times, drawn = np.array(design["hand"]).T
         held = np.concatenate([[0.0], drawn])
         return lambda t: held[np.searchsorted(times, t + 1e-9, side="right")]
     return lambda t: np.zeros(np.shape(t))
+
+
+def random_values(design: Design) -> np.ndarray:
+    """What a random input holds, one value after the other."""
+    return np.random.default_rng(int(design["seed"])).uniform(-design["amplitude"], design["amplitude"], round(HORIZON / HOLD) + 1)
 
 
 def joined(plain: BilinearForm, exact: BilinearForm, tau: float) -> BilinearForm:

@@ -58,4 +58,5 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("peaks", BAND, "Hz between which peaks are looked for"), Given("slowest", SLOWEST, "1/s: poles nearer to zero are drift"),
         Given("h", DT, "s"), Given("count", len(s.shaken.t)), Given("seed", int(d["seed"])),
         Given("kick_at", round(d["kick"] / DT) if d["kick"] >= 0 else -1, "the grid point at which x jumps, -1: never"),
-        Given("kick", KICK)), tuple(shown), UNSAID + ("" if calm else ", and the run with control, which magnifies rounding"))
+        Given("kick", KICK)), tuple(shown), UNSAID + ("" if calm else ", and the run with control, which magnifies rounding"),
+                (Given("ground", s.shaken.ground),))

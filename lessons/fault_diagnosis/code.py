@@ -18,9 +18,9 @@ def code(outcome: Outcome[Study]) -> Code:
     d, m, s = outcome.design, outcome.metrics, outcome.study
     case, kf, bank = s.case, model(), guard().bank
     A_true, B_true = truth(case.stiffer)
-    start = drawn(int(d["seed"])).bank
-    ignoring = np.array([member.basis @ start[part] for member, part in zip(bank.members, bank.slices, strict=True)][4:])
-    poles = [Shown(f"eigvals(members[{k}][0])", outcome.poles[name], poles=True) for k, name in enumerate(NAMES)]
+    noise = drawn(int(d["seed"]))
+    ignoring = np.array([member.basis @ noise.bank[part] for member, part in zip(bank.members, bank.slices, strict=True)][4:])
+    poles = [Shown(f"eigvals(step_of['m{k}'])", outcome.poles[name], poles=True) for k, name in enumerate(NAMES)]
     return Code(("faults",), (
         Given("A", kf.A, "the deck at its samples, as the bank believes it: x[k+1] = A x + B u + w, y = C x + v"), Given("B", kf.B),
         Given("C", kf.C), Given("Q", kf.Q, "covariance of w"), Given("sigma", SIGMA, "m/s, noise of a reading"), Given("h", DT, "s"),
@@ -42,4 +42,7 @@ def code(outcome: Outcome[Study]) -> Code:
         Shown("L", outcome.gains["L"]), *poles, Shown("x", s.record.x), Shown("xhat", s.record.xhat), Shown("y", s.record.y),
         Shown("asked", s.record.asked), Shown("applied", s.record.applied), Shown("statistics", s.verdict.values),
         *(Shown(name, m[name]) for name in ("threshold", "dof", "needed", "hourly", "accused", "right_verdict", "delay", "expected_delay",
-                                            "pitch"))), "Shares over many runs")
+                                            "pitch"))), "Shares over many runs", (
+        Given("w", noise.w), Given("v", noise.v), Given("first_error", noise.whole, "of the filter that the loop believes"),
+        Given("first_starts", [noise.bank[part] for part in bank.slices[:4]], "of the members that leave out a sensor"),
+    ))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.engine.systems import root
 from app.lesson.code import Code, Given, Shown
 from app.lesson.lesson import Outcome
 
-from .filters import ADC, LEARNING, SIGMA, SINE, SPREAD, truth, tuned
+from .filters import ADC, LEARNING, SIGMA, SINE, SPREAD, drawn_jumps, truth, tuned
 from .knobs import CARRIED, COUNT, DT, MODEL, WHITE
 from .own import SKIP as OWN_SKIP
 from .own import Study as OwnStudy
@@ -36,13 +37,15 @@ def code(outcome: Outcome[Study]) -> Code:
         Shown("x", real.x), Shown("y", real.y), Shown("means", study.track.means), *_common(outcome),
         *(Shown(name, m[name]) for name in (
             "nees_low", "nees_high", "nis_low", "nis_high", "bias_p", "failures", "S_over_R", "seen_over_R")),
-    ), UNSAID)
+    ), UNSAID, (Given("x_start", real.x[0] - (MODEL.kick if d["kick"] >= 0 and round(d["kick"] / DT) == 0 else 0.0)),
+                Given("w", drawn_jumps(int(d["seed"]))), Given("v", real.y - real.x @ kf.C.T)))
 
 
 def own_code(outcome: Outcome[OwnStudy]) -> Code:
     """The same on a person's own plant."""
     d, m, found = outcome.design, outcome.metrics, outcome.study.found
     s = found.run.scenario
+    for_w, for_v = np.random.default_rng(int(d["seed"])).spawn(2)
     at = round(s.impulses[0][0] / s.dt) if s.impulses else -1
     return Code(("kalman_own", "kalman"), (
         Given("A", s.plant.A, "the plant at its samples: x[k+1] = A x + B u + w, y = C x + D u + v"), Given("B", s.plant.B),
@@ -58,14 +61,15 @@ def own_code(outcome: Outcome[OwnStudy]) -> Code:
     ), (
         Shown("x", found.run.x), Shown("y", found.run.y), Shown("u", found.run.u_applied), Shown("means", found.track.means),
         *_common(outcome), Shown("nis_expected", m["nis_expected"]),
-    ), UNSAID)
+    ), UNSAID, (Given("w", for_w.standard_normal((s.n_t, s.plant.n)) @ root(found.truth.Q).T),
+                Given("v", for_v.standard_normal((s.n_t, s.plant.p)) @ root(found.truth.R).T)))
 
 
 def _common(outcome: Outcome[Study] | Outcome[OwnStudy]) -> tuple[Shown, ...]:
     study, m = outcome.study, outcome.metrics
     track = study.found.track if isinstance(study, OwnStudy) else study.track
     h = study.found.run.scenario.dt if isinstance(study, OwnStudy) else DT
-    return (Shown("gains[-1]", outcome.gains["M"]), Shown("M_final", outcome.gains["M_riccati"]),
+    return (Shown("last_gain", outcome.gains["M"]), Shown("M_final", outcome.gains["M_riccati"]),
             Shown("eigvals(Af - Af @ M_final @ Cf)", np.exp(outcome.poles["filter"] * h), poles=True),
             Shown("innovations", track.innovations), Shown("nis", study.nis), Shown("nees", study.nees),
             Shown("nis_mean", m["nis_mean"]), Shown("nees_mean", m["nees_mean"]), Shown("white_p", m["white_p"], 1.0),

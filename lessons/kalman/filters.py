@@ -10,6 +10,7 @@ import numpy as np
 from app.engine import Belief, KalmanFilter, Plant, Scenario, simulate
 from app.engine.design import DiscreteFilter
 from app.engine.filters import AdcNoise, Schedule, Track, independent_errors, posterior_covariances, with_coloured_noise
+from app.engine.systems import root
 from app.plants.platform import deck_disturbance
 
 from .knobs import CARRIED, COLOURED, COUNT, DT, HORIZON, MODEL
@@ -59,6 +60,12 @@ def draw(seed: int, coloured: bool, force: float, kick: float) -> Truth:
     clean = run.x @ kf.C.T
     noise = ADC.draw(COUNT, 4, rng) if coloured else SIGMA * rng.standard_normal((COUNT, 4))
     return Truth(run.x, clean + noise, clean, u)
+
+
+def drawn_jumps(seed: int) -> np.ndarray:
+    """Jumps w of the state in such a run, (n_t, 6)."""
+    for_w, _ = np.random.default_rng(seed).spawn(2)
+    return for_w.standard_normal((COUNT, 6)) @ root(tuned().Q).T
 
 
 truth = lru_cache(maxsize=8)(draw)

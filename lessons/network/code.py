@@ -36,4 +36,6 @@ def code(outcome: Outcome[Study]) -> Code:
         Shown("radius", m["radius"]), Shown("growth", m["growth"]), Shown("loop_radius", m["loop_radius"]),
         Shown("separation_meter", m["separation_meter"], max(1.0, m["separation_meter"])),
         Shown("lost_measurements", m["lost_measurements"]), Shown("lost_inputs", m["lost_inputs"]),
-    ), "Means over many runs, growth over all losses and the safe share of several sensors")
+    ), "Means over many runs, growth over all losses and the safe share of several sensors", (
+        Given("e0", run.draw.e0), Given("w", run.draw.w), Given("v", run.draw.v), Given("sensed", run.draw.sensed, "samples of arrival"),
+        Given("acted", run.draw.acted)))

@@ -6,11 +6,12 @@ from types import MappingProxyType
 
 import numpy as np
 
+from app.engine.systems import root
 from app.lesson.code import Code, Given, Shown
 from app.lesson.lesson import Design, Outcome
 from app.plants import cart_pendulum, falling_body, nonlinear_platform, platform
 
-from .cases import FALL, LENGTH, PENDULUM, PLATFORM, SINE
+from .cases import FALL, LENGTH, PENDULUM, PLATFORM, SINE, case_of, starts
 from .runs import FEW, FILTERS, Study
 
 UNSAID = "What the lines of the report in doubt lead to"
@@ -41,7 +42,18 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("kick_at", at if at < len(s.t) else -1, "the sample at which x jumps, -1: never"), Given("kick", case.kick),
         Given("watched", np.array([signal.weights for signal in case.watched]), "signals whose errors are averaged"),
         Given("seed", int(d["seed"])),
-    ), tuple(shown), UNSAID + (f", and the {', '.join(gone)}, which loses runs where rounding decides" if gone else ""))
+    ), tuple(shown), UNSAID + (f", and the {', '.join(gone)}, which loses runs where rounding decides" if gone else ""),
+                _drawn(d, len(s.t)))
+
+
+def _drawn(d: Design, count: int) -> tuple[Given, ...]:
+    """True starts (n, runs), and the noise of each sample: of its p or n entries one after the other, all runs of each."""
+    case, rng = case_of(d["case"]), np.random.default_rng([int(d["seed"]), 14])
+    begun = starts(case, d["size"], FEW, rng)
+    to_v, to_w = root(d["sensor"]**2 * case.R), root(d["wind"] * case.Q)
+    noise = [(to_v @ rng.standard_normal((len(to_v), FEW)), to_w @ rng.standard_normal((len(to_w), FEW))) for _ in range(count)]
+    return (Given("starts", begun, "true states, a run a column"), Given("noise_v", [v.ravel() for v, _ in noise]),
+            Given("noise_w", [w.ravel() for _, w in noise]))
 
 
 def _laws(d: Design) -> tuple[Given, ...]:

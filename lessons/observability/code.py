@@ -40,7 +40,10 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("noise", d["noise"], "white noise over the run, as a share of a typical reading"),
         Given("horizon", float(s.t[-1]), "s"), Given("steps", len(s.t) - 1), Given("seed", int(d["seed"])),
         Given("root", s.root, "a square root of W over one step, of which there are many: the one that the page's noise went through"),
-    ), tuple(shown), unsaid)
+    ), tuple(shown), unsaid, (
+        Given("slips", np.random.default_rng(int(d["seed"])).standard_normal(len(built.matrix)), "of the derivatives"),
+        Given("normal", np.random.default_rng(int(d["seed"])).standard_normal((len(s.t) - 1, s.plant.n)), "of the noise"),
+    ))
 
 
 def _clear(values: np.ndarray, tolerance: float) -> bool:

@@ -82,7 +82,15 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("touch", PUSH, "jump of the states of the platform"), Given("ground_step", STEP, "m"),
         Given("kick_at", kick, "the sample of one more touch, -1: never"), Given("play", d["play"], "who is on the stage"),
         Given("seed", int(d["seed"])),
-    ), tuple(shown), UNSAID + ("" if held else ", and the run on the stage, whose loop is unstable and magnifies rounding"))
+    ), tuple(shown), UNSAID + ("" if held else ", and the run on the stage, whose loop is unstable and magnifies rounding"),
+                _normal(int(d["seed"]), loop.jump[:, :_ways(loop.jump, loop.mechanics)].shape[1], hardware.walk > 0))
+
+
+def _normal(seed: int, ways: int, walks: bool) -> tuple[Given, ...]:
+    """The normal numbers of the run on the stage."""
+    for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
+    walked = (Given("normal_walk", for_bias.standard_normal((RUN, 4)) if walks else np.zeros((0, 4)), "of the walking zeros"),)
+    return (Given("normal_ground", for_ground.standard_normal((RUN, ways))), Given("normal_v", for_v.standard_normal((RUN, 4))), *walked)
 
 
 def _ways(jump: np.ndarray, part: slice) -> int:

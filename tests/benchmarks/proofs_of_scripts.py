@@ -133,6 +133,7 @@ def main() -> int:
             continue
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(options.keep or scratch)
+            folder.mkdir(parents=True, exist_ok=True)
             found = judged([text for _, text in all_of], folder, options.to)
         bad = [(line, design) for line, (design, _) in zip(found, all_of, strict=False) if not line.startswith("RIGHT")]
         right, wrong = right + len(found) - len(bad), wrong + len(bad)

@@ -1,0 +1,69 @@
+"""A lesson that says itself how its script goes, as one MATLAB function: the same records, its equations written beside Python's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ..lesson.code import Code, Given, Shown
+from .matlab_words import array, body_of, complex_row, formula, functions_for, number
+from .told import INSTANTS, LONG
+
+__all__ = ["told_lines"]
+
+DRAWN = "Noise as Python drew it; the generator of this language gives other numbers from the same seed"
+CURVES = "%% The curves\n"
+
+
+def told_lines(code: Code) -> Iterator[str]:
+    """The body of the function behind its head, its `end`, and the functions that it calls."""
+    bodies = [body_of(name) for name in code.parts]
+    equations, _, curves = "\n\n".join(body for body, _ in bodies).partition(CURVES)
+    yield "%% What is given"
+    yield from map(_given, code.given)
+    if code.drawn:
+        yield f"\n%% {DRAWN}"
+        yield from map(_given, code.drawn)
+    shown = list(_asserted(code))
+    yield "\n" + equations.rstrip() + "\n"
+    yield "%% What the page shows"
+    yield from shown
+    yield "\n" + CURVES + curves + "\nend\n"
+    local = "\n\n".join(text for _, text in bodies if text)
+    yield "\n\n".join(text for text in (local, functions_for("\n".join([equations, local, *shown]))) if text)
+
+
+def _given(given: Given) -> str:
+    value, note = given.value, f"  % {given.note}" if given.note else ""
+    if isinstance(value, bool):
+        return f"{given.name} = {str(value).lower()};{note}"
+    if isinstance(value, (int, str)):
+        return f"{given.name} = {value!r};{note}"
+    if isinstance(value, float):
+        return f"{given.name} = {number(value)};{note}"
+    return array(given.name, value, given.note)
+
+
+def _asserted(code: Code) -> Iterator[str]:
+    if code.unsaid:
+        yield f"% {code.unsaid}: the page shows them too, and they are not computed here."
+    for shown in code.shown:
+        yield _assertion(shown)
+    yield f"disp('Observer Lab: {len(code.shown)} results of the page, its run among them, agree to 1e-06.');"
+
+
+def _assertion(shown: Shown) -> str:
+    name, said = formula(shown.name), formula(shown.name)
+    if shown.poles:
+        return f"same_poles('{said}', {name}, {complex_row(np.asarray(shown.value).ravel())});"
+    values = np.asarray(shown.value, dtype=float)
+    largest = float(np.abs(values).max(initial=0.0))
+    size = number(largest if shown.size is None else shown.size)
+    if values.ndim == 0:
+        return f"agree('{said}', {name}, {number(float(values))}, {size});"
+    if len(values) < LONG:
+        return f"{array('page', values)}\nagree('{said}', {name}, page, {size});"
+    at = np.unique(np.linspace(0, len(values) - 1, INSTANTS).astype(int))
+    places = " ".join(str(k + 1) for k in at)
+    return f"{array('page', values[at])}\nagree_at('{said}', {name}, {len(values)}, [{places}], page, {number(largest)}, {size});"
