@@ -1,4 +1,4 @@
-"""Tasks: rare false alarms, a coil that half works, a fault that nothing shows, the loop that limps on."""
+"""Tasks: rare false alarms, a coil that half works, a fault that nothing shows, the loop that limps on, a slow drift."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ from .study import Study, hourly
 
 HOURLY, SOONEST, CALM = 1.0, 3.0, 1.5  # alarms an hour, s, mrad
 HALF, MOST = 0.5, 1.0  # share lost, N
+SLOW, OFTEN, DUE = 1.0, (0.9, 1.1), 2.06  # mm/s², alarms an hour, s
 
 
 def _rare(o: Outcome[Study]) -> Verdict:
@@ -69,6 +70,18 @@ def _limp(o: Outcome[Study]) -> Verdict:
     return Verdict(True, text("{said} and the deck goes on without VR.", said=said))
 
 
+def _ramp(o: Outcome[Study]) -> Verdict:
+    s: Study = o.study
+    if s.case.place != "HR" or s.case.kind != "drift" or s.case.size > SLOW or s.case.stiffer:
+        return Verdict(False, text("Let HR drift by at most 1 mm/s², with springs as the model has them."))
+    often, delay = hourly(s), s.forecast.delay
+    when = text_in("fault-diagnosis", "never") if delay is None else text("after {dt:.2f} s", dt=DT * delay)
+    if OFTEN[0] <= often <= OFTEN[1] and delay is not None and DT * delay <= DUE + 1e-9:
+        return Verdict(True, text("{often:.2f} false alarms an hour; all six see it with 99 % {when}.", often=often, when=when))
+    return Verdict(False, text("{often:.2f} false alarms an hour; all six see it with 99 % {when}; wanted: one an hour within 10 %, "
+                               "and {soonest:.2f} s at most.", often=often, when=when, soonest=DUE))
+
+
 SWALLOWED = Typed("a*f/(a+L)", ("a", "L", "f"), slips=(
     ("f", text("That is the first moment; then the observer follows its sensor.")),
     ("L*f/(a+L)", text("That is how far the estimate is led astray; the residual is what is left of f."))))
@@ -79,4 +92,5 @@ TASKS = (
     Task("unseen", _unseen, {"place": "u1", "loss": 100.0, "loop": OPEN, "force": 0.0}),
     Task("limp", _limp, {"place": "VR", "kind": "drift", "drift": 4.0, "loop": SWITCH, "statistic": MEAN}),
     pencil("swallowed", SWALLOWED),
+    Task("ramp", _ramp, {"place": "HR", "kind": "drift", "drift": 1.0, "statistic": MEAN, "window": 64.0, "rate": 5e-5}),
 )

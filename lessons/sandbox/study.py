@@ -172,16 +172,23 @@ def _loop(loop: ClosedLoop, meter: float, limited: bool) -> tuple[Row, ...]:
     )
 
 
-def _noise(found: Noise | Refusal) -> Row:
-    name = text("observer near the Kalman filter")
+def times_the_least(found: Noise | Refusal) -> float | Refusal:
+    """The size of the observer's error, over the least that a Kalman filter of the ladder leaves."""
     if isinstance(found, Refusal):
-        return name, None, found.text
+        return found
     if isinstance(found.ours, Refusal):
-        return name, None, found.ours.text
+        return found.ours
 
     def size(P: np.ndarray) -> float:
         return float(np.sqrt(np.mean(np.diag(P) / found.unit**2)))
-    ratio = size(found.ours.total) / max(min(size(p.total) for p in found.ladder.parts), 1e-300)
+    return size(found.ours.total) / max(min(size(p.total) for p in found.ladder.parts), 1e-300)
+
+
+def _noise(found: Noise | Refusal) -> Row:
+    name = text("observer near the Kalman filter")
+    ratio = times_the_least(found)
+    if isinstance(ratio, Refusal):
+        return name, None, ratio.text
     return name, ratio < 1.5, text("error {ratio:.3g} times the least", ratio=ratio)
 
 

@@ -8,11 +8,12 @@ from app.text import text
 
 from .analyses import Refusal
 from .knobs import APPLIED
-from .study import Study
+from .study import Study, times_the_least
 
 EXACT = 1e-8
 FOUND_OUT = 1.5  # times the expected NIS
 LEAST, MOST = 0.05, 0.07  # share of the run for which the inputs are to be clipped
+SPENT, NEAR, ERROR = 1.0, 0.05, 1.1  # disk margin and how near; times the least error
 
 
 def _through_the_limit(outcome: Outcome[Study]) -> Verdict:
@@ -58,6 +59,22 @@ def _below_the_tolerance(outcome: Outcome[Study]) -> Verdict:
                               rank=rank, n=n))
 
 
+def _spent_margin(outcome: Outcome[Study]) -> Verdict:
+    """A disk margin of one, and an observer near the Kalman filter."""
+    margins, ratio = outcome.study.margins, times_the_least(outcome.study.noise)
+    if isinstance(margins, Refusal):
+        return Verdict(False, margins.text)
+    if isinstance(ratio, Refusal):
+        return Verdict(False, ratio.text)
+    margin = margins.together
+    if abs(margin - SPENT) > NEAR:
+        return Verdict(False, text("Disk margin {margin:.3g}; 1.0 within 5 % is wanted.", margin=margin))
+    if ratio > ERROR:
+        return Verdict(False, text("The observer's error is {ratio:.3g} times the least; at most {most:g} times is wanted.",
+                                   ratio=ratio, most=ERROR))
+    return Verdict(True, text("Disk margin {margin:.3g}, and an error of {ratio:.3g} times the least.", margin=margin, ratio=ratio))
+
+
 DEADBEAT = Typed("d^2/h", ("d", "h"), slips=(
     ("1/h", text("That is for a velocity that nothing slows, d = 1.")),
     ("d/h", text("The determinant is d (1 − l₁) + h l₂, and l₁ = 1 + d."))))
@@ -71,4 +88,5 @@ TASKS = (
     Task("below-the-tolerance", _below_the_tolerance, {"tolerance": 0.29}),
     pencil("deadbeat", DEADBEAT),
     pencil("stroboscope", STROBOSCOPE),
+    Task("spent-margin", _spent_margin, {"method": "weights", "q": 0.5, "r": 1.0, "w": 3.0, "v": 1.0}),
 )

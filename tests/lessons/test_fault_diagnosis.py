@@ -255,6 +255,20 @@ def test_tasks_hold_for_any_noise(task):
         assert task.check(outcome(**{**task.solution, "seed": seed})).solved
 
 
+def test_a_slow_drift_is_seen_soonest_through_a_window_of_its_own():
+    """The numbers of the task, at one false alarm an hour: a valley over the window, and the sum of squares above it."""
+    def due(window, statistic=MEAN):
+        rate = window * DT / (7 * 3600)
+        o = outcome(place="HR", kind=DRIFT, drift=1.0, statistic=statistic, window=window, rate=rate)
+        return round(o.metrics["expected_delay"], 2)
+    assert [due(n) for n in (25.0, 64.0, 150.0)] == [2.44, 2.04, 2.34]
+    assert min(due(n, "energy") for n in (60.0, 75.0, 90.0)) == 2.98
+    task = next(t for t in LESSON.tasks if t.id == "ramp")
+    tried = [(50.0, 4e-5), (55.0, 4.4e-5), (64.0, 5.7e-5), (64.0, 4.4e-5), (75.0, 6e-5)]
+    found = [outcome(place="HR", kind=DRIFT, drift=1.0, statistic=MEAN, window=window, rate=rate) for window, rate in tried]
+    assert [task.check(o).solved for o in found] == [False, True, False, False, True]
+
+
 @pytest.mark.slow
 def test_counts_carry_over_to_another_reaction_only():
     *_, (_, done) = LESSON.job.outcomes(outcome())

@@ -129,3 +129,16 @@ def test_poles_asked_for_on_the_axis_leave_no_margins_and_no_warning(controller:
     poles = {"controller_poles": tuple(map(complex, controller)), "observer_poles": (-5.75 + 0j, -3 + 0j, -1 + 0j, 0j)}
     outcome = LESSON.compute(LESSON.apply(LESSON.start(), poles))
     assert LESSON.figures(outcome) and outcome.live("en")
+
+
+def test_the_margin_is_spent_by_weights_and_by_poles_and_the_observer_keeps_to_its_share() -> None:
+    """The task's numbers both ways; neither a margin alone nor an observer alone will do."""
+    task = next(t for t in LESSON.tasks if t.id == "spent-margin")
+    quick = (-3.0 + 0j, -1.5 - 1.5j, -1.5 + 1.5j, -1.5 + 0j)
+    said = [task.check(LESSON.compute(LESSON.apply(LESSON.start(), changes))) for changes in (
+        {"method": "weights", "q": 0.5, "w": 3.0, "v": 1.0}, {"method": "weights", "q": 50.0, "r": 100.0, "w": 0.03},
+        {"controller_poles": quick}, {"controller_poles": quick, "sensor": 0.1}, {}, {"method": "weights", "q": 5.0, "w": 3.0, "v": 1.0})]
+    assert [v.solved for v in said] == [True, True, True, False, False, False]
+    assert [v.text("en") for v in said[:5:2]] == [
+        "Disk margin 1.01, and an error of 1.05 times the least.", "Disk margin 1.03, and an error of 1.07 times the least.",
+        "Disk margin 1.47; 1.0 within 5 % is wanted."]
