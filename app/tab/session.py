@@ -26,10 +26,12 @@ from .orders import Comparing, Made, Shelving, Taking
 from .picture import Picture, State, View
 from .presenter import Presenter
 from .reload import PATIENCE, Recall, recalled
+from .turns import Turns
 from .worker import start_worker
 
 log = logging.getLogger(__name__)
 
+TURNS = Turns()  # of all tabs of this process
 REST = 0.25  # s without an edit after which the final picture is drawn
 
 
@@ -86,8 +88,13 @@ class Session:
         self._show.open()
 
     def step(self, wait: float | None = 0.0) -> None:
-        """Take what waits, do what is due."""
-        for number, edits in grouped(self._mailbox.take(wait)):
+        """Take what waits, do what is due, when it is this tab's turn."""
+        taken = self._mailbox.take(wait)
+        with TURNS.turn(hand=bool(taken)):
+            self._work(taken)
+
+    def _work(self, taken: list[tuple[int, Edit]]) -> None:
+        for number, edits in grouped(taken):
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
@@ -148,7 +155,8 @@ class Session:
         for edit in early:
             self._mailbox.post(edit)
         if not self._mailbox.closed:  # a page for a tab that has left would cost as much as any
-            self.open()
+            with TURNS.turn(hand=True):
+                self.open()
 
     def _step_when_due(self) -> None:
         self.step(self._wait())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import sys
 import threading
 import time
 from collections.abc import Iterable, Mapping
@@ -22,6 +23,7 @@ from .version import version
 log = logging.getLogger(__name__)
 
 STOPPING = 5.0  # s within which a server has stopped, whatever its tabs are doing
+SWITCH = 5e-4  # s that a computing thread keeps the interpreter for, while the one that talks to all browsers waits
 FAREWELL = 0.5  # s in which the last word goes out
 TOLD = 20  # different refusals that are written down: a name is enough to help, and a flood is none
 
@@ -37,6 +39,7 @@ class LabServer:
 
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
+        sys.setswitchinterval(SWITCH)
         self._lessons = lessons
         self._lesson, self._language, self._max, self._plant, self._state = lesson, language, max_sessions, plant, state
         self._insists = insists

@@ -1,0 +1,71 @@
+"""Whose turn it is: the tabs of a process work one after another, answers to a hand before everything else.
+
+The interpreter runs one thread at a time whatever is done. Where forty tabs ask for it at once, the thread that talks to all
+browsers waits behind each of them; where they queue here instead, it waits behind one.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+LEASE = 0.1  # s of a turn: whoever works longer than that goes on, and the next one begins beside it
+HANDS = 4  # turns of hands after which one goes to those who wait for nothing that was asked
+
+
+class Ticket:
+    """A place in the queue; its lock is let go when the turn has come."""
+
+    def __init__(self) -> None:
+        self.called = threading.Lock()
+        self.called.acquire()
+
+
+class Turns:
+    """A queue of two ranks: a hand that waits comes before what nobody has asked for, each rank in its order."""
+
+    def __init__(self, lease: float = LEASE, clock: Callable[[], float] = time.monotonic) -> None:
+        self._lease, self._clock = lease, clock
+        self._lock = threading.Lock()
+        self._hands, self._others = deque[Ticket](), deque[Ticket]()
+        self._holder: Ticket | None = None
+        self._since, self._in_a_row = 0.0, 0
+
+    @contextmanager
+    def turn(self, hand: bool) -> Iterator[None]:
+        """Wait until it is one's turn; it ends with the block, or with its lease if somebody waits then."""
+        ticket = Ticket()
+        with self._lock:
+            (self._hands if hand else self._others).append(ticket)
+            self._call()
+        while not ticket.called.acquire(timeout=self._lease):
+            with self._lock:
+                self._call()
+        try:
+            yield
+        finally:
+            with self._lock:
+                if self._holder is ticket:
+                    self._holder = None
+                    self._call()
+
+    @property
+    def waiting(self) -> int:
+        """How many wait."""
+        return len(self._hands) + len(self._others)
+
+    def _call(self) -> None:
+        """Call the next one, if the turn is free or has lasted its time."""
+        if self._holder is not None and self._clock() - self._since < self._lease:
+            return
+        if self._hands and (self._in_a_row < HANDS or not self._others):
+            self._holder, self._in_a_row = self._hands.popleft(), self._in_a_row + 1
+        elif self._others:
+            self._holder, self._in_a_row = self._others.popleft(), 0
+        else:
+            return
+        self._since = self._clock()
+        self._holder.called.release()

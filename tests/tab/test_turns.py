@@ -1,0 +1,57 @@
+"""The queue of all tabs: in order, hands first, nobody for ever."""
+
+from __future__ import annotations
+
+import threading
+import time
+
+from fakes import Clock
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from app.tab.turns import HANDS, LEASE, Turns
+
+
+def queued(turns: Turns, ranks: list[bool], served: list[int]) -> list[threading.Thread]:
+    """Threads that wait in this order."""
+    def work(number: int, hand: bool) -> None:
+        with turns.turn(hand):
+            served.append(number)
+    threads = []
+    for number, hand in enumerate(ranks):
+        threads.append(threading.Thread(target=work, args=(number, hand)))
+        threads[-1].start()
+        while turns.waiting <= number:
+            time.sleep(0)
+    return threads
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.booleans(), max_size=14))
+def test_hands_come_first_in_order_and_leave_one_turn_in_five(ranks: list[bool]) -> None:
+    turns, served = Turns(clock=Clock()), list[int]()
+    with turns.turn(True):
+        threads = queued(turns, ranks, served)
+    for thread in threads:
+        thread.join()
+    hands, others = ([k for k, hand in enumerate(ranks) if hand is rank] for rank in (True, False))
+    wanted, in_a_row = [], 1  # the turn that all waited for was a hand's
+    while hands or others:
+        hand = bool(hands) and (in_a_row < HANDS or not others)
+        wanted.append((hands if hand else others).pop(0))
+        in_a_row = in_a_row + 1 if hand else 0
+    assert served == wanted and not turns.waiting
+
+
+def test_whoever_works_too_long_is_not_waited_for() -> None:
+    clock, served = Clock(), list[int]()
+    turns = Turns(lease=0.01, clock=clock)
+    with turns.turn(True):
+        first, second = queued(turns, [True, False], served)
+        assert not served
+        clock.advance(LEASE)
+        first.join()
+        second.join()
+        assert served == [0, 1]
+    with turns.turn(False):  # whose lease had ended takes nobody's turn away when it comes to an end
+        assert not turns.waiting
