@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from app.engine import error_parts
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
-from .knobs import HORIZON, RUNAWAY, TAME
-from .study import Study
+from .knobs import DT, HORIZON, RUNAWAY, TAME
+from .study import Study, believed
+
+LISTENING, TREMBLE = (-1.45, -1.35), 0.2  # 1/s, where the slowest pole is to stand; K
 
 
 def feel_the_core(outcome: Outcome[Study]) -> Verdict:
@@ -68,6 +73,24 @@ def wrong_fan(outcome: Outcome[Study]) -> Verdict:
                                error=error, first=first))
 
 
+def quiet_core(outcome: Outcome[Study]) -> Verdict:
+    """A slowest pole in a narrow band, and little of the sensor's noise in the core, over all records."""
+    d, slow = outcome.design, outcome.metrics["slowest_observer"]
+    if d["plant"] != TAME or d["air_error"] or d["noise"] != 1.0:
+        return Verdict(False, text("Take the chip that cools, the model right and 1 K of sensor noise."))
+    if not LISTENING[0] <= slow <= LISTENING[1]:
+        return Verdict(False, text("The slowest pole is at {slow:.3g}; it should stand between {low:g} and {high:g}.", slow=slow,
+                                   low=LISTENING[0], high=LISTENING[1]))
+    plant = believed(d["plant"], 0.0)
+    heard = error_parts(plant, outcome.gains["L"], plant.B, np.zeros((plant.m, plant.m)), [[d["noise"] ** 2 * DT]]).sensor
+    sigma = float(np.sqrt(heard[0, 0]))
+    if sigma > TREMBLE:
+        return Verdict(False, text("The slowest pole is at {slow:.3g}, but the noise shakes the core's estimate by σ = {sigma:.3g} K; "
+                                   "at most {most:g} K.", slow=slow, sigma=sigma, most=TREMBLE))
+    return Verdict(True, text("The slowest pole is at {slow:.3g}, and the noise shakes the core's estimate by σ = {sigma:.3g} K only.",
+                              slow=slow, sigma=sigma))
+
+
 MATCH = Typed("a + (a-p)*(a-q)/b", ("a", "b", "p", "q"), slips=(
     ("a - (a-p)*(a-q)/b", text("Mind the sign: the determinant holds −b (a − l₁).")),
     ("(a-p)*(a-q)/b", text("You left out that the case warms the core: the entry is a − l₁."))))
@@ -77,5 +100,6 @@ TASKS = (
     Task("tame-the-runaway", tame_the_runaway, {"plant": RUNAWAY, "trust": 0.1}),
     Task("lucky-copy", lucky_copy, {"plant": RUNAWAY, "guess_core": 12.0, "guess_case": 6.0}),
     Task("wrong-fan", wrong_fan, {"air_error": 40.0, "trust": 0.21}),
+    Task("quiet-core", quiet_core, {"noise": 1.0, "observer_poles": (-1.4, -1.4)}),
     pencil("match", MATCH),
 )
