@@ -12,6 +12,8 @@ from .knobs import NUMBERS, POLES, PRINTED, QUIET
 from .notes import FIRST, GAIN, MATRIX, NONE, RIGHT_GAIN
 from .study import Study
 
+SOON, CALM = (2.1, 2.25), 0.7  # s and m/s
+
 
 def _gain_words(outcome: Outcome[Study]) -> str:
     l1, l2 = outcome.gains["L"][:, 0]
@@ -62,6 +64,22 @@ def mixed_matrix(outcome: Outcome[Study]) -> Verdict:
                                words=words))
 
 
+def calm_speed(outcome: Outcome[Study]) -> Verdict:
+    """Settled within a band of time, the velocity's error kept small; the force does not matter."""
+    d, after = outcome.design, outcome.metrics["settled_after"]
+    if d["method"] == PRINTED or d["guess_q"] or d["guess_v"] or d["kick"] >= 0:
+        return Verdict(False, text("Choose poles or gain yourself, with both guesses at 0 and no kick."))
+    peak = float(np.max(np.abs(outcome.run.e[:, 1]))) if outcome.run is not None else np.inf
+    if not SOON[0] <= after <= SOON[1]:
+        return Verdict(False, text("Below 2 % of its peak after {after:.2f} s; it should be after {low:g} to {high:g} s.", after=after,
+                                   low=SOON[0], high=SOON[1]))
+    if peak > CALM:
+        return Verdict(False, text("Below 2 % after {after:.2f} s, but the velocity's error reaches {peak:.3g} m/s; at most {most:g} m/s.",
+                                   after=after, peak=peak, most=CALM))
+    return Verdict(True, text("Below 2 % after {after:.2f} s, and the velocity's error never exceeds {peak:.3g} m/s.", after=after,
+                              peak=peak))
+
+
 def confused(outcome: Outcome[Study]) -> Verdict:
     """An input that moves the error: only possible if the matrix in the computer is not A − LC."""
     moved = outcome.metrics["error_moved"]
@@ -84,5 +102,6 @@ TASKS = (
     Task("first-slip", first_slip, {"method": NUMBERS, "l1": 1.5, "l2": -0.75, "line": FIRST}),
     Task("mixed-matrix", mixed_matrix, {"method": NUMBERS, "l1": 2.5, "l2": -0.75, "line": "matrix"}),
     Task("confused", confused, {"method": PRINTED, "input": "step"}, Typed(lambda _: 2 / 3)),
+    Task("calm-speed", calm_speed, {"observer_poles": (-2 - 1.3j, -2 + 1.3j)}),
     pencil("unknown-push", UNKNOWN_PUSH),
 )
