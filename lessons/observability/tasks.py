@@ -1,4 +1,4 @@
-"""The tasks of lesson 3: one sensor for all, a wrong sentence, full rank nearly hidden, low rank."""
+"""The tasks of lesson 3: one sensor for all, a wrong sentence, full rank nearly hidden and what it costs, low rank."""
 
 from __future__ import annotations
 
@@ -86,10 +86,15 @@ BLIND_ANGLE = Typed("b + g*(d-a) - c*g^2", ("a", "b", "c", "d", "g"), slips=(
     ("-b - g*(d-a) + c*g^2", text("The size is right; the sign follows the order C, then CA.")),
     ("b + g*d", text("The second row is C A, and its first entry is not zero."))))
 
+TOLL = Typed("(p-a)*(q-a)/(b-a)", ("a", "b", "p", "q"), slips=(
+    ("(p-a)*(q-a)/(a-b)", text("Mind the sign: at s = −a the term of l₁ is l₁ (b − a).")),
+    ("(p-b)*(q-b)/(a-b)", text("That is l₂: put s = −a, where the term of l₂ vanishes."))))
+
 TASKS = (
     Task("one-sensor", _one_sensor, {"left": -0.115}),
     Task("find-the-error", _wrong_sentence, {"plant": "notes", "criterion": GRAMIAN, "angle": 55.5}),
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),
+    pencil("toll", TOLL),
     Task("low-rank", _low_rank, {"plant": "many", "count": 20}, Typed(lambda o: o.design["count"] ** (o.design["count"] - 1))),
     pencil("blind-angle", BLIND_ANGLE),
 )
