@@ -10,8 +10,11 @@ from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
-from .knobs import KNOBS
+from ..toolkit.figures import settle_time
+from .knobs import KNOBS, MODEL
 from .study import Study
+
+REST, PUSH = (0.8, 0.9), 1.0  # s and N
 
 
 def _pairs(*upper: complex) -> tuple[complex, ...]:
@@ -23,6 +26,7 @@ CLOSE = 0.06  # of the ratio 3
 UNTOUCHED = MappingProxyType({k.name: k.check(k.default) for k in KNOBS if k.name in ("method", "controller_poles", "observer_poles")})
 EAGER = MappingProxyType({"method": "poles", "controller_poles": _pairs(-14 + 3j, -4 + 7j, -12 + 4j),
          "observer_poles": _pairs(-18 + 5j, -8 + 9j, -3 + 11j)})
+GENTLE = (-8.4 + 9.8j, -7 + 8.4j, -5.6 + 7j), (-9.75 + 6j, -8.25 + 5.25j, -6.75 + 4.5j)
 
 
 def fast_observer(outcome: Outcome[Study]) -> Verdict:
@@ -63,13 +67,36 @@ def _unstable_compensator(outcome: Outcome[Study]) -> Verdict:
                                own=own))
 
 
+def _gentle(outcome: Outcome[Study]) -> Verdict:
+    """Every motion of the deck at rest within a band of time, with little force, from the lesson's start."""
+    d, run = outcome.design, outcome.run
+    if run is None or d["stiffness_error"] or d["delay"] or d["limited"] or d["noise"] or d["kick"] >= 0:
+        return Verdict(False, text("Keep the model right: no delay, no limit, no noise, no kick."))
+    times = [settle_time(run.t, np.abs(signal.of(run.x))) for signal in MODEL.watched]
+    late, peak = max(np.inf if t is None else t for t in times), outcome.metrics["largest_input"]
+    if not np.isfinite(late):
+        return Verdict(False, text("The deck is not at rest by the end of the run."))
+    found = text("All three motions are below 2 % after {late:.2f} s, and the largest force asked for is {peak:.3g} N",
+                 late=late, peak=peak)
+    if not REST[0] <= late <= REST[1] or peak > PUSH:
+        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} N.", found=found, low=REST[0],
+                                   high=REST[1], most=PUSH))
+    return Verdict(True, text("{found}.", found=found))
+
+
 SPRING = Typed("c^2*o^2/(c^2+o^2+4*c*o)", ("c", "o"), slips=(
     ("c^2", text("That is the stiffness of the state feedback; the estimate does not trust the reading alone.")),
     ("-c^2*o^2/(c^2+o^2+4*c*o)", text("The size is right; −u was asked for."))))
+
+WRONG_BELIEF = Typed("(a+c)^2*f^2/(2*c*o*(c+o))", ("a", "c", "o", "f"), slips=(
+    ("c^2*f^2/(2*c*o*(c+o))", text("The gain is K = a + c: it moves the pole from a to −c.")),
+    ("(a+c)^2*f^2/(2*o)", text("That is ∫(Ke)² dt, the push; the plant answers it with its own pole −c."))))
 
 TASKS = (
     Task("fast-observer", fast_observer, {"method": "poles", "observer_poles": FAST}),
     Task("break-the-wall", _break_the_wall, {"stiffness_error": 13.0}),
     Task("unstable-compensator", _unstable_compensator, EAGER),
+    Task("gentle", _gentle, {"method": "poles", "controller_poles": _pairs(*GENTLE[0]), "observer_poles": _pairs(*GENTLE[1])}),
     pencil("spring", SPRING),
+    pencil("wrong-belief", WRONG_BELIEF),
 )
