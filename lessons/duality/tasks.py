@@ -10,6 +10,7 @@ from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
 from .study import BLOCK, Twins, gains_of, gap
 
 SAME = 0.01  # of L: two gains nearer than this are one
+SLOW, QUICK, CLOSE, MODEST = -0.5, -1.5, 0.02, 3.0  # slowest poles asked for, how nearly, and the largest entry of L
 
 
 def _published(outcome: Outcome[Twins]) -> Verdict:
@@ -48,13 +49,35 @@ def _mirror_image(outcome: Outcome[Twins]) -> Verdict:
                                m=100 * m))
 
 
+def _threefold(outcome: Outcome[Twins]) -> Verdict:
+    m = outcome.metrics
+    controller, observer = m["slowest_controller"], m["slowest_observer"]
+    largest = max(abs(m["L1"]), abs(m["L2"]))
+    if outcome.design["method"] != BY_WEIGHTS:
+        return Verdict(False, text("Let weights choose the gains, not poles."))
+    if abs(controller - SLOW) > CLOSE * abs(SLOW) or abs(observer - QUICK) > CLOSE * abs(QUICK):
+        return Verdict(False, text("The slowest poles are at {controller:.3g} and {observer:.3g}; wanted are {slow:g} and {quick:g}, "
+                                   "within 2 %.", controller=controller, observer=observer, slow=SLOW, quick=QUICK))
+    if largest > MODEST:
+        return Verdict(False, text("The poles are right, but the largest entry of L is {largest:.3g}; at most {most:g}. Another ratio of "
+                                   "the weights has the same slowest pole.", largest=largest, most=MODEST))
+    return Verdict(True, text("Slowest poles at {controller:.3g} and {observer:.3g}, with no entry of L above {largest:.3g}.",
+                              controller=controller, observer=observer, largest=largest))
+
+
 READ_OFF = Typed("sqrt(2)*(W/V)^(1/4)", ("W", "V"), slips=(
     ("sqrt(W/V)", text("That is l₂: transposing a double integrator changes the order of its states.")),
     ("sqrt(2)*(V/W)^(1/4)", text("W takes the place of q, V that of r."))))
+
+LISTEN = Typed("12*V/T^3", ("V", "T"), slips=(
+    ("3*V/T^3", text("That holds if the position at the start is known: one over an entry of W is not an entry of W⁻¹.")),
+    ("4*V/T", text("That is the variance of the position at the start."))))
 
 TASKS = (
     Task("published", _published, {"method": BY_POLES, "poles": (-1 + 0j, -1 + 0j), "sensor": 0.0}),
     Task("ratio", _ratio, {"method": BY_WEIGHTS, "mirror": False, "w": 40.0, "v": 10.0}),
     Task("mirror", _mirror_image, {"sensor": 90.0}, easy="the sensor belongs where the force acts, which is its stop"),
+    Task("threefold", _threefold, {"method": BY_WEIGHTS, "mirror": False, "q": 0.39, "w": 5.25}),
     pencil("read-off", READ_OFF),
+    pencil("listen", LISTEN),
 )
