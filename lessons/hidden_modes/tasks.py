@@ -1,14 +1,18 @@
-"""Tasks of the lesson: slow but fine, the twin, silence, the cure."""
+"""Tasks of the lesson: slow but fine, the twin, silence, the cure and a gentle one, two unlike blocks."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
-from .knobs import Case
+from ..toolkit.figures import settle_time
+from .knobs import KNOBS, Case
+
+HOME, PUSH = (3.8, 4.0), 1.1  # s and N
+CENTRE = next(knob.default for knob in KNOBS if knob.name == "centre")
 
 
 def _number(value: float) -> str:
@@ -65,6 +69,27 @@ def _cure(outcome: Outcome[Case]) -> Verdict:
                               error=_number(error), state=_number(state)))
 
 
+def _gentle_cure(outcome: Outcome[Case]) -> Verdict:
+    case, run, d = outcome.study, outcome.run, outcome.design
+    if run is None or not (case.seen.observable and case.reached.controllable):
+        return Verdict(False, text("A mode is still bolted: change where the sensor looks or where the force acts."))
+    if d["centre"] != CENTRE or d["kick"] >= 0:
+        return Verdict(False, text("Start with the common part of {centre:g} m, without a kick.", centre=CENTRE))
+    settled, force = settle_time(run.t, np.abs(run.x[:, :2]).max(axis=1)), float(np.max(np.abs(run.u_asked)))
+    if settled is None:
+        return Verdict(False, text("The blocks are not home by the end of the run."))
+    found = text("Both blocks are home, below 2 % of their largest excursion, after {settled:.2f} s, with a force of up to {force:.3g} N",
+                 settled=settled, force=force)
+    if not HOME[0] <= settled <= HOME[1] or force > PUSH:
+        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} N.", found=found, low=HOME[0],
+                                   high=HOME[1], most=PUSH))
+    return Verdict(True, text("{found}.", found=found))
+
+
+UNLIKE = Typed("k*n/m", ("m", "n", "k"), slips=(
+    ("k", text("Equal springs hide a motion only if the masses are equal too.")),
+    ("k*m/n", text("The other way round: the heavier block needs the stiffer spring."))))
+
 TASKS = (
     Task("slow-but-fine", _slow_but_fine, {"plant": "unseen-stable"},
          Typed(lambda o: np.log(100) / -o.metrics["hidden_rate"], tolerance=0.01)),
@@ -72,4 +97,8 @@ TASKS = (
          Typed(lambda o: np.log(10) / o.metrics["hidden_rate"], tolerance=0.01)),
     Task("silence", _silence, {"plant": "unseen-unstable", "centre": 0.0}),
     Task("cure", _cure, {"plant": "visible", "controller_all": (-1.4 - 1.2j, -1.4 + 1.2j, -1.8 - 3j, -1.8 + 3j)}),
+    Task("gentle-cure", _gentle_cure, {
+        "plant": "visible", "controller_all": (-0.9 - 1.7j, -0.9 + 1.7j, -1.3 - 3.4j, -1.3 + 3.4j),
+        "observer_all": (-2 - 1j, -2 + 1j, -2 - 3j, -2 + 3j)}),
+    pencil("unlike", UNLIKE),
 )
