@@ -4,17 +4,22 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+import numpy as np
+
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
-from .knobs import APPLIED, KNOBS
+from .knobs import APPLIED, COMMANDED, KNOBS
 from .study import EXACT, Study, amount, slowest
 
 CONTROLLER = next(knob for knob in KNOBS if knob.name == "controller_poles")
 FAST = (-16 + 0j, -15 + 0j, -14 + 0j, -13 + 0j)
 
 ASKED = MappingProxyType({"angle0": 4.0, "error0": 8.0, "kick": -1.0, "controller_poles": CONTROLLER.check(CONTROLLER.default)})
+
+FORCE, TRACK = (3.6, 3.9), 0.36  # N that may be asked for at most, m that the cart may move
+HARDLY, LEAN, BELIEVED = 2.0, 8.0, 4.0  # N; degrees of the angle and of its error
 
 
 def _false_sentence(outcome: Outcome[Study]) -> Verdict:
@@ -62,6 +67,39 @@ def _better_observer(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("It comes home with {u_max:g} N; only the observer has changed.", u_max=d["u_max"]))
 
 
+def _never_clipped(outcome: Outcome[Study]) -> Verdict:
+    """The lesson's start under the commanded force, with poles that use what the motor has and never ask for more."""
+    d, m, run = outcome.design, outcome.metrics, outcome.run
+    if d["fed"] != COMMANDED or d["angle0"] != 6.0 or d["error0"] != 4.0 or d["kick"] >= 0 or d["u_max"] != 4.0:
+        return Verdict(False, text("Leave the commanded force, 6°, 4° and 4 N as the lesson has them, without a kick."))
+    if not m["comes_home"] or run is None:
+        return Verdict(False, text("The pole does not come home; the force was clipped for {clipped_for:.2f} s.",
+                                   clipped_for=m["clipped_for"]))
+    asked, path = m["largest_asked"], float(np.max(np.abs(run.x[:, 0])))
+    if not FORCE[0] <= asked <= FORCE[1]:
+        return Verdict(False, text("It comes home and asks for {asked:.3g} N at most; it should be {low:g} to {high:g} N.", asked=asked,
+                                   low=FORCE[0], high=FORCE[1]))
+    if path > TRACK:
+        return Verdict(False, text("It asks for {asked:.3g} N, but the cart moves by {path:.3g} m; at most {most:g} m.", asked=asked,
+                                   path=path, most=TRACK))
+    return Verdict(True, text("It asks for {asked:.3g} N and the cart moves by {path:.3g} m. Nothing is clipped, so the meter reads 0.",
+                              asked=asked, path=path))
+
+
+def _near_the_ceiling(outcome: Outcome[Study]) -> Verdict:
+    """A start close to the ceiling of a weak motor, brought home by poles that spend no force on the cart."""
+    d, m = outcome.design, outcome.metrics
+    if d["angle0"] != LEAN or d["error0"] != BELIEVED or d["kick"] >= 0:
+        return Verdict(False, text("Start at 8° with an error of 4°, without a kick."))
+    if d["u_max"] > HARDLY:
+        return Verdict(False, text("{u_max:g} N is more than the task allows; at most {most:g} N.", u_max=d["u_max"], most=HARDLY))
+    if not m["comes_home"]:
+        return Verdict(False, text("The pole does not come home with {u_max:g} N, whose ceiling is {ceiling:.3g}°.", u_max=d["u_max"],
+                                   ceiling=m["ceiling"]))
+    return Verdict(True, text("It comes home with {u_max:g} N, whose ceiling is {ceiling:.3g}°; clipped for {clipped_for:.2f} s.",
+                              u_max=d["u_max"], ceiling=m["ceiling"], clipped_for=m["clipped_for"]))
+
+
 LAST_START = Typed("b*U/k^2 - w/k", ("b", "U", "k", "w"), slips=(
     ("b*U/k^2", text("That holds from rest; a start that already moves is further out: z = θ + θ̇/k.")),
     ("b*U/k^2 + w/k", text("It moves away from the top: the speed takes room, it gives none."))))
@@ -71,5 +109,9 @@ TASKS = (
     Task("lost-by-belief", _lost_by_belief, {"fed": APPLIED, "angle0": 8.0, "error0": 12.0}),
     Task("better-observer", _better_observer,
          {"fed": APPLIED, "angle0": 4.0, "error0": 8.0, "u_max": 4.0, "observer_poles": FAST}),
+    Task("never-clipped", _never_clipped, {"controller_poles": (-4.5, -4.4, -0.8 - 0.8j, -0.8 + 0.8j)}),
     pencil("last-start", LAST_START),
+    Task("near-the-ceiling", _near_the_ceiling, {
+        "fed": APPLIED, "angle0": LEAN, "error0": BELIEVED, "u_max": 2.0,
+        "controller_poles": (-3 - 1j, -3 + 1j, -1 - 0.5j, -1 + 0.5j)}),
 )
