@@ -1,4 +1,4 @@
-"""Tasks of the lesson: the bottom by hand, the other side of the valley, a quiet start."""
+"""Tasks of the lesson: the bottom by hand, the other side of the valley, a quiet start, a bargain, an offset that noise limits."""
 
 from __future__ import annotations
 
@@ -15,6 +15,7 @@ GIVEN = tuple(knob.default for name in ("w", "v") for knob in KNOBS if knob.name
 WANTED = 1.01  # of the least variances: the bottom of the valley
 TWIN_SPEED = 0.3  # times Kalman: the slow observer whose fast twin is asked for
 PEAK, SETTLED = 0.5, 1.4  # m/s and s
+BAND, FLAT = (1.2, 1.3), 1.1  # s to settle in, and of the least variances what may be paid for it
 
 
 def _by_hand(outcome: Outcome[Study]) -> Verdict:
@@ -67,6 +68,22 @@ def _quiet_start(outcome: Outcome[Study]) -> Verdict:
     return Verdict(True, text("{numbers}: fast enough, and the estimate never leaps.", numbers=numbers))
 
 
+def _bargain(outcome: Outcome[Study]) -> Verdict:
+    m, d = outcome.metrics, outcome.design
+    if (d["w"], d["v"]) != GIVEN or d["error0"] < 0.3 or d["kick"] >= 0:
+        return Verdict(False, text("Keep W = {given:g}, V = {given2:g}, a starting error of 0.3 m or more, and no kick.", given=GIVEN[0],
+                                   given2=GIVEN[1]))
+    found = text("Settled after {settled_after:.2f} s, and the worse of the two variances is {ratio:.3f} times the least",
+                 settled_after=m["settled_after"], ratio=m["worst_ratio"])
+    if not BAND[0] <= m["settled_after"] <= BAND[1] or m["worst_ratio"] > FLAT:
+        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} times.", found=found, low=BAND[0],
+                                   high=BAND[1], most=FLAT))
+    return Verdict(True, text("{found}.", found=found))
+
+
+OFFSET = Typed("(4*d^2/V)^(1/3)", ("d", "V"), slips=(
+    ("(2*d^2/V)^(1/3)", text("The derivative of d²/L² is −2 d²/L³.")),
+    ("(2*d/V)^(1/3)", text("The offset counts by its square."))))
 BOTH_IN_ONE_PLACE = Typed("(3*W/(5*V))^(1/4)", ("W", "V"), slips=(
     ("(W/V)^(1/4)", text("There the Kalman filter has its poles, 45° off the axis; two poles in one place balance otherwise.")),
     ("(W/(5*V))^(1/4)", text("The derivative of p⁻³ is −3 p⁻⁴."))))
@@ -75,5 +92,7 @@ TASKS = (
     Task("by-hand", _by_hand, {"method": "poles", "observer_poles": (-2.14 - 2.34j, -2.14 + 2.34j)}),
     Task("other-side", _other_side, {"speed": 1.77}),
     Task("quiet-start", _quiet_start, {"method": "poles", "observer_poles": (-4 - 2j, -4 + 2j)}),
+    Task("bargain", _bargain, {"method": "poles", "observer_poles": (-3 - 2.3j, -3 + 2.3j)}),
     pencil("both-in-one-place", BOTH_IN_ONE_PLACE),
+    pencil("offset", OFFSET),
 )
