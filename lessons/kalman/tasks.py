@@ -10,6 +10,7 @@ from .knobs import NEAR_R, NONE, SLIPS
 from .study import Expected, Study, expected
 
 ENOUGH = 0.5  # share of the records that counts as found out
+SHY, UNSEEN = (1.9, 2.1), 0.02  # NIS over all records, and the share of them that whiteness may flag
 
 
 def _expected(o: Outcome[Study]) -> Expected:
@@ -71,6 +72,17 @@ def _report(o: Outcome[Study]) -> Verdict:
                               over_r=e.over_R, s_over_r=e.S_over_R))
 
 
+def _shy(o: Outcome[Study]) -> Verdict:
+    if o.design["noise"] != "white":
+        return Verdict(False, text("This task is about white sensor noise."))
+    e = _expected(o)
+    found = text("Over all records NIS averages {nis:.2f} and whiteness flags {flagged:.2f} %", nis=e.nis, flagged=100 * e.flagged)
+    if not SHY[0] <= e.nis <= SHY[1] or e.flagged > UNSEEN:
+        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} and at most {most:g} %.", found=found, low=SHY[0], high=SHY[1],
+                                   most=100 * UNSEEN))
+    return Verdict(True, text("{found}; NEES averages {nees:.2f} of 6: right in all it says but its own doubt.", found=found, nees=e.nees))
+
+
 SECOND_SENSOR = Typed("P*r/(P*r+(P+r)*s)", ("P", "r", "s"), slips=(
     ("P/(P+s)", text("After the first reading the variance is no longer P.")),
     ("r/(r+s)", text("That forgets what was known before: P."))))
@@ -80,5 +92,6 @@ TASKS = (
     Task("decoy", _decoy, {"q": 20.0, "r": 0.47}),
     Task("converter", _converter, {"noise": "carried", "q": 1.0, "r": 1.0}),
     Task("report", _report, {"q": 1.0, "r": 1.0, "line": NEAR_R}),
+    Task("shy", _shy, {"q": 2.0, "r": 2.0}),
     pencil("second-sensor", SECOND_SENSOR),
 )
