@@ -1,10 +1,10 @@
-"""Tasks of the lesson: margins vanish, recovery, twenty decibels with time to spare, a rule turned round."""
+"""Tasks of the lesson: margins vanish, recovery, twenty decibels with time to spare, time for a few per cent, a rule turned round."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.lesson import Outcome, Task, Verdict
+from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
@@ -17,6 +17,7 @@ EDGE = 1.001  # a gain that breaks the loop of the first task
 HEAVY = 1000.0  # q and σ at least, in the second
 UP, DOWN = 2.0, 0.5  # gain margins asked back
 DECIBEL, SECONDS = 20.0, 0.1
+LOUD, DELAY, DEARER = 1e7, (0.12, 0.13), 1.25  # true sensor noise; s of delay margin; of the least cost
 
 
 def _on(outcome: Outcome[Study], case: str) -> bool:
@@ -50,13 +51,31 @@ def _recover(outcome: Outcome[Study]) -> Verdict:
                               found=found, price=price))
 
 
+def _least_delay(outcome: Outcome[Study]) -> float:
+    """The delay in s that the weakest of the inputs bears."""
+    s, setting = outcome.study, setting_of(outcome.study.case, outcome.design)
+    return min(real(s.case, setting.factors, setting.recovery, i).margins.delay for i in range(s.case.plant.m))
+
+
+def _patience(outcome: Outcome[Study]) -> Verdict:
+    s, d = outcome.study, outcome.design
+    if not _on(outcome, REPORT) or abs(d["sensor"] / LOUD - 1) > 0.01 or d["gain"] != 1.0:
+        return Verdict(False, text("Take the platform with a true sensor noise of 10⁷ and inputs as strong as the model says."))
+    if s.suppression is None:
+        return Verdict(False, text("This loop is unstable."))
+    price, least = s.cost.total / s.cost.least, _least_delay(outcome)
+    found = text("The cost is {price:.3f} times the least, and the least delay margin is {least:.3f} s", price=price, least=least)
+    if price > DEARER or not DELAY[0] <= least <= DELAY[1]:
+        return Verdict(False, text("{found}; wanted are at most {most:g} times and {low:g} to {high:g} s.", found=found, most=DEARER,
+                                   low=DELAY[0], high=DELAY[1]))
+    return Verdict(True, text("{found}.", found=found))
+
+
 def _twenty(outcome: Outcome[Study]) -> Verdict:
     s = outcome.study
     if not _on(outcome, REPORT) or s.suppression is None:
         return Verdict(False, text("A stable loop on the platform is asked for."))
-    worst = float(np.min(s.suppression))
-    setting = setting_of(s.case, outcome.design)
-    least = min(real(s.case, setting.factors, setting.recovery, i).margins.delay for i in range(s.case.plant.m))
+    worst, least = float(np.min(s.suppression)), _least_delay(outcome)
     found = text("The least of the three channels gains {worst:.1f} dB, the least delay margin is {least:.3g} s",
                  worst=worst, least=least)
     if worst < DECIBEL or least < SECONDS:
@@ -81,9 +100,15 @@ def _rule(outcome: Outcome[Study]) -> Verdict:
                               more=more))
 
 
+WEAKER = Typed("a*(K+L-a)/(K*L)", ("a", "K", "L"), slips=(
+    ("a/K", text("That is the regulator that measures x itself.")),
+    ("a*(K+L)/(K*L)", text("The compensator has the pole a − K − L: you left out its a."))))
+
 TASKS = (
     Task("vanish", _vanish, {"case": DOYLE, "q": 1000.0, "sigma": 1000.0}),
     Task("recover", _recover, {"case": DOYLE, "q": 1000.0, "sigma": 1000.0, "recovery": 6.0}),
     Task("twenty", _twenty, {"beta_r": 1e8}),
+    Task("patience", _patience, {"sensor": LOUD, "beta_r": 3.5e7}),
     Task("rule", _rule, {"rule": SENSOR}, Typed(lambda _: 0.1, slips=(("10", text("The other way round: W is to fall as V rises.")),))),
+    pencil("weaker", WEAKER),
 )

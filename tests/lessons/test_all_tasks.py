@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from typing import Any
 
@@ -38,6 +39,17 @@ def test_there_are_tasks_and_a_right_prediction(lesson: Lesson) -> None:
         assert 3 <= len(options) <= 4 and len(set(options)) == len(options)
         assert 0 <= lesson.answer < len(options)
     assert lesson.source.strip()
+
+
+@each("lesson", [lesson for lesson in LESSONS.values() if lesson.number <= 10])
+def test_a_lesson_has_six_tasks_a_pencil_and_one_that_looks_back(lesson: Lesson) -> None:
+    """The first lesson has none to look back at."""
+    assert 6 <= len(lesson.tasks) <= 8
+    assert any(task.typed is not None and task.typed.letters for task in lesson.tasks), "nothing to be done with a pencil"
+    for language, named in (("en", r"[Ll]esson (\d+)"), ("zh", r"第 (\d+) 课")):
+        words = " ".join(" ".join((task.statement, *task.hints)) for task in lesson.words[language].tasks.values())
+        back = [int(number) for number in re.findall(named, words)]
+        assert lesson.number == 1 or any(number < lesson.number for number in back), f"{language}: no earlier lesson is named"
 
 
 def test_the_letters_of_right_predictions_are_spread_evenly() -> None:

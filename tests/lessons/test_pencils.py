@@ -44,15 +44,45 @@ def blind_angle(v: Letters) -> float:
     return float(np.linalg.det(np.array([C, C @ A])))
 
 
+def toll(v: Letters) -> float:
+    return float(gains(np.diag([-v["a"], -v["b"]]), np.array([[1.0, 1.0]]), [-v["p"], -v["q"]])[0])
+
+
 def spring(v: Letters) -> float:
     A, B = INTEGRATOR, np.array([[0.0], [1.0]])
     K, L = gains(A.T, B.T, [-v["c"]] * 2)[None], gains(A, FIRST, [-v["o"]] * 2)[:, None]
     return float((K @ np.linalg.solve(-(A - B @ K - L @ FIRST), L)).item())
 
 
+def wrong_belief(v: Letters) -> float:
+    """∫x² dt from Lyapunov's equation of the loop in (x, x̂), started at (0, −f)."""
+    K, L = v["a"] + v["c"], v["a"] + v["o"]
+    loop, start = np.array([[v["a"], -K], [L, v["a"] - K - L]]), np.array([0.0, -v["f"]])
+    return float(start @ solve_continuous_lyapunov(loop.T, -np.diag([1.0, 0.0])) @ start)
+
+
 def read_off(v: Letters) -> float:
     P = solve_continuous_are(INTEGRATOR.T, FIRST.T, np.diag([0.0, v["W"]]), np.array([[v["V"]]]))
     return float(P[0, 0] / v["V"])
+
+
+def listen(v: Letters) -> float:
+    """What many readings in a row leave open, by least squares: intensity V is the variance V/h of a reading every h."""
+    count = 4000
+    h = v["T"] / count
+    t = (np.arange(count) + 0.5) * h
+    rows = np.column_stack([np.ones(count), t])
+    return float(np.linalg.inv(rows.T @ rows)[1, 1] * v["V"] / h) * (1 - 1 / count**2)  # the midpoints' own exactness
+
+
+def unlike(v: Letters) -> float:
+    """The spring with which a common start leaves the distance at rest: its second derivative, C A² x, vanishes."""
+    def leaves(spring: float) -> float:
+        A = np.zeros((4, 4))
+        A[:2, 2:] = np.eye(2)
+        A[2:, :2] = [[-(v["k"] + 1.3) / v["m"], 1.3 / v["m"]], [1.3 / v["n"], -(spring + 1.3) / v["n"]]]
+        return float(np.array([-1.0, 1.0, 0.0, 0.0]) @ A @ A @ [1.0, 1.0, 0.0, 0.0])
+    return float(brentq(leaves, 0.0, 1e4, xtol=1e-12))
 
 
 def last_start(v: Letters) -> float:
@@ -72,9 +102,24 @@ def both_in_one_place(v: Letters) -> float:
     return float(brentq(lambda p: variance(p + step) - variance(p - step), 0.8 * near, 1.2 * near, xtol=1e-13))
 
 
+def offset(v: Letters) -> float:
+    def square(L: float) -> float:
+        bias = np.linalg.solve([[-L]], [-v["d"]])[0]
+        return float(bias**2 + solve_continuous_lyapunov(np.array([[-L]]), np.array([[-(L**2) * v["V"]]])).item())
+    near = minimize_scalar(square, bounds=(0.05, 20.0), method="bounded", options={"xatol": 1e-9}).x
+    step = 1e-4 * near
+    return float(brentq(lambda L: square(L + step) - square(L - step), 0.8 * near, 1.2 * near, xtol=1e-13))
+
+
 def second_sensor(v: Letters) -> float:
     C, R = np.ones((2, 1)), np.diag([v["r"], v["s"]])  # both at once: what the second gets is its gain there
     return float((v["P"] * C.T @ np.linalg.inv(v["P"] * C @ C.T + R))[0, 1])
+
+
+def weaker(v: Letters) -> float:
+    def loop(m: float) -> float:
+        return float(np.linalg.det([[v["a"], -m * v["K"]], [v["L"], v["a"] - v["K"] - v["L"]]]))
+    return float(brentq(loop, -1e3, 1e3, xtol=1e-13))
 
 
 def damper(v: Letters) -> float:
@@ -203,9 +248,11 @@ def blind_input(v: Letters) -> float:
 
 COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("virtual-sensor", "match"): match, ("error-dynamics", "unknown-push"): unknown_push,
-    ("observability", "blind-angle"): blind_angle, ("separation", "spring"): spring, ("duality", "read-off"): read_off,
-    ("saturation", "last-start"): last_start, ("noise", "both-in-one-place"): both_in_one_place,
-    ("kalman", "second-sensor"): second_sensor, ("decoupling", "damper"): damper, ("weak-states", "one-lag"): one_lag,
+    ("observability", "blind-angle"): blind_angle, ("observability", "toll"): toll, ("separation", "spring"): spring,
+    ("separation", "wrong-belief"): wrong_belief, ("duality", "read-off"): read_off, ("duality", "listen"): listen,
+    ("hidden-modes", "unlike"): unlike, ("saturation", "last-start"): last_start,
+    ("noise", "both-in-one-place"): both_in_one_place, ("noise", "offset"): offset, ("kalman", "second-sensor"): second_sensor,
+    ("lqg", "weaker"): weaker, ("decoupling", "damper"): damper, ("weak-states", "one-lag"): one_lag,
     ("showdown", "too-late"): too_late, ("nonlinear", "square"): square, ("fault-diagnosis", "swallowed"): swallowed,
     ("network", "perfect-readings"): perfect_readings, ("sandbox", "deadbeat"): deadbeat,
     ("robust-observer", "one-observer"): one_observer,
