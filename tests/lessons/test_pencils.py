@@ -201,8 +201,8 @@ def zero(v: Letters) -> float:
     mass = np.diag([v["m"], v["J"]])
     A = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.linalg.solve(mass, stiff), np.zeros((2, 2))]])
     B, C = np.vstack([np.zeros((2, 1)), np.linalg.solve(mass, line.T)]), np.hstack([line, np.zeros((1, 2))])
-    found = eigvals(np.block([[A, B], [C, np.zeros((1, 1))]]), np.diag([1.0, 1, 1, 1, 0]))
-    return float(max(abs(s.imag) for s in found if np.isfinite(s) and abs(s) < 1e4))
+    found = np.asarray(eigvals(np.block([[A, B], [C, np.zeros((1, 1))]]), np.diag([1.0, 1, 1, 1, 0])))
+    return float(np.abs(np.imag(found[np.abs(found) < 1e4])).max())
 
 
 def almost_twins(v: Letters) -> float:
