@@ -10,9 +10,12 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib
 import pytest
+from matplotlib import pyplot as plt
 
 from app.cli.entry import main
+from app.export.engine_notebook import engine_notebook
 from app.export.matlab import function_name, matlab_script
 from app.export.script import ScriptError, parts_of, python_script
 from app.lesson.lesson import Design, Lesson
@@ -94,14 +97,34 @@ def test_matlab_files_are_whole_functions_and_prove_themselves_where_octave_is_f
         assert done.stdout.count("agree to 1e-06") == len(wanted), done.stderr[-2000:]
 
 
+@pytest.mark.slow
+def test_the_notebook_on_the_engine_leads_in_ten_lines_to_the_pages_run() -> None:
+    for id, plant, changes in (*DESIGNS, ("kalman", "", {}), ("lqg", "tanks", {}), ("observability", "", {})):
+        lesson, design = design_of(id, plant, changes)
+        outcome = lesson.compute(design)
+        for language in ("en", "zh"):
+            cells = json.loads(engine_notebook(lesson, outcome, "1.x", language))["cells"]
+            given, ten, proof = (cell["source"] for cell in cells if cell["cell_type"] == "code")
+            assert len(ten.splitlines()) == 10
+        with matplotlib.rc_context({"backend": "agg"}):
+            exec(compile("\n".join((given, ten, proof)), "notebook", "exec"), space := {})
+        assert space["run"].x.shape == (len(space["run"].t), space["plant"].n)
+        plt.close("all")
+    lesson, design = design_of("nonlinear", "", {"case": "fall"})
+    with pytest.raises(ScriptError, match="not linear"):
+        engine_notebook(lesson, lesson.compute(design), "1.x")
+
+
 def test_a_lesson_whose_run_is_of_another_kind_says_so() -> None:
     lesson = LESSONS["separation"]
-    with pytest.raises(ScriptError, match="no script is written"):
+    with pytest.raises(ScriptError, match="No script is written"):
         list(parts_of(lesson, replace(lesson.compute(lesson.start()), run=None), "1.x"))
 
 
 def test_export_writes_code_a_notebook_and_data(capsys, tmp_path: Path) -> None:
-    for kind, suffix in (("matlab", "m"), ("python", "py"), ("notebook", "ipynb"), ("json", "json"), ("csv", "csv")):
+    for kind, suffix in (
+            ("matlab", "m"), ("python", "py"), ("notebook", "ipynb"), ("engine-notebook", "engine.ipynb"), ("json", "json"),
+            ("csv", "csv")):
         file = tmp_path / f"x.{suffix}"
         assert main(["export", "noise", "--to", kind, "--set", "seed=5", "-o", str(file)]) == 0
         assert capsys.readouterr().out.strip() == str(file)

@@ -7,9 +7,8 @@ import argparse
 from .options import PLANT_HELP, STATE_HELP, CommandError
 
 HELP = "a design as a script that proves itself, as data, as figures or as a sheet for print"
-SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("matlab", ".m"), ("json", ".json"), ("csv", ".csv"), ("pdf", ".pdf"),
-            ("svg", ".svg"), ("png", ".png"))
-CODE = ("python", "notebook", "matlab")
+SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("engine-notebook", "-engine.ipynb"), ("matlab", ".m"),
+            ("json", ".json"), ("csv", ".csv"), ("pdf", ".pdf"), ("svg", ".svg"), ("png", ".png"))
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -18,8 +17,9 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
     parser.add_argument("lesson", metavar="LESSON")
     parser.add_argument("--to", required=True, choices=[kind for kind, _ in SUFFIXES],
-                        help="what to make of it; pdf is the sheet of the lesson for print, svg and png are its figures on one page")
-    parser.add_argument("--lang", choices=languages(), default="en", help="language of figures and sheet (default %(default)s)")
+                        help="what to make of it; engine-notebook uses the lab's own engine, "
+                             "pdf is the sheet of the lesson for print, svg and png are its figures on one page")
+    parser.add_argument("--lang", choices=languages(), default="en", help="language of scripts, figures and sheet (default %(default)s)")
     parser.add_argument("-o", "--output", metavar="FILE", help="where to (default: the lesson's name in this folder)")
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                         help="set a knob; may be repeated, and comes after --state")
@@ -32,9 +32,9 @@ def execute(options: argparse.Namespace) -> int:
     """Compute the design and write the file; prints its name."""
     from ..engine import EngineError
     from ..export.data import json_text, save_csv
-    from ..export.files import FileError, Taken, sheet_file
-    from ..export.matlab import function_name, matlab_script
-    from ..export.script import ScriptError, notebook, python_script
+    from ..export.files import SCRIPTS, FileError, Taken, sheet_file
+    from ..export.matlab import function_name
+    from ..export.script import ScriptError
     from ..tab.state import Saved
     from ..tab.token import write_token
     from .inputs import design_of, find_lesson, fitted, outcome_of
@@ -47,8 +47,8 @@ def execute(options: argparse.Namespace) -> int:
     name = options.output or f"{called}{dict(SUFFIXES)[options.to]}"
     try:
         outcome = outcome_of(lesson, design, options.final)
-        if options.to in CODE:
-            code = {"python": python_script, "notebook": notebook, "matlab": matlab_script}[options.to](lesson, outcome, token)
+        if options.to in SCRIPTS:
+            code = SCRIPTS[options.to][0](lesson, outcome, token, options.lang)
             write(name, lambda path: save_words(code, path))
         elif options.to == "json":
             write(name, lambda path: save_words(json_text(design, outcome, token), path))

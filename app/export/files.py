@@ -12,6 +12,7 @@ from ..lesson.figures import Figure
 from ..lesson.lesson import Lesson, Outcome
 from ..text import Text, text
 from .data import json_text
+from .engine_notebook import engine_notebook
 from .figure import figures_as
 from .fonts import HAN, chinese_font
 from .matlab import function_name, matlab_script
@@ -23,11 +24,11 @@ __all__ = ["FIGURES", "SCRIPTS", "File", "FileError", "Taken", "all_in_one", "fi
 
 DRAWN = ("png", "svg", "pdf")
 FIGURES = (*DRAWN, "csv", "json")
-SCRIPTS: Mapping[str, tuple[Callable[[Lesson, Outcome, str], str], str]] = MappingProxyType({
-    "python": (python_script, "py"), "notebook": (notebook, "ipynb"), "matlab": (matlab_script, "m")})
+SCRIPTS: Mapping[str, tuple[Callable[[Lesson, Outcome, str, str], str], str]] = MappingProxyType({  # what writes it, end of its name
+    "python": (python_script, ".py"), "notebook": (notebook, ".ipynb"), "matlab": (matlab_script, ".m"),
+    "engine-notebook": (engine_notebook, "-engine.ipynb")})
 BORN = (2020, 1, 1, 0, 0, 0)  # of every file in a zip, so that the same records give the same bytes
 NO_FONT = text("The server has no font that holds Chinese, so this file would have boxes for words; switch the page to English for it.")
-NO_SCRIPT = text("No script is written for this lesson yet: its run is of a kind of its own; take its data as JSON or CSV.")
 
 
 class FileError(ValueError):
@@ -86,12 +87,12 @@ def all_in_one(taken: Taken) -> File:
 
 def script_file(taken: Taken, kind: str) -> File:
     """The script of the design as one of SCRIPTS. Raises FileError where the lesson has none in that language."""
-    write, suffix = SCRIPTS[kind]
+    write, ending = SCRIPTS[kind]
     name = function_name(taken.lesson) if kind == "matlab" else taken.lesson.id
     try:
-        return File(f"{name}.{suffix}", (write(taken.lesson, taken.outcome, taken.token) + "\n").encode())
+        return File(f"{name}{ending}", (write(taken.lesson, taken.outcome, taken.token, taken.language) + "\n").encode())
     except ScriptError as problem:
-        raise FileError(NO_SCRIPT) from problem
+        raise FileError(problem.text) from problem
 
 
 def sheet_file(taken: Taken) -> File:

@@ -16,7 +16,7 @@ from ..lesson.lesson import Lesson, Outcome
 from .gains import directions_of, placed_gain
 from .matlab_told import told_lines
 from .matlab_words import array, body_of, complex_row, functions_for, number
-from .script import AGREED, INSTANTS, ScriptError, poles_of_the_page
+from .script import AGREED, INSTANTS, NO_SCRIPT, ScriptError, poles_of_the_page
 
 __all__ = ["function_name", "matlab_script"]
 
@@ -31,7 +31,7 @@ def function_name(lesson: Lesson) -> str:
     return lesson.id.replace("-", "_")
 
 
-def matlab_script(lesson: Lesson, outcome: Outcome, token: str) -> str:
+def matlab_script(lesson: Lesson, outcome: Outcome, token: str, language: str = "en") -> str:
     """The file of a design. Raises ScriptError where the lesson's run is of another kind than a loop with an observer."""
     words, run = lesson.words["en"], outcome.run
     head = [f"function {function_name(lesson)}(draw)", f"% {words.title}: {words.question}",
@@ -41,7 +41,7 @@ def matlab_script(lesson: Lesson, outcome: Outcome, token: str) -> str:
     if lesson.code is not None:
         return "\n".join([*head, *told_lines(lesson.code(outcome))]) + "\n"
     if run is None:
-        raise ScriptError(f"The run of lesson {lesson.id} is of a kind that no MATLAB file is written for yet; give --to json or csv.")
+        raise ScriptError(NO_SCRIPT)
     s = run.scenario
     body = ["%% The plant: dx/dt = A x + B u + G w, y = C x + D u + v", *_plant(s), "",
             "%% The gains: u = r - K xhat, dxhat/dt = Am xhat + Bm u + L (y - Cm xhat - Dm u)", *_gains(s), "",

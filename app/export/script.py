@@ -6,7 +6,6 @@ impulses, and asserts the page's numbers. Its parts stand between `# %%` lines, 
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
@@ -14,6 +13,8 @@ import numpy as np
 
 from ..engine.simulation import Run, Scenario
 from ..lesson.lesson import Lesson, Outcome
+from ..text import Text, text
+from .cells import notebook_of
 from .gains import gain_lines
 from .literals import array_text, complex_text, part_text
 from .told import told_parts
@@ -27,41 +28,39 @@ POLES: Mapping[str, str] = MappingProxyType({  # what a set of poles may be the 
     "A": "A", "the believed A": "Am"})
 
 
+NO_SCRIPT = text("No script is written for this lesson yet: its run is of a kind of its own; take its data as JSON or CSV.")
+
+
 class ScriptError(ValueError):
-    """A design of which no script can be made; the message is one sentence."""
+    """A design of which no script can be made; `text` says why in every language."""
+
+    def __init__(self, said: Text) -> None:
+        super().__init__(said("en"))
+        self.text = said
 
 
-def python_script(lesson: Lesson, outcome: Outcome, token: str) -> str:
-    """The script of a design, with its token at the head. Raises ScriptError where the lesson's run is of another kind."""
-    return "\n\n".join(f"# %% {title}\n{body}" for title, body in parts_of(lesson, outcome, token)) + "\n"
+def python_script(lesson: Lesson, outcome: Outcome, token: str, language: str = "en") -> str:
+    """The script of a design, its token at the head, commented in a language. Raises ScriptError where the run is of another kind."""
+    return "\n\n".join(f"# %% {title}\n{body}" for title, body in parts_of(lesson, outcome, token, language)) + "\n"
 
 
-def notebook(lesson: Lesson, outcome: Outcome, token: str) -> str:
+def notebook(lesson: Lesson, outcome: Outcome, token: str, language: str = "en") -> str:
     """The script as a Jupyter notebook with the story of the lesson. Raises ScriptError as `python_script` does."""
-    words = lesson.words["en"]
+    words = lesson.words[language]
     story = "\n\n".join([f"# {words.title}", f"**{words.question}**", words.introduction,
                          *(f"## {heading}\n\n{text}" for heading, text in words.steps)])
-    cells = [_cell("markdown", story, 0)]
-    for title, body in parts_of(lesson, outcome, token):
-        cells += [_cell("markdown", f"## {title}", len(cells)), _cell("code", body, len(cells) + 1)]
-    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
-    whole = {"cells": cells, "metadata": {"language_info": {"name": "python"}, "kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
-    return json.dumps(whole, ensure_ascii=False, indent=1)
+    parts = parts_of(lesson, outcome, token, language)
+    return notebook_of([("markdown", story), *(cell for title, body in parts for cell in (("markdown", f"## {title}"), ("code", body)))])
 
 
-def _cell(kind: str, source: str, number: int) -> dict[str, object]:
-    code = {"outputs": [], "execution_count": None} if kind == "code" else {}
-    return {"cell_type": kind, "id": f"part-{number}", "metadata": {}, "source": source, **code}
-
-
-def parts_of(lesson: Lesson, outcome: Outcome, token: str) -> Iterator[tuple[str, str]]:
+def parts_of(lesson: Lesson, outcome: Outcome, token: str, language: str = "en") -> Iterator[tuple[str, str]]:
     """Title and code of every part, in order. Raises ScriptError where the lesson's run is of another kind."""
     run = outcome.run
     if lesson.code is not None:
         yield from told_parts(lesson, lesson.code(outcome), token)
         return
     if run is None:
-        raise ScriptError(f"The run of lesson {lesson.id} is of a kind that no script is written for yet; give --to json or csv.")
+        raise ScriptError(NO_SCRIPT)
     s = run.scenario
     words = lesson.words["en"]
     yield f"{words.title}: {words.question}", _head(token)

@@ -40,6 +40,7 @@ class Code:
     """`parts` name the equations, in order, from what is `given` to what is `shown`; `unsaid` is what they leave out.
 
     `drawn`: what Python draws from the seed, for a language whose generator gives other numbers.
+    `period`: of a plant A, B, C that is given at its samples, in s.
     """
 
     parts: tuple[str, ...]
@@ -47,3 +48,4 @@ class Code:
     shown: tuple[Shown, ...]
     unsaid: str = ""
     drawn: tuple[Given, ...] = ()
+    period: float = 0.0

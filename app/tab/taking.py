@@ -50,7 +50,7 @@ def make(picture: Picture, token: str, kind: str, figure: str) -> Made:
                 file = files.all_in_one(taken)
             case "sheet":
                 file = files.sheet_file(taken)
-            case "python" | "notebook" | "matlab":
+            case "python" | "notebook" | "matlab" | "engine-notebook":
                 file = files.script_file(taken, kind)
             case _:
                 file = files.figure_file(taken, figure, kind)

@@ -92,7 +92,7 @@ class Take:
         with parts.add_tab(phrases.SCRIPTS(lang)):
             self._note(phrases.PROVES)
             self._button_each({phrases.PYTHON: TakeFile("python"), phrases.NOTEBOOK: TakeFile("notebook"),
-                               phrases.MATLAB: TakeFile("matlab")})
+                               phrases.MATLAB: TakeFile("matlab"), phrases.ENGINE_NOTEBOOK: TakeFile("engine-notebook")})
         with parts.add_tab(phrases.PAPER(lang)):
             self._note(phrases.SHEET_HAS)
             self._button_each({phrases.SHEET: TakeFile("sheet")})

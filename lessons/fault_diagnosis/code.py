@@ -45,4 +45,4 @@ def code(outcome: Outcome[Study]) -> Code:
                                             "pitch"))), "Shares over many runs", (
         Given("w", noise.w), Given("v", noise.v), Given("first_error", noise.whole, "of the filter that the loop believes"),
         Given("first_starts", [noise.bank[part] for part in bank.slices[:4]], "of the members that leave out a sensor"),
-    ))
+    ), DT)

@@ -38,7 +38,7 @@ def code(outcome: Outcome[Study]) -> Code:
         *(Shown(name, m[name]) for name in (
             "nees_low", "nees_high", "nis_low", "nis_high", "bias_p", "failures", "S_over_R", "seen_over_R")),
     ), UNSAID, (Given("x_start", real.x[0] - (MODEL.kick if d["kick"] >= 0 and round(d["kick"] / DT) == 0 else 0.0)),
-                Given("w", drawn_jumps(int(d["seed"]))), Given("v", real.y - real.x @ kf.C.T)))
+                Given("w", drawn_jumps(int(d["seed"]))), Given("v", real.y - real.x @ kf.C.T)), DT)
 
 
 def own_code(outcome: Outcome[OwnStudy]) -> Code:
@@ -62,7 +62,7 @@ def own_code(outcome: Outcome[OwnStudy]) -> Code:
         Shown("x", found.run.x), Shown("y", found.run.y), Shown("u", found.run.u_applied), Shown("means", found.track.means),
         *_common(outcome), Shown("nis_expected", m["nis_expected"]),
     ), UNSAID, (Given("w", for_w.standard_normal((s.n_t, s.plant.n)) @ root(found.truth.Q).T),
-                Given("v", for_v.standard_normal((s.n_t, s.plant.p)) @ root(found.truth.R).T)))
+                Given("v", for_v.standard_normal((s.n_t, s.plant.p)) @ root(found.truth.R).T)), s.dt)
 
 
 def _common(outcome: Outcome[Study] | Outcome[OwnStudy]) -> tuple[Shown, ...]:

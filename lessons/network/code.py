@@ -38,4 +38,4 @@ def code(outcome: Outcome[Study]) -> Code:
         Shown("lost_measurements", m["lost_measurements"]), Shown("lost_inputs", m["lost_inputs"]),
     ), "Means over many runs, growth over all losses and the safe share of several sensors", (
         Given("e0", run.draw.e0), Given("w", run.draw.w), Given("v", run.draw.v), Given("sensed", run.draw.sensed, "samples of arrival"),
-        Given("acted", run.draw.acted)))
+        Given("acted", run.draw.acted)), s.plant.dt)
