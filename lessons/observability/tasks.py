@@ -1,4 +1,4 @@
-"""The tasks of lesson 3: one sensor for all, a wrong sentence, full rank nearly hidden and what it costs, low rank."""
+"""The tasks of lesson 3: one sensor for all, two that differ, a wrong sentence, full rank nearly hidden and what it costs, low rank."""
 
 from __future__ import annotations
 
@@ -10,16 +10,20 @@ from .criteria import DET, GRAMIAN
 from .study import Study
 
 CLEARLY, MOST = 0.05, 0.053  # distance of the weakest mode asked of one sensor
+WIDEST, NOISY = (0.09, 0.1), 0.03  # half axis of the cloud that two sensors are to leave, and the least noise they have
 BLIND = 0.002  # distance below which a direction of the notes' sensor counts as blind
 FINE = 1e-12  # tolerance above which a rank is cut by choice and not by rounding
 PAPER = 1e-5  # distance at which full rank is only on paper
+
+
+SENSORS = ("left", "right", "across")
 
 
 def _one_sensor(outcome: Outcome[Study]) -> Verdict:
     design, d = outcome.design, outcome.metrics["weakest"]
     if design["plant"] != "deck":
         return Verdict(False, text("This task is about the deck; choose it as the plant."))
-    count = sum(design[f"{k}_on"] for k in ("left", "right", "across"))
+    count = sum(design[f"{k}_on"] for k in SENSORS)
     if count != 1:
         return Verdict(False, text("{count} sensors are on; the task wants exactly one.", count=count))
     if outcome.metrics["hidden"] > 0:
@@ -33,6 +37,22 @@ def _one_sensor(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The weakest mode is {d:.3g} from hidden, more than is wanted: {clearly:g} to {most:g}.", d=d,
                                    clearly=CLEARLY, most=MOST))
     return Verdict(True, text("One sensor sees all three modes; the weakest is {d:.2g} from hidden.", d=d))
+
+
+def _two_sensors(outcome: Outcome[Study]) -> Verdict:
+    """Every direction of the start known to a tenth, and hardly better, by two sensors."""
+    design, m = outcome.design, outcome.metrics
+    if design["plant"] != "deck":
+        return Verdict(False, text("This task is about the deck; choose it as the plant."))
+    count = sum(design[f"{k}_on"] for k in SENSORS)
+    if count != 2 or design["noise"] < NOISY:
+        return Verdict(False, text("{count} sensors are on, with the noise {noise:.3g}; the task wants two, and a noise of {least:g} or "
+                                   "more.", count=count, noise=design["noise"], least=NOISY))
+    found = text("Known to a tenth are {known:.0f} of 6 directions, and the ellipsoid's longest half axis is {longest:.4f}",
+                 known=m["known"], longest=m["longest"])
+    if not WIDEST[0] <= m["longest"] <= WIDEST[1]:
+        return Verdict(False, text("{found}; wanted are {low:g} to {high:g}.", found=found, low=WIDEST[0], high=WIDEST[1]))
+    return Verdict(True, text("{found}.", found=found))
 
 
 def _wrong_sentence(outcome: Outcome[Study]) -> Verdict:
@@ -92,6 +112,7 @@ TOLL = Typed("(p-a)*(q-a)/(b-a)", ("a", "b", "p", "q"), slips=(
 
 TASKS = (
     Task("one-sensor", _one_sensor, {"left": -0.115}),
+    Task("two-sensors", _two_sensors, {"across_on": True, "left": -0.106}),
     Task("find-the-error", _wrong_sentence, {"plant": "notes", "criterion": GRAMIAN, "angle": 55.5}),
     Task("on-paper", _on_paper, {"plant": "pair", "gap": 1.41e-5}),
     pencil("toll", TOLL),

@@ -47,6 +47,10 @@ CASES: tuple[tuple[str, str, dict[str, Any], bool, str], ...] = (  # lesson, tas
     ("error-dynamics", "calm-speed", {"method": "numbers", "l1": 3.5, "l2": 2.95, "input": "square"}, True, ""),
     ("error-dynamics", "calm-speed", {"observer_poles": (-3.0, -3.0)}, False, "2.22 0.766 0.7"),
     ("error-dynamics", "calm-speed", {"observer_poles": pairs(-1.5 + 1j)}, False, "2.1 2.25"),
+    ("observability", "two-sensors", {"across_on": True, "left": -0.106}, True, "0.0964"),
+    ("observability", "two-sensors", {"across_on": True, "left_on": False, "right_on": True, "right": 0.11}, True, ""),
+    ("observability", "two-sensors", {"left": -0.2, "right_on": True, "right": 0.2}, False, "0.2792 0.09 0.1"),
+    ("observability", "two-sensors", {"across_on": True}, False, "0.2565"),
     ("separation", "gentle", GENTLE, True, "0.83 0.955"),
     ("separation", "gentle", {"controller_poles": pairs(-9 + 10.5j, -7.5 + 9j, -6 + 7.5j),
                               "observer_poles": pairs(-9.1 + 5.6j, -7.7 + 4.9j, -6.3 + 4.2j)}, True, ""),
@@ -77,6 +81,7 @@ CASES: tuple[tuple[str, str, dict[str, Any], bool, str], ...] = (  # lesson, tas
     ("kalman", "shy", {"q": 1.0, "r": 2.0}, False, "2.18 5.28 1.9 2.1 2"),
     ("lqg", "patience", {"sensor": 1e7, "beta_r": 3.5e7}, True, "1.204 0.125"),
     ("lqg", "patience", {"sensor": 1e7, "beta_r": 7e6, "beta_q": 0.2}, True, ""),
+    ("lqg", "patience", {"sensor": 1e7, "beta_r": 3.5e7, "recovery": 1.0}, False, ""),
     ("lqg", "patience", {"sensor": 1e7, "beta_r": 1e7}, False, "0.080 1.25 0.12 0.13"),
 )
 
