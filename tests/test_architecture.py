@@ -64,9 +64,9 @@ def forbidden_imports(source: str, module: str, package: bool = False) -> list[s
 
 
 def lesson_may(module: str, name: str) -> bool:
-    """A lesson knows itself and the toolkit; only the table of contents knows the lessons."""
+    """A lesson knows itself, the toolkit and its place in the course; only the table of contents knows the lessons."""
     own = ".".join(module.split(".")[:2])
-    return module == "lessons" or within(name, own) or within(name, "lessons.toolkit")
+    return module == "lessons" or within(name, own) or within(name, "lessons.toolkit") or within(name, "lessons.course")
 
 
 def tracked() -> list[Path]:

@@ -16,6 +16,7 @@ from ..plants.model import Model
 from ..plants.own import own_model, plant_of, without_hold
 from ..text import NO_WORDS, Text, joined, text
 from .code import Code
+from .course import NOWHERE, Place
 from .derivation import Value, no_numbers
 from .design import Design as Design
 from .exam import Exam
@@ -192,7 +193,7 @@ class Lesson(Generic[S]):
     `origin` is the lesson that it was made from. `answer` is the index of the right prediction, `answering` the id of
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
-    `derived` gives the numbers that stand now in the places of the derivation.
+    `derived` gives the numbers that stand now in the places of the derivation. `place` is its place in the course.
     """
 
     id: str
@@ -216,6 +217,7 @@ class Lesson(Generic[S]):
     plant: str = ""
     origin: Lesson | None = None
     derived: Callable[[Outcome[S]], Mapping[str, Value]] = no_numbers
+    place: Place = NOWHERE
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""

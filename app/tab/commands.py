@@ -216,6 +216,11 @@ class ToggleHelp:
 
 
 @dataclass(frozen=True)
+class ToggleCourse:
+    """Open or close the page of all lessons."""
+
+
+@dataclass(frozen=True)
 class Answer:
     """Say that all that was asked before this question has been done."""
 
@@ -267,7 +272,7 @@ Playing = Play | Rewind | Seek | ChangeSpeed | Kick | Watched
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
 Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
 Sharing = OpenState | Placed | ToggleTake | SaveState
-Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp | Answer
-          | Recalled)
+Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp
+          | ToggleCourse | Answer | Recalled)
 Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging
 Edit = SetKnobs | Command

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 
+from ..lesson.course import Progress
 from ..lesson.lesson import Design, Lesson
 from .desk import Desk
 from .history import History
-from .memory import read_desk
+from .memory import how_far, read_desk
+from .picture import State, far
 
 
 class Desks:
@@ -49,6 +51,12 @@ class Desks:
             elif (old := read_desk(data, lesson, self._lessons)) is not None:
                 met = self._used[lesson].take_back(old) or met
         return met
+
+    def progress(self, present: str, state: State) -> dict[str, Progress]:
+        """How far the person is in each lesson that lies here; what is open now stands in the tab's state."""
+        found = {lesson: how_far(json.loads(kept)) for lesson, kept in self._kept.items()}
+        found |= {lesson: far(desk.predicted, desk.tasks) for lesson, desk in self._used.items()}
+        return {**found, present: far(state.predicted, state.tasks)}
 
     def written(self, latest: str) -> Iterator[tuple[str, str]]:
         """Lesson and text of every desk, the one that is worked on now first, the one left longest ago last."""

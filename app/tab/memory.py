@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from ..engine import EngineError
 from ..lesson.comparing import MOST as MOST_PINS
 from ..lesson.comparing import Pin
+from ..lesson.course import Progress
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson, Verdict
 from ..lesson.typed import LONGEST
@@ -105,6 +106,15 @@ def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk 
     return Desk(read_steps(data.get("steps"), data, design, lessons), predicted if known else None, known and data.get("revealed") is True,
                 _tasks(data.get("tasks"), lessons[lesson]), _exams(data.get("exams"), lessons[lesson]),
                 _pins(data.get("pins"), lesson, lessons))
+
+
+def how_far(data: object) -> Progress:
+    """What a written desk tells of a person's progress, before it is judged whole."""
+    match data:
+        case {"predicted": predicted, "tasks": dict(tasks)}:
+            solved = sum(isinstance(task, list) and len(task) == 3 and task[2] is True for task in tasks.values())
+            return Progress(predicted is not None, solved)
+    return Progress()
 
 
 def _tasks(data: object, lesson: Lesson) -> dict[str, TaskState]:

@@ -15,6 +15,7 @@ from .commands import (
     Recalled,
     SeeWindow,
     SetLanguage,
+    ToggleCourse,
     ToggleHelp,
     ToggleLandscape,
     ToggleLecture,
@@ -53,6 +54,8 @@ def obey(show: Presenter, command: Paging) -> None:
             show.view.camera(place)
         case ToggleHelp():
             show.view.open_help()
+        case ToggleCourse():
+            show.view.open_course(show.desks.progress(show.lesson.id, show.state))
         case Answer(question):
             show.view.answer(number(question))
         case Recalled():

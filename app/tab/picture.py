@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Protocol
 
 from ..lesson.comparing import Ghost, Pin, Pinned, boards_with_pins, ghosts, side_by_side, with_pins
+from ..lesson.course import Progress
 from ..lesson.figures import Figure, TableFigure
 from ..lesson.lesson import Board, Design, Lesson, Outcome, Verdict
 from ..lesson.living import Part, over
@@ -24,6 +25,11 @@ class TaskState:
     hints: int = 0
     solution: bool = False
     typed: str = ""  # what was typed when it was last checked
+
+
+def far(predicted: int | None, tasks: Mapping[str, TaskState]) -> Progress:
+    """How far a person is with a prediction and these tasks."""
+    return Progress(predicted is not None, sum(task.verdict is not None and task.verdict.solved for task in tasks.values()))
 
 
 MOST_ANSWERS = 20  # kept of an exam
@@ -202,6 +208,9 @@ class View(Protocol):
 
     def open_help(self) -> None:
         """Show or close the list of keyboard commands."""
+
+    def open_course(self, progress: Mapping[str, Progress]) -> None:
+        """Show or close the page of all lessons, with how far the person is in each."""
 
     def answer(self, question: float) -> None:
         """Say that all that was done before a question is shown."""

@@ -21,6 +21,7 @@ from ..tab.picture import Picture, TaskState
 from ..text import languages, name_of
 from . import phrases
 from .beside import Beside
+from .course import Guide
 from .derivation import Derivation
 from .exams import Exams
 from .knobrows import KnobRows
@@ -58,6 +59,7 @@ class Panel:
         self._part("tasks")
         self._make_tasks(picture)
         self._exams = Exams(gui, picture, post)
+        self._guide.end(picture)
         gui.add_markdown(f"*{phrases.SOURCE(self._lang)}: {render(self._words.source)}*")
 
     @property
@@ -76,6 +78,7 @@ class Panel:
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
         self._tongue = gui.add_button_group("", (*tongues, *pages))
+        self._guide = Guide(gui, picture, self._post)
         gui.add_html(f'<div class="ol-question">{self._words.question}</div>')
         self._introduce(picture.state.lecture)
         self._catalogue = ReadBack(self._choice, lambda title: self._post(OpenLesson(keys.get(title, ""))))
@@ -141,6 +144,7 @@ class Panel:
     def show(self, picture: Picture) -> None:
         """Everything in the column that may have changed."""
         self._catalogue.show(self._words.title, picture)
+        self._guide.show(picture)
         self._rows.show(picture)
         if self._plants is not None:
             self._plants.show(picture)

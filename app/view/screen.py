@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import viser
 
+from ..lesson.course import Progress
 from ..lesson.figures import MapFigure, below, tabs
 from ..lesson.lesson import Board
 from ..tab.commands import Command, Edit, PickPoint, SetKnobs, Watched
@@ -19,6 +20,7 @@ from .boards import BoardView
 from .browser import Browser
 from .charts import Chart
 from .columns import Columns
+from .course import Course
 from .help import Help
 from .manners import teach
 from .mapboard import MapBoard
@@ -54,6 +56,7 @@ class Screen(Browser):
         self._columns = Columns()
         self._help = Help(client)
         self._take: Take | None = None
+        self._course: Course | None = None
 
     def attach(self, post: Post) -> None:
         """Where edits go."""
@@ -77,6 +80,7 @@ class Screen(Browser):
             self._transport = Transport(gui, picture, self._post, sizes.run)
             self._mark = Mark(gui, self._post)
             self._take = Take(self._client, picture, self._post, self._home)
+            self._course = Course(self._client, self._post)
             gui.main_panel.dock_left()
             self._columns.add(gui.main_panel, sizes.left)
             self._columns.watch(self._client)
@@ -181,6 +185,12 @@ class Screen(Browser):
     def open_help(self) -> None:
         """The list of keys; the same key closes it."""
         self._help.toggle(self._picture.state.language if self._picture is not None else "en")
+
+    def open_course(self, progress: Mapping[str, Progress]) -> None:
+        """The page of all lessons; the same key closes it."""
+        if self._course is not None and self._picture is not None:
+            self._course.toggle(self._picture, progress)
+            self._client.flush()
 
     def look(self, camera: tuple[float, ...] | None) -> None:
         """Look from a position at a target, from where everything is seen for None."""

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -20,4 +21,5 @@ LESSON = Lesson(
     "arm", 20, KNOBS, compute, figures, answer=1, answering="load", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), introduction and applications: the arm whose joint speeds are not measured; data sheets of maxon RE 40, "
            "order number 148867, gear GP 42 C, 203116, encoder HEDL 5540, 110514",
+    place=PLACES["arm"],
     words=read_prose(Path(__file__).parent), aside=("target", "counts"), derived=derived, code=code, job=JOB)

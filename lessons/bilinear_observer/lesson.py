@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -18,5 +19,6 @@ from .tasks import TASKS
 LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answering="error", tasks=TASKS, exams=EXAMS,
                 source="Synthesis of functional observers for bilinear plants (004), Avtometriya 53 (2017) no. 4, "
                        "equations (1)–(24) and the worked example",
-                words=read_prose(Path(__file__).parent), aside=("amplitude", "omega", "seed", "tau", "chi0", "line"), code=code,
+                place=PLACES["bilinear-observer"],
+    words=read_prose(Path(__file__).parent), aside=("amplitude", "omega", "seed", "tau", "chi0", "line"), code=code,
     derived=derived)

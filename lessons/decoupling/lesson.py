@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -17,5 +18,6 @@ from .tasks import TASKS
 
 LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="spectrum-rotation", tasks=TASKS, exams=EXAMS,
                 source="Platform report (003), chapter 2: equations (2)–(38), figures 3–6; section 5.3.3",
-                words=read_prose(Path(__file__).parent), aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
+                place=PLACES["decoupling"],
+    words=read_prose(Path(__file__).parent), aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
     derived=derived, code=code)

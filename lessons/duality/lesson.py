@@ -8,6 +8,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .derive import derived
 from .exams import EXAMS
 from .figures import all_figures
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson(
     "duality", 5, KNOBS, partial(compute, BLOCK), partial(all_figures, BLOCK), answer=2, answering="gains", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), duality section: L = K_dᵀ; observer notes (001), spring-damper example",
+    place=PLACES["duality"],
     words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted,
     derived=derived)

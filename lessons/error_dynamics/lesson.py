@@ -8,6 +8,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .derive import derived
 from .exams import EXAMS
 from .figures import figures
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson(
     "error-dynamics", 2, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=1, answering="error", tasks=TASKS, exams=EXAMS,
     source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
+    place=PLACES["error-dynamics"],
     words=read_prose(Path(__file__).parent), aside=("amplitude", "frequency", "seed", "line"), adapt=adapted,
     derived=partial(derived, BLOCK))

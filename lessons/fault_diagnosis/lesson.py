@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson(
     "fault-diagnosis", 17, KNOBS, compute, figures, answer=0, answering="isolation", tasks=TASKS, exams=EXAMS,
     source="Chen and Patton, Robust Model-Based Fault Diagnosis for Dynamic Systems (1999), chapter 3; platform report (003), section 3.1",
+    place=PLACES["fault-diagnosis"],
     words=read_prose(Path(__file__).parent), aside=("force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived)

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .derive import derived
 from .exams import EXAMS
 from .figures import all_figures
@@ -17,5 +18,6 @@ from .tasks import TASKS
 
 LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answering="error_parts", tasks=TASKS, exams=EXAMS,
                 source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
-                words=read_prose(Path(__file__).parent), adapt=adapted,
+                place=PLACES["hidden-modes"],
+    words=read_prose(Path(__file__).parent), adapt=adapted,
     derived=derived)

@@ -9,6 +9,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 from app.plants.model import Model
 
+from ..course import PLACES
 from .code import code, own_code
 from .derive import derived
 from .exams import EXAMS
@@ -28,5 +29,6 @@ def _adapted(lesson: Lesson, model: Model) -> Lesson:
 LESSON = Lesson(
     "kalman", 9, KNOBS, compute, all_figures, answer=2, answering="nees", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
+    place=PLACES["kalman"],
     words=read_prose(Path(__file__).parent), aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
     derived=derived)

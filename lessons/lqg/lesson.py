@@ -9,6 +9,7 @@ from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 from app.plants.model import Model
 
+from ..course import PLACES
 from .cases import Case, case_of, doyle_case, report_case
 from .code import code
 from .derive import derived
@@ -26,7 +27,8 @@ def build(cases: tuple[Case, ...]) -> Lesson:
         "lqg", 10, knobs_for(cases), lambda design: compute_for(cases, design), all_figures, answer=3, answering="margins",
         tasks=TASKS, exams=EXAMS,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
-        words=read_prose(Path(__file__).parent), aside=("cut", "filter", "rule"),
+        place=PLACES["lqg"],
+    words=read_prose(Path(__file__).parent), aside=("cut", "filter", "rule"),
         job=JOB, code=code)
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -20,5 +21,6 @@ LESSON = Lesson(
     "network", 18, KNOBS, compute, figures, answer=3, answering="means", tasks=TASKS, exams=EXAMS,
     source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004; "
            "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
+    place=PLACES["network"],
     words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB, code=code,
     derived=derived)

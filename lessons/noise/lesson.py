@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .derive import derived
 from .exams import EXAMS
 from .figures import all_figures
@@ -19,6 +20,7 @@ from .tasks import TASKS
 LESSON = Lesson(
     "noise", 8, KNOBS, compute, all_figures, answer=0, answering="valley", tasks=TASKS, exams=EXAMS,
     source="Observer notes (001) on fast poles; platform report (003), section 4.1, equations (43)–(50)",
+    place=PLACES["noise"],
     words=read_prose(Path(__file__).parent),
     job=JOB, adapt=adapted,
     derived=derived)

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -20,5 +21,6 @@ LESSON = Lesson(
     "nonlinear", 14, KNOBS, compute, figures, answer=3, answering="errors", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4, Algorithms 1–3, and appendix B; Athans, Wishner and Bertolini (1968); Julier, Uhlmann and "
            "Durrant-Whyte (2000)",
+    place=PLACES["nonlinear"],
     words=read_prose(Path(__file__).parent), aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
     derived=derived)

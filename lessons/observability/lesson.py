@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson(
     "observability", 3, KNOBS, compute, figures, answer=3, answering="modes", tasks=TASKS, exams=EXAMS, kick=False,
     source="Observer notes (001), section 2: observability matrix, rank criterion; PBH test; Gramian",
+    place=PLACES["observability"],
     words=read_prose(Path(__file__).parent), aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
     derived=derived)

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -19,6 +20,7 @@ from .tasks import TASKS
 
 LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, answering="criterion", tasks=TASKS, exams=EXAMS,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
-                words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "beta", "gamma", "remark", "line", "columns"), kick=False,
+                place=PLACES["robust-observer"],
+    words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "beta", "gamma", "remark", "line", "columns"), kick=False,
                 job=JOB, adapt=adapted, code=code,
     derived=derived)

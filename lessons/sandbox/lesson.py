@@ -12,6 +12,7 @@ from app.plants import Model
 from app.plants.examples import example
 from app.plants.own import own_model, plant_of
 
+from ..course import PLACES
 from ..toolkit.tasks import fair
 from .derive import derived
 from .exams import EXAMS
@@ -32,7 +33,8 @@ def build(model: Model) -> Lesson:
     return Lesson(
         "sandbox", 19, knobs(model), partial(compute, model), partial(figures, model), answer=1, answering="lights",
         tasks=TASKS, exams=EXAMS, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
-        words=read_prose(Path(__file__).parent), aside=("sensor", "belief", "tolerance"), job=job_on(model),
+        place=PLACES["sandbox"],
+    words=read_prose(Path(__file__).parent), aside=("sensor", "belief", "tolerance"), job=job_on(model),
         adapt=adapted, universal=True, derived=partial(derived))
 
 

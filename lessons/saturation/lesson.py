@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .derive import derived
 from .exams import EXAMS
 from .figures import figures
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson(
     "saturation", 7, KNOBS, compute, figures, answer=3, answering="error", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), section on the limits of the separation principle",
+    place=PLACES["saturation"],
     words=read_prose(Path(__file__).parent), job=JOB, pick=pick, adapt=adapted,
     derived=derived)

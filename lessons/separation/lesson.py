@@ -8,6 +8,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .derive import derived
 from .exams import EXAMS
 from .figures import figures
@@ -19,4 +20,5 @@ from .tasks import TASKS
 LESSON = Lesson(
     "separation", 4, KNOBS, partial(compute, DECK), partial(figures, DECK), answer=1, answering="spectrum", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), separation section, equations of the augmented loop",
+    place=PLACES["separation"],
     words=read_prose(Path(__file__).parent), adapt=adapted, derived=partial(derived, DECK))

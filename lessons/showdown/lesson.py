@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -19,6 +20,7 @@ from .tasks import TASKS
 LESSON = Lesson(
     "showdown", 13, KNOBS, compute, figures, answer=0, answering="suppression", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
+    place=PLACES["showdown"],
     words=read_prose(Path(__file__).parent), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,
     derived=derived, code=code)

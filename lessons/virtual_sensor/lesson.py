@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .derive import derived
 from .exams import EXAMS
 from .figures import figures
@@ -18,5 +19,6 @@ from .tasks import TASKS
 LESSON = Lesson(
     "virtual-sensor", 1, KNOBS, compute, figures, answer=0, answering="error", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), sections on the virtual sensor and on the error's own life",
+    place=PLACES["virtual-sensor"],
     words=read_prose(Path(__file__).parent), aside=("power",), adapt=adapted,
     derived=derived)

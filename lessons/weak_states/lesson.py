@@ -7,6 +7,7 @@ from pathlib import Path
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
+from ..course import PLACES
 from .code import code
 from .derive import derived
 from .exams import EXAMS
@@ -17,5 +18,6 @@ from .tasks import TASKS
 
 LESSON = Lesson("weak-states", 12, KNOBS, compute, figures, answer=1, answering="shapes", tasks=TASKS, exams=EXAMS, kick=False,
                 source="Platform report (003), chapter 3: rank, Hankel values (39), truncation, section 3.3",
-                words=read_prose(Path(__file__).parent), aside=("ground", "measure", "h", "a", "mu", "kp", "v0", "pressed"), code=code,
+                place=PLACES["weak-states"],
+    words=read_prose(Path(__file__).parent), aside=("ground", "measure", "h", "a", "mu", "kp", "v0", "pressed"), code=code,
     derived=derived)

@@ -192,3 +192,15 @@ def test_the_keys_of_a_slider_and_of_a_command_leave_the_camera_alone(tab: Tab) 
     tab.page.keyboard.down("ArrowRight")
     eventually(lambda: tab.page.evaluate(where), lambda at: at != still, "with nothing in focus the arrows turn the view")
     tab.page.keyboard.up("ArrowRight")
+
+
+def test_another_lesson_is_opened_from_its_card(tab: Tab) -> None:
+    tab.key("o")
+    cards = tab.page.locator(".ol-cards .ol-do:visible")
+    eventually(cards.count, lambda count: count == len(LESSONS), "a card for each lesson")
+    walk_to(tab, "id => document.activeElement?.dataset?.value === id", "noise")
+    tab.page.keyboard.press("Enter")
+    eventually(tab.question, lambda words: words == LESSONS["noise"].words["en"].question, "the lesson of that card")
+    eventually(tab.page.locator(".ol-cards").count, lambda count: count == 0, "the page of lessons closes")
+    onward = tab.page.locator(".ol-onward .ol-do").all_inner_texts()
+    assert [words.split(" · ")[1] for words in onward] == [LESSONS[id].words["en"].title for id in ("kalman",)]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.engine import EngineError
+from app.lesson.course import Progress
 from app.lesson.exam import Exam, ExamItem, Lot, decimals
 from app.lesson.figures import Curve as Line
 from app.lesson.figures import LineFigure
@@ -108,6 +109,9 @@ class FakeView:
 
     def open_help(self) -> None:
         self.calls.append(("help", None))
+
+    def open_course(self, progress: Mapping[str, Progress]) -> None:
+        self.calls.append(("course", progress))
 
     def answer(self, question: float) -> None:
         self.calls.append(("answer", question))

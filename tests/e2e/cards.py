@@ -1,0 +1,72 @@
+"""The pictures on the page of all lessons: each lesson's stage where plant and ghost stand apart, as lessons/<id>/card.webp.
+
+    python tests/e2e/cards.py [--lesson separation]
+"""
+
+# ruff: noqa: E402 — the folders of the app and of the browser tests must be found first
+
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
+
+from conftest import chromium, serving  # type: ignore[import-not-found]
+from PIL import Image
+from playwright.sync_api import sync_playwright
+from tab import FLAGS, Tab  # type: ignore[import-not-found]
+
+from app.lesson.living import living
+from lessons import LESSONS
+
+WINDOW = (1366, 768)
+SIZE = (300, 225)  # px of a card's picture
+TOP = 104  # px above what it shows
+QUALITY = 62
+BETWEEN = """() => {  // where the stage lies bare: right of the left column, left of the figures
+  const boxes = [...document.querySelectorAll('.mantine-Paper-root')].map(paper => paper.getBoundingClientRect());
+  return [Math.max(0, ...boxes.filter(box => box.left < 300).map(box => box.right)),
+          Math.min(innerWidth, ...boxes.filter(box => box.left > 800).map(box => box.left))];
+}"""
+
+
+def take(tab: Tab, name: str) -> Image.Image:
+    """The stage of a lesson at the moment in which the error is largest."""
+    lesson = LESSONS[name]
+    tab.choose_lesson(lesson.words["en"].title, lesson.words["en"].question)
+    tab.predict("skip")
+    stage = lesson.compute(lesson.start()).stage
+    if stage is not None:
+        part = living(stage, 0.0)
+        tab.type_number("time t [s]", f"{max(part.peak, part.begin + 0.03 * (part.end - part.begin)):.3g}")
+    tab.page.evaluate("document.activeElement.blur()")
+    tab.key("2")
+    tab.drawn()
+    picture = Image.open(io.BytesIO(tab.page.screenshot()))
+    left, right = tab.page.evaluate(BETWEEN)
+    bottom = TOP + (right - left) * SIZE[1] / SIZE[0]
+    return picture.crop((int(left), TOP, int(right), int(bottom))).resize(SIZE, Image.Resampling.LANCZOS).convert("RGB")
+
+
+def main() -> None:
+    """Take them all."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--lesson", choices=list(LESSONS), action="append")
+    options = parser.parse_args()
+    with serving() as address, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
+        for name in options.lesson or LESSONS:
+            context = browser.new_context(viewport={"width": WINDOW[0], "height": WINDOW[1]}, reduced_motion="reduce")
+            path = LESSONS[name].place.picture
+            assert path is not None
+            take(Tab(context.new_page(), address), name).save(path, quality=QUALITY, method=6)
+            print(f"{path.name} of {name}: {path.stat().st_size} bytes", flush=True)
+            context.close()
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()
