@@ -83,7 +83,7 @@ def _bargain(outcome: Outcome[Study]) -> Verdict:
 
 OFFSET = Typed("(4*d^2/V)^(1/3)", ("d", "V"), slips=(
     ("(2*d^2/V)^(1/3)", text("The derivative of d²/L² is −2 d²/L³.")),
-    ("(2*d/V)^(1/3)", text("The offset counts by its square."))))
+    ("sqrt(2*d/V)", text("The offset counts by its square."))))
 BOTH_IN_ONE_PLACE = Typed("(3*W/(5*V))^(1/4)", ("W", "V"), slips=(
     ("(W/V)^(1/4)", text("There the Kalman filter has its poles, 45° off the axis; two poles in one place balance otherwise.")),
     ("(W/(5*V))^(1/4)", text("The derivative of p⁻³ is −3 p⁻⁴."))))

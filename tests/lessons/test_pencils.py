@@ -270,6 +270,13 @@ def test_every_expression_has_a_computation_beside_it() -> None:
     assert set(PENCILS) == set(COMPUTED) | COUNTED
 
 
+@each("place", sorted(PENCILS))
+def test_every_slip_is_refuted_by_its_own_sentence(place: tuple[str, str]) -> None:
+    typed: Any = PENCILS[place].typed
+    for slip, why in typed.slips:
+        assert typed.judge(None, slip) == (False, why), slip
+
+
 @each("place", sorted(COMPUTED))
 def test_the_right_answer_is_what_a_computation_finds(place: tuple[str, str]) -> None:
     typed: Any = PENCILS[place].typed
