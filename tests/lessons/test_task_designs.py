@@ -173,7 +173,8 @@ def test_a_force_never_clipped_leaves_a_linear_loop_and_a_weak_one_a_ceiling() -
     _, x, u = loop("saturation", solution("saturation", "never-clipped"), cart, start, guess, 0.005, 8.0)
     assert np.abs(u).max() == pytest.approx(3.71, abs=5e-3) and np.abs(x[:, 0]).max() == pytest.approx(0.349, abs=1e-3)
     values, left = np.linalg.eig(cart.A.T)
-    rate, q = values.real.max(), left[:, values.real.argmax()].real
+    rates = np.real(values)
+    rate, q = float(rates.max()), np.real(left[:, rates.argmax()])
     assert degrees(abs(q @ cart.B[:, 0]) * 2.0 / (rate * abs(q[1]))) == pytest.approx(9.5, abs=5e-3)
     lesson = {"fed": "applied", "angle0": 8.0, "error0": 4.0}
     assert [outcome("saturation", {**lesson, "u_max": u}).metrics["comes_home"] for u in (3.5, 3.6)] == [0.0, 1.0]
