@@ -10,7 +10,7 @@ from ..text import Text
 @dataclass(frozen=True)
 class TakeFile:
     """A file of what is shown: a figure by its id, or all for "", as "png", "svg", "pdf", "csv" or "json"; everything as "zip"; a
-    "python", "notebook", "engine-notebook" or "matlab" script; the "sheet" for print."""
+    "python", "notebook", "engine-notebook" or "matlab" script; the "replay" as a page; the "sheet" for print."""
 
     kind: str
     figure: str = ""

@@ -230,6 +230,10 @@ class View(Protocol):
     def hand_over(self, name: str, content: bytes) -> None:
         """Give the person a file."""
 
+    def replay(self, picture: Picture, token: str, camera: tuple[float, ...] | None) -> bytes:
+        """The run of a picture as a page that plays by itself, seen from there; on any thread, it touches no screen. Raises FileError."""
+        ...
+
     def recall(self, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
         """Ask for what a `Recalled` holds; the answer may come late, or never."""
 

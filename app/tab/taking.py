@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
 from typing import assert_never
 
 from ..lesson.knobs import KnobError
@@ -10,13 +11,14 @@ from ..text import text, told
 from .errands import Errands
 from .orders import Made, TakeFile, Taking
 from .picture import Picture
+from .playing import locked
 from .presenter import NOT_DONE, Presenter
 from .token import write_token
 from .unexpected import kind_of
 
 log = logging.getLogger(__name__)
 
-SLOW = frozenset({"zip", "sheet"})
+SLOW = frozenset({"zip", "sheet", "replay"})
 COMING = text("The file is being made; it comes as a download.")
 TOO_MANY = text("Several files are being made already; wait until they are here.")
 
@@ -25,8 +27,11 @@ def obey(show: Presenter, errands: Errands, command: Taking) -> None:
     """Do what a command about files asks. Raises KnobError."""
     match command:
         case TakeFile(kind, figure):
-            picture, token = show.picture, write_token(show.lesson, show.saved())
-            if not errands.send(lambda: make(picture, token, kind, figure)):
+            if kind == "replay" and locked(show):
+                return
+            picture, saved, view = show.picture, show.saved(), show.view
+            token = write_token(show.lesson, saved)
+            if not errands.send(lambda: make(picture, token, kind, figure, lambda: view.replay(picture, token, saved.camera))):
                 raise KnobError(TOO_MANY)
             if kind in SLOW:
                 show.view.say(COMING, False)
@@ -38,7 +43,7 @@ def obey(show: Presenter, errands: Errands, command: Taking) -> None:
             assert_never(command)
 
 
-def make(picture: Picture, token: str, kind: str, figure: str) -> Made:
+def make(picture: Picture, token: str, kind: str, figure: str, replay: Callable[[], bytes]) -> Made:
     """The file, or in one sentence why there is none."""
     from ..export import files  # matplotlib is loaded only when a file is wanted
 
@@ -50,6 +55,8 @@ def make(picture: Picture, token: str, kind: str, figure: str) -> Made:
                 file = files.all_in_one(taken)
             case "sheet":
                 file = files.sheet_file(taken)
+            case "replay":
+                file = files.File(f"{picture.lesson.id}-replay.html", replay())
             case "python" | "notebook" | "matlab" | "engine-notebook":
                 file = files.script_file(taken, kind)
             case _:

@@ -8,6 +8,7 @@ from collections.abc import Callable
 import viser
 
 from ..tab.memory import MOST
+from ..tab.picture import Picture
 from ..tab.token import LONGEST_LINK
 from . import quirks
 
@@ -29,6 +30,12 @@ class Browser:
     def hand_over(self, name: str, content: bytes) -> None:
         """Give the person a file."""
         self._client.send_file_download(name, content, save_immediately=True)
+
+    def replay(self, picture: Picture, token: str, camera: tuple[float, ...] | None) -> bytes:
+        """The run of a picture as a page that plays by itself."""
+        from .replay import replay  # matplotlib is loaded only when a file is wanted
+
+        return replay(picture, token, camera).encode()
 
     def recall(self, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
         """Ask for what this tab kept through a reload, for what stands in the address bar, and for what the browser keeps."""

@@ -1,4 +1,4 @@
-"""The dialog "Take it with you": the link with its code for a hall's cameras, the state as a file, figures, scripts, a sheet."""
+"""The dialog "Take it with you": the link with its code for a hall's cameras, the state as a file, figures, scripts, a replay, a sheet."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Take:
             self._post(OpenState(event.target.value.content[:LONGEST + 1]))
 
     def _offer_files(self, parts: viser.GuiTabGroupHandle) -> None:
-        """Figures, scripts and the sheet, all of which hold the answer to the question."""
+        """Figures, scripts, the replay and the sheet, all of which hold the answer to the question."""
         lang = self._lang
         if self._picture.seen:
             with parts.add_tab(phrases.FIGURES(lang)):
@@ -93,6 +93,10 @@ class Take:
             self._note(phrases.PROVES)
             self._button_each({phrases.PYTHON: TakeFile("python"), phrases.NOTEBOOK: TakeFile("notebook"),
                                phrases.MATLAB: TakeFile("matlab"), phrases.ENGINE_NOTEBOOK: TakeFile("engine-notebook")})
+        if self._picture.horizon > 0:
+            with parts.add_tab(phrases.REPLAY(lang)):
+                self._note(phrases.REPLAY_HAS)
+                self._button_each({phrases.REPLAY_PAGE: TakeFile("replay")})
         with parts.add_tab(phrases.PAPER(lang)):
             self._note(phrases.SHEET_HAS)
             self._button_each({phrases.SHEET: TakeFile("sheet")})

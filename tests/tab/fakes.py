@@ -131,6 +131,9 @@ class FakeView:
     def hand_over(self, name: str, content: bytes) -> None:
         self.calls.append(("file", (name, content)))
 
+    def replay(self, picture: Picture, token: str, camera: tuple[float, ...] | None) -> bytes:
+        return f"{token} {camera}".encode()
+
     def recall(self, answer: Callable[..., object]) -> None:
         self.asked.append(answer)
         if self.answers:

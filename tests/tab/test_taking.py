@@ -9,8 +9,9 @@ import pytest
 from fakes import Tab
 
 from app.tab import errands, taking
-from app.tab.commands import Edit
+from app.tab.commands import Edit, Predict
 from app.tab.orders import Made, TakeFile
+from app.tab.playing import PREDICT_FIRST
 from app.tab.token import read_token
 
 
@@ -43,6 +44,24 @@ def test_a_file_is_of_the_moment_it_was_asked_in_and_the_hand_goes_on_meanwhile(
     (name, content), = tab.view.of("file")
     assert name == "toy-x.json" and read_token(json.loads(content)["token"], tab.lessons).design["gain"] == 2.0
     assert json.loads(content)["rows"][0][1] == 2.0
+
+
+def test_a_replay_is_of_the_moment_it_was_asked_in_and_of_no_run_before_its_prediction(monkeypatch: pytest.MonkeyPatch) -> None:
+    tab, waiting = slow_tab(monkeypatch)
+    tab.do(TakeFile("replay"))
+    assert tab.view.sentences() == [PREDICT_FIRST] and not waiting._waiting
+    tab.do(Predict(0))
+    tab.set(gain=2.0)
+    tab.view.looks = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
+    tab.do(TakeFile("replay"))
+    tab.view.looks = None
+    tab.set(gain=5.0)
+    waiting.all_done()
+    tab.session.step(0.0)
+    (name, content), = tab.view.of("file")
+    token, camera = content.decode().split(" ", 1)
+    saved = read_token(token, tab.lessons)
+    assert name == "toy-replay.html" and saved.design["gain"] == 2.0 and camera == str(saved.camera) == "(1.0, 2.0, 3.0, 4.0, 5.0, 6.0)"
 
 
 def test_what_cannot_be_made_is_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
