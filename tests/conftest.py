@@ -15,7 +15,7 @@ os.environ["OBSERVER_LAB_KERNELS"] = "off"  # no server of a test compiles anyth
 
 LONGEST = 200  # letters of a test's name
 
-pytest.register_assert_rewrite("lesson_checks", "pole_requests", "laws")
+pytest.register_assert_rewrite("all_replays", "lesson_checks", "pole_requests", "laws")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

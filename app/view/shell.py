@@ -36,6 +36,7 @@ def page_of_a_recording(recording: bytes, language: str, title: str, head: str, 
     """viser's page with a recording in it, which it plays without a server, and what of ours stands in its head and beside it."""
     embedded = page.call("embed", recording=base64.b64encode(recording).decode("ascii"), dark=dark)
     text = _their_page(title, f"{head}<script>{page.call('software')}</script><script>{embedded}</script>")
+    text = re.sub("<noscript>.*?</noscript>", "", text, count=1, flags=re.DOTALL)  # the figures are read without scripts
     text = text.replace('<html lang="en">', f'<html lang="{web_code(language)}">', 1)
     return text.replace("</body>", f"{body}</body>", 1)
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import AbstractContextManager
 
+from all_replays import state_in
 from playwright.sync_api import Browser, Locator
 from tab import Tab, eventually
+
+from app.tab.token import read_token
+from lessons import LESSONS
 
 STIFFNESS = {"en": "stiffness believed wrong by [%]", "zh": "模型刚度误差 [%]"}
 
@@ -87,6 +91,9 @@ def test_what_a_browser_keeps_is_there_in_a_new_tab_after_the_server_was_restart
         tab.page.locator(".mantine-Modal-content").get_by_role("tab").nth(1).click()
         assert f"state {link.rpartition('#')[2]}\n" in kept(tab, tab.page.get_by_text("CSV", exact=True)).decode("utf-8-sig")
         assert kept(tab, tab.page.locator(".ol-snapshot")).startswith(b"\x89PNG")
+        tab.page.locator(".mantine-Modal-content").get_by_role("tab").nth(3).click()
+        played = kept(tab, tab.page.get_by_role("button", name="The run as a page")).decode()
+        assert played.rstrip().endswith("</html>") and read_token(state_in(played), LESSONS).design["stiffness_error"] == 6
         tab.page.close()
     with serve(int(address.rpartition(":")[2])) as again:
         assert again == address

@@ -1,0 +1,34 @@
+"""A run as a page of its own: read as a browser reads it, refused in one sentence."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from all_replays import check
+from commands import refused
+
+from app.cli import inputs
+from lessons import LESSONS
+
+NETWORK = LESSONS["network"]
+
+
+@pytest.mark.slow
+def test_what_moves_on_the_page_stands_where_the_body_has_it() -> None:
+    """In one lesson; in every one: python tests/lessons/all_replays.py"""
+    check(LESSONS["saturation"], "zh")
+
+
+def test_what_cannot_be_played_or_written_is_one_sentence(capsys: pytest.CaptureFixture[str], tmp_path: Path,
+                                                          monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "does not end in .html" in refused(capsys, "replay", "network", "-o", "run.png")
+    assert "no lesson nothing" in refused(capsys, "replay", "nothing")
+    still = replace(NETWORK, compute=lambda design: replace(NETWORK.compute(design), stage=None))
+    with monkeypatch.context() as patched:
+        patched.setattr(inputs, "LESSONS", {"network": still})
+        assert "no run in time" in refused(capsys, "replay", "network", "-o", str(tmp_path / "run.html"))
+    monkeypatch.setattr("app.view.replay.replay", lambda *_: "<html>")
+    assert "cannot be written" in refused(capsys, "replay", "network", "-o", str(tmp_path / "nowhere" / "run.html"))
+    assert not list(tmp_path.iterdir())
