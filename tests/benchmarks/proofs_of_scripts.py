@@ -1,7 +1,7 @@
 """By hand: every lesson's exported code at its default and at random designs, each run in a process that knows nothing of us.
 
 `python tests/benchmarks/proofs_of_scripts.py [--designs N] [--plants] [--to matlab] [LESSON …]` prints a line
-a lesson and the sum. MATLAB's files run in Octave.
+a lesson and the sum. MATLAB's files run in Octave, a notebook cell by cell; that on the engine alone knows this house.
 """
 
 from __future__ import annotations
@@ -17,20 +17,29 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from app.engine import EngineError
-from app.export.matlab import matlab_script
-from app.export.script import ScriptError, python_script
+from app.export.files import SCRIPTS
+from app.export.script import ScriptError
 from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
 from app.lesson.lesson import Design, Lesson
 from app.plants.examples import EXAMPLES, example
 from lessons import LESSONS
 
+HOUSE = Path(__file__).resolve().parents[2]
 RUNNER = """
-import runpy, sys, traceback, warnings
+import json, runpy, sys, traceback, warnings
 warnings.simplefilter('ignore')
 from matplotlib import pyplot as plt
 for name in sys.argv[1:]:
     try:
-        runpy.run_path(name)
+        if name.endswith('.ipynb'):
+            with open(name, encoding='utf-8') as file:
+                cells = json.load(file)['cells']
+            space = {}
+            for cell in cells:
+                if cell['cell_type'] == 'code':
+                    exec(compile(cell['source'], name, 'exec'), space)
+        else:
+            runpy.run_path(name)
         print('RIGHT', name)
     except BaseException as problem:
         last = traceback.extract_tb(problem.__traceback__)[-1]
@@ -79,24 +88,29 @@ end
 """
 
 
-def scripts(lesson: Lesson, count: int, language: str) -> Iterator[tuple[Design, str]]:
+def scripts(lesson: Lesson, count: int, language: str, spoken: str = "en") -> Iterator[tuple[Design, str]]:
     """Every design that can be computed, with its script."""
     for design in designs(lesson, count):
         try:
             outcome = lesson.compute(design)
         except (EngineError, KnobError):
             continue
-        yield design, (python_script if language == "python" else matlab_script)(lesson, outcome, "1.x")
+        try:
+            yield design, SCRIPTS[language][0](lesson, outcome, "1.x", spoken)
+        except ScriptError as problem:
+            print(f"    {problem}")
 
 
 def judged(texts: list[str], folder: Path, language: str) -> list[str]:
     """What a clean process says of each script."""
-    suffix = ".py" if language == "python" else ".m"
-    names = [f"script_{k}{suffix}" for k in range(len(texts))]
+    names = [f"script_{k}.{SCRIPTS[language][1].split('.')[-1]}" for k in range(len(texts))]
     for name, text in zip(names, texts, strict=True):
         (folder / name).write_text(text, encoding="utf-8")
     env = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"} | {"MPLBACKEND": "agg"}
-    command = ([sys.executable, "-I", "-c", RUNNER, *names] if language == "python" else
+    alone = "-I"
+    if language == "engine-notebook":
+        alone, env["PYTHONPATH"] = "-P", str(HOUSE)
+    command = ([sys.executable, alone, "-c", RUNNER, *names] if language != "matlab" else
                ["octave-cli", "--quiet", "--no-init-file", "--eval", OCTAVE.replace("{last}", str(len(names) - 1))])
     done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True)
     said = [line for line in done.stdout.splitlines() if line.startswith(("RIGHT", "WRONG"))]
@@ -120,16 +134,15 @@ def main() -> int:
     parser.add_argument("lessons", nargs="*")
     parser.add_argument("--designs", type=int, default=3)
     parser.add_argument("--plants", action="store_true", help="the example plants too")
-    parser.add_argument("--to", default="python", choices=("python", "matlab"))
+    parser.add_argument("--to", default="python", choices=tuple(SCRIPTS))
+    parser.add_argument("--lang", default="en", help="of the comments")
     parser.add_argument("--keep", help="a folder for the scripts")
     options = parser.parse_args()
     right = wrong = 0
     for name, lesson in lessons(options.lessons, options.plants):
         started = time.perf_counter()
-        try:
-            all_of = list(scripts(lesson, options.designs, options.to))
-        except ScriptError as problem:
-            print(f"{name:24} {problem}")
+        all_of = list(scripts(lesson, options.designs, options.to, options.lang))
+        if not all_of:
             continue
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(options.keep or scratch)
