@@ -23,6 +23,13 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
     assert seen.cut == ()
     if large:
         assert seen.one_over <= 50.0, f"{seen.smallest}: {seen.words} px"
+        for key in "oeh":  # the dialogs: all lessons, take it with you, the keys
+            tab.key(key)
+            tab.page.wait_for_selector(".mantine-Modal-content")
+            seen = look(tab)
+            assert seen.one_over <= 50.0, f"{key}: {seen.smallest}: {seen.words} px"
+            tab.key(key)
+            tab.page.wait_for_selector(".mantine-Modal-content", state="detached")
     if size[0] < 576:
         assert seen.screens <= 2.0, "a part of the lesson takes more than one screen of scrolling"
     if large:
