@@ -52,7 +52,7 @@ MAP = MapFigure("map", text("starts"), np.linspace(-1, 1, 12), np.linspace(0, 3,
                 np.where(np.arange(9)[:, None] == 8, -1, np.arange(12) // 6),
                 ((text("recovers"), "force"), (text("lost"), "estimate")), "x", "e", (0.3, 1.0))
 TABLE = TableFigure("table", text("poles"), (text("true"), text("estimate")),
-                    (("−1", "−1.0"), (text("unstable"), "$3")))
+                    (("−1", "−1.0"), (text("unstable"), "$3"), ("✓", "✗")))
 KINDS: tuple[Figure, ...] = (TIME, LOG, FREQUENCY, PLANE, MATRIX, MAP, TABLE)
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}
 
@@ -160,7 +160,7 @@ def test_a_maps_cells_have_their_categorys_colour_and_unknown_ones_are_white() -
 
 def test_a_table_writes_every_cell_in_the_language_asked_for() -> None:
     cells = [text.get_text() for text in draw_page([TABLE], "zh").axes[0].texts]
-    assert cells == ["真实", "估计", "−1", "−1.0", "不稳定", r"\$3"]
+    assert cells == ["真实", "估计", "−1", "−1.0", "不稳定", r"\$3", "✓", "✗"]
 
 
 def test_a_direct_label_stands_nearest_to_its_own_curve() -> None:
@@ -262,7 +262,7 @@ def test_csv_read_back_is_the_record_to_the_last_bit(tmp_path: Path) -> None:
     cells = [(r["series"], float(r["x"]), float(r["y"]), float(r["value"])) for r in rows if r["figure"] == "map"]
     assert [c[3] for c in cells] == MAP.values.ravel().tolist()
     assert {(c[0], c[3]) for c in cells} == {("recovers", 0.0), ("lost", 1.0), ("", -1.0)}
-    assert [r["value"] for r in rows if r["figure"] == "table"] == ["−1", "−1.0", "unstable", "$3"]
+    assert [r["value"] for r in rows if r["figure"] == "table"] == ["−1", "−1.0", "unstable", "$3", "✓", "✗"]
 
 
 def test_csv_keeps_what_is_not_finite_readable() -> None:

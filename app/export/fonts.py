@@ -13,7 +13,7 @@ from matplotlib import font_manager
 
 __all__ = ["MissingFontWarning", "chinese_font", "families"]
 
-SERIF = ("STIXGeneral", "DejaVu Serif")  # both come with matplotlib; the second holds what the first lacks
+SERIF = ("STIXGeneral", "DejaVu Serif", "DejaVu Sans")  # all come with matplotlib; each holds what those before it lack
 SAMPLE = "".join(map(chr, (0x89C2, 0x6D4B, 0x5668, 0x8BEF, 0x5DEE, 0x6781, 0x70B9, 0x56FE)))  # observer, error, pole plot
 PREFERRED = (
     "Noto Serif CJK SC", "Noto Serif SC", "Source Han Serif SC", "Source Han Serif CN", "Songti SC", "STSong", "SimSun",
@@ -39,7 +39,7 @@ def families(language: str) -> list[str]:
     if chinese is None:
         warnings.warn(INSTALL, MissingFontWarning, stacklevel=2)
         return list(SERIF)
-    return [SERIF[0], chinese, SERIF[1]]
+    return [SERIF[0], chinese, *SERIF[1:]]
 
 
 @lru_cache(maxsize=1)
