@@ -194,6 +194,13 @@ class View(Protocol):
     def pose(self, t: float) -> None:
         """Move the stage and the cursors to time t of the last picture."""
 
+    def play(self, t: float, end: float, rate: float, every: float) -> float:
+        """Show the last picture in motion from t to `end`, `rate` seconds of the run in one; a pose `every` so many seconds.
+
+        The seconds for which the view goes on by itself: `every` where it has shown one pose.
+        """
+        ...
+
     def progress(self, fraction: float | None, label: Text | None) -> None:
         """Show how far a long job is; None when there is none."""
 

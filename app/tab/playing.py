@@ -15,6 +15,7 @@ from .presenter import Presenter
 FRAME = 1 / 30  # s between poses while playing
 HAND_ROUNDS = 2  # of the loop after the last move of a hand: what is left of this one, and a whole one
 OPENING_ROUNDS = 3  # that an opened lesson shows by itself
+LEAD = 0.3  # s before a view that goes on by itself has come to its end
 STALL = 0.25  # s of real time that one pose may cover at most: a stalled worker does not leap over the run
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
 PREDICT_FIRST = text("Choose a prediction first; then the run unlocks.")
@@ -48,19 +49,40 @@ def locked(show: Presenter) -> bool:
 
 
 def wait_for_frame(show: Presenter, now: float) -> float | None:
-    """Seconds until the next pose is due, None while nothing moves."""
-    return max(0.0, show.last_tick + FRAME - now) if show.state.moving else None
+    """Seconds until the next pose is due, None while nothing moves. A view that goes on by itself is looked after in time."""
+    if not show.state.moving:
+        return None
+    alone = show.alone if show.alone >= _left(show) - 1e-9 else show.alone - LEAD
+    return max(0.0, show.last_tick + max(alone, FRAME) - now)
+
+
+def catch_up(show: Presenter, now: float) -> None:
+    """What follows begins where the run is by now, not where its view was last looked after."""
+    if show.state.moving and show.alone > 0:
+        passed, end = min(now - show.last_tick, show.alone), _end(show)
+        show.state = replace(show.state, t=min(show.state.t + passed * show.picture.rate, max(end, show.state.t)))
+        show.last_tick, show.alone = now, 0.0
+
+
+def _end(show: Presenter) -> float:
+    loop = show.state.loop
+    return show.picture.end if loop is None else min(loop.part.end, show.picture.horizon)
+
+
+def _left(show: Presenter) -> float:
+    """Seconds of playing until the end of the run, or of this round of its loop."""
+    return (_end(show) - show.state.t) / show.picture.rate
 
 
 def tick(show: Presenter, now: float) -> None:
-    """The pose that is due at `now`; the end of the run, or of its loop, reveals the answer to the prediction."""
-    if not show.state.moving or now - show.last_tick < FRAME * 0.9:
+    """What is due of the run at `now`; its end, or that of its loop, reveals the answer to the prediction."""
+    wait = wait_for_frame(show, now)
+    if wait is None or wait > FRAME * 0.1:
         return
-    picture, loop = show.picture, show.state.loop
-    t = show.state.t + min(now - show.last_tick, STALL) * picture.rate
-    end = picture.end if loop is None else min(loop.part.end, picture.horizon)
-    show.last_tick = now
-    if t < end:
+    loop, end = show.state.loop, _end(show)
+    t = show.state.t + min(now - show.last_tick, max(STALL, show.alone)) * show.picture.rate
+    show.last_tick, show.alone = now, 0.0
+    if t < end - 1e-9:
         show.state = replace(show.state, t=t)
     elif loop is not None and loop.rounds > 1:
         part = _part(show)
@@ -71,7 +93,8 @@ def tick(show: Presenter, now: float) -> None:
         show.view.pose(t)
         show.change(replace(show.state, revealed=show.state.revealed or show.state.predicted is not None))
         return
-    show.view.pose(show.state.t)
+    covered = show.view.play(show.state.t, _end(show), show.picture.rate, FRAME)
+    show.alone = covered if covered > FRAME else 0.0
 
 
 def under_the_hand(show: Presenter) -> None:

@@ -41,6 +41,7 @@ class Presenter:
         self.resting = True
         self.answered = 0  # the number of the edit that is being worked on, or was last
         self.last_edit = self.last_tick = clock()
+        self.alone = 0.0  # s from the last tick on in which the view goes on with the run by itself
         self.desks = Desks(self.lessons)
         self.touched = False  # whether the person has done anything yet
         self.recalled = False  # whether it is known what the browser's tab kept
@@ -209,7 +210,7 @@ class Presenter:
         """Show another state of the tab. A run that begins or jumps goes on from now, not from its last pose."""
         before, self.state = self.state, state
         if state.moving and (not before.moving or state.t != before.t):
-            self.last_tick = self.clock()
+            self.last_tick, self.alone = self.clock(), 0.0
         self.desk.keep(state)
         self.redraw()
         if state.revealed and not before.revealed:

@@ -94,6 +94,8 @@ class Session:
             self._work(taken)
 
     def _work(self, taken: list[tuple[int, Edit]]) -> None:
+        if taken or not self._show.resting or self._show.job.running:
+            playing.catch_up(self._show, self._show.clock())
         for number, edits in grouped(taken):
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return

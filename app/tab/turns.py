@@ -13,13 +13,14 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 LEASE = 0.1  # s of a turn: whoever works longer than that goes on, and the next one begins beside it
-HANDS = 4  # turns of hands after which one goes to those who wait for nothing that was asked
+ROOM = 0.005  # s after each turn of a hand for those who wait for nothing that was asked: many small turns, or a longer one
 
 
 class Ticket:
     """A place in the queue; its lock is let go when the turn has come."""
 
-    def __init__(self) -> None:
+    def __init__(self, hand: bool) -> None:
+        self.hand = hand
         self.called = threading.Lock()
         self.called.acquire()
 
@@ -32,12 +33,12 @@ class Turns:
         self._lock = threading.Lock()
         self._hands, self._others = deque[Ticket](), deque[Ticket]()
         self._holder: Ticket | None = None
-        self._since, self._in_a_row = 0.0, 0
+        self._since, self._used = 0.0, ROOM  # since when the turn is held; what others have used since the last hand's
 
     @contextmanager
     def turn(self, hand: bool) -> Iterator[None]:
         """Wait until it is one's turn; it ends with the block, or with its lease if somebody waits then."""
-        ticket = Ticket()
+        ticket = Ticket(hand)
         with self._lock:
             (self._hands if hand else self._others).append(ticket)
             self._call()
@@ -49,7 +50,7 @@ class Turns:
         finally:
             with self._lock:
                 if self._holder is ticket:
-                    self._holder = None
+                    self._end()
                     self._call()
 
     @property
@@ -59,13 +60,18 @@ class Turns:
 
     def _call(self) -> None:
         """Call the next one, if the turn is free or has lasted its time."""
-        if self._holder is not None and self._clock() - self._since < self._lease:
+        if self._holder is not None:
+            if self._clock() - self._since < self._lease:
+                return
+            self._end()
+        if not self._hands and not self._others:
             return
-        if self._hands and (self._in_a_row < HANDS or not self._others):
-            self._holder, self._in_a_row = self._hands.popleft(), self._in_a_row + 1
-        elif self._others:
-            self._holder, self._in_a_row = self._others.popleft(), 0
-        else:
-            return
-        self._since = self._clock()
+        hand = bool(self._hands) and (self._used >= ROOM or not self._others)
+        self._holder, self._since = (self._hands if hand else self._others).popleft(), self._clock()
         self._holder.called.release()
+
+    def _end(self) -> None:
+        """The turn is free; what it took is written down."""
+        if self._holder is not None:
+            self._used = 0.0 if self._holder.hand else self._used + self._clock() - self._since
+        self._holder = None

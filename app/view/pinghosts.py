@@ -11,6 +11,7 @@ from ..lesson.figures import COLOURS
 from ..lesson.living import sample_at
 from ..plants.body import Body
 from .letters import Letters
+from .moves import Frame
 from .solids import Solids
 
 OPACITY = 0.26
@@ -28,11 +29,11 @@ class PinGhosts:
         self._parts: list[Solids] = []
         self._names: list[viser.LabelHandle] = []
 
-    def show(self, ghosts: Sequence[Ghost], body: Body | None) -> None:
-        """The ghosts that are wanted now; others go."""
+    def show(self, ghosts: Sequence[Ghost], body: Body | None) -> bool:
+        """The ghosts that are wanted now; others go. Whether any came or went."""
         before, self._ghosts = self._ghosts, tuple(ghosts) if body is not None else ()
         if body is self._body and [(g.place, g.name) for g in before] == [(g.place, g.name) for g in self._ghosts]:
-            return
+            return False
         self.clear()
         self._body = body
         for ghost in self._ghosts:
@@ -42,19 +43,22 @@ class PinGhosts:
                     solids.add(part, COLOURS["muted"], OPACITY)
             self._parts.append(solids)
             self._names.append(self._letters.write(f"/pins/{ghost.place}/name", ghost.name, (0.0, 0.0, 0.0), "bottom-center"))
+        return True
 
-    def pose(self, t: float) -> None:
-        """Move every ghost to time t of its own run."""
+    def place_at(self, t: float) -> tuple[int, ...]:
+        """The sample of each ghost's own run at time t."""
+        return tuple(sample_at(ghost.t, t) for ghost in self._ghosts)
+
+    def place(self, samples: tuple[int, ...], frame: Frame) -> None:
+        """Write into a frame where every ghost is at these samples."""
         body = self._body
         if body is None:
             return
-        for ghost, solids, name in zip(self._ghosts, self._parts, self._names, strict=True):
-            state = ghost.states[sample_at(ghost.t, t)].tolist()
-            solids.place(body.pose(state, body.gain))
+        for ghost, solids, name, sample in zip(self._ghosts, self._parts, self._names, samples, strict=True):
+            state = ghost.states[sample].tolist()
+            solids.place(body.pose(state, body.gain), frame)
             x, y, z = next(iter(body.anchors(state, body.gain)), (0.0, 0.0, 0.0))
-            place = (x, y, z + LIFT + APART * ghost.place)
-            if name.position is None or tuple(name.position) != place:
-                name.position = place
+            frame[name.name, "position"] = (x, y, z + LIFT + APART * ghost.place)
 
     def clear(self) -> None:
         """Take all of them off the stage."""

@@ -7,24 +7,28 @@ import socket
 import threading
 from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import cache
 from types import MappingProxyType
-from typing import Any, cast
+from typing import Any, cast, get_type_hints
 from unittest import mock
 
 import viser
 import websockets.asyncio.server
-from viser import _messages, infra
+from viser import _assignable_props_api, _messages, infra
 
 from . import page, phrases
 from .gate import Gate, Refusal
 from .handshake import LARGEST, Page, guarded
 from .kept import kept
+from .moves import Frame, wire
 from .shell import NAME, SPOKEN, page_of_our_own, web_code
 
 SPARE = 10_000  # bytes of a message beside what it carries
 OPENING = threading.Lock()  # two servers opened at once would take each other's socket
 OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTriggerMessage", "SceneNodeDragMessage",
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
+HINTS = cache(get_type_hints)  # of a class, which viser finds out anew for each handle: a third of the price of a tab
+_assignable_props_api.AssignablePropsBase._prop_hints = property(lambda handle: HINTS(type(handle._impl.props)))  # type: ignore
 MOVES = MappingProxyType({"SetPositionMessage": "position", "SetOrientationMessage": "wxyz", "SetSceneNodeVisibilityMessage": "visible"})
 
 
@@ -157,6 +161,20 @@ def say_in(client: viser.ClientHandle, language: str) -> None:
 def run(client: viser.ClientHandle, name: str, **given: object) -> None:
     """Run a script of ours in one browser: only for what viser has no call for."""
     client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=page.call(name, **given)))
+
+
+def move(scene: viser.SceneApi, frame: Frame) -> None:
+    """Move nodes, by one message for each value; viser's own way compares every number a second time."""
+    for (name, kind), value in frame.items():
+        numbers = wire(kind, value)
+        scene._queue_scene_message(_messages.SetPositionMessage(name, numbers) if kind == "position" else
+                                   _messages.SetOrientationMessage(name, numbers) if kind == "wxyz" else
+                                   _messages.SceneNodeUpdateMessage(name, {kind: numbers}))
+
+
+def unsent(client: viser.ClientHandle) -> bool:
+    """Whether something still waits to be sent: a browser that is behind, or a server that is, is not given more to show."""
+    return bool(client._websock_connection.get_message_buffer().message_from_id)
 
 
 def flat_colour(client: viser.ClientHandle, name: str, colour: str) -> None:

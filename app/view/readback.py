@@ -45,6 +45,11 @@ class ReadBack:
         """Whether a picture is new enough to be shown here, and does not disturb the hand that it answers."""
         return picture.answered > self._number or (picture.resting and picture.answered == self._number)
 
+    def forget(self) -> None:
+        """The page has written there by itself: what is shown is not known."""
+        with self._lock:
+            self._shown = None
+
     def show(self, value: Any, picture: Picture) -> None:
         """Write the value that a picture accepts, if it differs from what stands here and if it may be written."""
         with self._lock:

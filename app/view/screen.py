@@ -26,6 +26,7 @@ from .manners import teach
 from .mapboard import MapBoard
 from .mark import Mark
 from .panel import Panel
+from .player import Player
 from .sizes import Sizes, listen_to_the_window
 from .stage import StageView, letters
 from .style import sheet
@@ -57,6 +58,7 @@ class Screen(Browser):
         self._help = Help(client)
         self._take: Take | None = None
         self._course: Course | None = None
+        self._player: Player | None = None
 
     def attach(self, post: Post) -> None:
         """Where edits go."""
@@ -67,6 +69,7 @@ class Screen(Browser):
         """Lay everything out anew for a lesson or a language."""
         gui, language, sizes = self._client.gui, picture.state.language, Sizes(picture.state)
         with self._client.atomic():
+            self._halt()
             gui.reset()
             self._client.scene.reset()
             self._boards, self._charts, self._map, self._help, self._columns = {}, {}, None, Help(self._client), Columns()
@@ -87,6 +90,7 @@ class Screen(Browser):
             self._commands(language)
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
+            self._player = Player(self._client, self._stage, self._transport)
             if not self._looked:
                 teach(self._client)
                 self._stage.look(picture.state.camera)
@@ -115,11 +119,14 @@ class Screen(Browser):
         self._client.flush()
         time.sleep(APART)
         with self._client.atomic():
+            self._halt()
             if anew:
                 self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
             for board in picture.boards:
-                self._board(board, picture).show(board, veiled=picture.state.predicted is None)
-            self._landscape(picture)
+                view = self._board(board, picture)
+                view.show(board, veiled=picture.state.predicted is None)
+                if board.landscape is not None:
+                    view.show_landscape(picture.state.landscape)
             self._show_map(picture)
             self._stage.haunt(picture.ghosts)
             self._stage.pose(picture.state.t)
@@ -136,11 +143,25 @@ class Screen(Browser):
                 self._mark.show(picture)
         self._client.flush()
 
+    def play(self, t: float, end: float, rate: float, every: float) -> float:
+        """Show the run from t on: by the page itself where it can and the knobs rest, else one pose, and none while one is unsent."""
+        if self._player is not None and self._player.plays and self._picture is not None and self._picture.resting:
+            return self._player.go_on(t, end, rate, every)
+        if not quirks.unsent(self._client):
+            self.pose(t)
+        return every
+
+    def _halt(self) -> None:
+        """Take over from a page that plays by itself."""
+        if self._player is not None:
+            self._player.stop()
+
     def pose(self, t: float) -> None:
         """Stage and cursors at time t."""
         if self._picture is None:
             return
         with self._client.atomic():
+            self._halt()
             self._stage.pose(t)
             if self._transport is not None:
                 self._transport.pose(t, self._picture.horizon)
@@ -274,10 +295,3 @@ class Screen(Browser):
                     self._map = MapBoard(self._client, picture.state.language, letters(self._client.camera, picture.state.lecture),
                                          lambda x, y: self._post(PickPoint(x, y)))
                 self._map.show(figure)
-
-    def _landscape(self, picture: Picture) -> None:
-        for board in picture.boards:
-            if board.landscape is not None:
-                self._boards[board.id].show_landscape(picture.state.landscape)
-
-

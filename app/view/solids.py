@@ -1,4 +1,4 @@
-"""Solid parts in the scene, and how they are moved: a message only for what changed."""
+"""Solid parts in the scene, and where they are."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import viser
 
 from ..plants.body import Ball, Box, Cylinder, Part, Pose, Shape, Spring
 from .meshes import helix
+from .moves import Frame
 
 
 def rgb(colour: str) -> tuple[int, int, int]:
@@ -22,7 +23,6 @@ class Solids:
     def __init__(self, scene: viser.SceneApi, root: str, size: float = 1.0, coloured: bool = True) -> None:
         self._scene, self._root, self._size, self._coloured = scene, root, size, coloured
         self._nodes: dict[str, viser.SceneNodeHandle] = {}
-        self._last: dict[str, Pose] = {}
 
     def __bool__(self) -> bool:
         return bool(self._nodes)
@@ -42,27 +42,21 @@ class Solids:
         vertices, faces = helix(shape.radius, shape.turns, shape.wire) if isinstance(shape, Spring) else _rod(shape.radius)
         return scene.add_mesh_simple(name, vertices, faces, **look)
 
-    def place(self, poses: Mapping[str, Pose]) -> None:
-        """Move every part to its pose."""
+    def place(self, poses: Mapping[str, Pose], frame: Frame) -> None:
+        """Write into a frame where every part is."""
         for name, handle in self._nodes.items():
-            pose, last = poses[name], self._last.get(name)
-            if pose == last:
-                continue
-            if last is None or pose.position != last.position:
-                handle.position = pose.position
-            if last is None or pose.wxyz != last.wxyz:
-                handle.wxyz = pose.wxyz
-            if last is None or pose.scale != last.scale:
-                handle.scale = tuple(self._size * s for s in pose.scale)  # type: ignore[attr-defined]
-            if pose.colour is not None and self._coloured and (last is None or pose.colour != last.colour):
-                handle.color = pose.colour  # type: ignore[attr-defined]
-            self._last[name] = pose
+            pose, node = poses[name], handle.name
+            frame[node, "position"] = pose.position
+            frame[node, "wxyz"] = pose.wxyz
+            frame[node, "scale"] = tuple(self._size * s for s in pose.scale)
+            if pose.colour is not None and self._coloured:
+                frame[node, "color"] = pose.colour
 
     def remove(self) -> None:
         """Take all parts out of the scene."""
         for node in self._nodes.values():
             node.remove()
-        self._nodes, self._last = {}, {}
+        self._nodes = {}
 
 
 def _rod(radius: float, sides: int = 16) -> tuple[np.ndarray, np.ndarray]:

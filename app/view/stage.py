@@ -15,8 +15,9 @@ from ..lesson.lesson import Stage
 from ..lesson.living import sample_at
 from ..plants.body import Body, Vector
 from ..text import wording
-from . import phrases
+from . import phrases, quirks
 from .letters import Letters
+from .moves import Frame, Value, changed, flat
 from .pinghosts import PinGhosts
 from .solids import Solids, rgb
 
@@ -28,6 +29,7 @@ FLOOR, DARK_FLOOR = (214, 220, 229), (58, 66, 78)
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD = 0.9  # stage units
 INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vanishes into the body
+Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
 CAMERAS = MappingProxyType({
@@ -68,14 +70,14 @@ class StageView:
         self._scene = client.scene
         self._body: Body | None = None
         self._solid, self._ghost = self._parts()
-        self._forces: viser.ArrowsHandle | None = None
-        self._errors: viser.LineSegmentsHandle | None = None
         self._clouds: list[viser.IcosphereHandle] = []
         self._names: list[viser.LabelHandle] = []
         self._letters = Letters(self._scene, 1.0)
         self._pins = PinGhosts(self._scene, self._letters)
         self._stage: Stage | None = None
-        self._posed: tuple[Stage, int] | None = None
+        self._frame: Frame = {}  # where everything was sent to last
+        self._posed: tuple[Place, Stage | None] | None = None
+        self.built: object = None  # another one whenever a place may mean another frame
         self._arrived = False  # whether the browser has said that it looks from where it was told to
         self._seen_from, self._aspect = CAMERAS["all"], 1.0
 
@@ -146,9 +148,9 @@ class StageView:
 
     def build(self, stage: Stage | None, language: str, em: float) -> None:
         """Put a plant on the stage, instead of the last one."""
-        self._posed = None
+        self.forget()
+        self.built = object()
         self._solid, self._ghost = self._parts()
-        self._forces = self._errors = None
         self._clouds, self._names = [], []
         self._stage, self._body = stage, stage.body if stage is not None else None
         self._letters = Letters(self._scene, em)
@@ -160,10 +162,10 @@ class StageView:
             self._solid.add(part, part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
                 self._ghost.add(part, GHOST_COLOUR, 0.42)
-        none = _segments([])
-        self._forces = self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
-                                              head_radius=0.09, head_length=0.16)
-        self._errors = self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.028)
+        none = np.array(_segments([]), np.float32).reshape(-1, 2, 3)
+        self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
+                               head_radius=0.09, head_length=0.16)
+        self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.028)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.16, cast_shadow=False,
                                       receive_shadow=False)
@@ -193,52 +195,60 @@ class StageView:
                 part.remove()
             self._pins.clear()
             self.build(stage, language, em)
-        self._stage = stage
+        self._stage, self.built = stage, object()
 
     def haunt(self, ghosts: Sequence[Ghost]) -> None:
         """The ghosts of pinned designs that are wanted beside the present one."""
-        self._pins.show(ghosts, self._body)
+        changed_pins = self._pins.show(ghosts, self._body)
+        if changed_pins:
+            self.forget()
+        if changed_pins or ghosts:  # the same pins may run otherwise
+            self.built = object()
+
+    def forget(self) -> None:
+        """Send the next pose whole: what the browser shows is not known."""
+        self._frame, self._posed = {}, None
 
     def pose(self, t: float) -> None:
         """Move every part to time t of the run."""
-        self._pins.pose(t)
-        stage, body = self._stage, self._body
-        if stage is None or body is None:
+        place = self.place_at(t)
+        if place is None or self._posed == (place, self._stage):
             return
-        index = sample_at(stage.t, t)
-        if self._posed is not None and self._posed[0] is stage and self._posed[1] == index:
-            return
-        self._posed = stage, index
+        before, self._frame, self._posed = self._frame, self.frame_at(place), (place, self._stage)
+        quirks.move(self._scene, changed(before, self._frame))
+
+    def place_at(self, t: float) -> Place | None:
+        """Which samples of the run and of the pins' runs are shown at time t, None on an empty stage."""
+        return None if self._stage is None or self._body is None else (sample_at(self._stage.t, t), self._pins.place_at(t))
+
+    def frame_at(self, place: Place | None) -> Frame:
+        """Where everything stands at these samples."""
+        stage, body, frame = self._stage, self._body, Frame()
+        if stage is None or body is None or place is None:
+            return frame
+        index, samples = place
         x = stage.x[index].tolist()
-        self._solid.place(body.pose(x, body.gain))
+        self._solid.place(body.pose(x, body.gain), frame)
         if stage.xhat is not None and self._ghost:
             xhat = stage.xhat[index].tolist()
-            self._ghost.place(body.pose(xhat, body.gain))
+            self._ghost.place(body.pose(xhat, body.gain), frame)
             believed = body.anchors(xhat, body.gain)
-            self._join(body.anchors(x, body.gain), believed)
+            pairs = zip(body.anchors(x, body.gain), believed, strict=True)
+            frame["/errors", "points"] = _segments([pair for pair in pairs if math.dist(*pair) > 0.3 * SHORTEST])
             if stage.spread is not None:
-                self._cloud(believed, float(stage.spread[index]))
-        if stage.u is not None and self._forces is not None:
+                self._cloud(believed, float(stage.spread[index]), frame)
+        if stage.u is not None:
             arrows = body.arrows(x, stage.u[index].tolist(), body.gain)
-            seen = [(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > SHORTEST]
-            self._draw(self._forces, _segments(seen))
+            frame["/forces", "points"] = _segments([(a.tail, a.head) for a in arrows if math.dist(a.tail, a.head) > SHORTEST])
+        self._pins.place(samples, frame)
+        return frame
 
-    def _cloud(self, believed: Sequence[Vector], radius: float) -> None:
+    def _cloud(self, believed: Sequence[Vector], radius: float, frame: Frame) -> None:
         """How unsure the estimate is: a translucent ball about each anchor, never larger than the stage can hold."""
         size = min(max(radius, 1e-3), LARGEST_CLOUD)
         for handle, place in zip(self._clouds, believed, strict=True):
-            handle.position = place
-            handle.scale = size
-
-    def _join(self, true: Sequence[tuple[float, float, float]], believed: Sequence[tuple[float, float, float]]) -> None:
-        if self._errors is not None:
-            pairs = zip(true, believed, strict=True)
-            self._draw(self._errors, _segments([pair for pair in pairs if math.dist(*pair) > 0.3 * SHORTEST]))
-
-    @staticmethod
-    def _draw(handle: viser.ArrowsHandle | viser.LineSegmentsHandle, points: np.ndarray) -> None:
-        if not np.array_equal(handle.points, points):
-            handle.points = points
+            frame[handle.name, "position"] = place
+            frame[handle.name, "scale"] = (size, size, size)
 
 
 def _floor(half: int = 8) -> np.ndarray:
@@ -255,6 +265,6 @@ def _shade() -> np.ndarray:
     return np.dstack([np.full((96, 128, 3), 40), alpha]).astype(np.uint8)
 
 
-def _segments(pairs: list[tuple[Vector, Vector]]) -> np.ndarray:
-    """Start and end points (k, 2, 3); viser keeps a node alive only if it has at least one, so one lies below the floor."""
-    return np.array([*pairs, (BELOW, BELOW)], dtype=np.float32)
+def _segments(pairs: list[tuple[Vector, Vector]]) -> Value:
+    """Start and end points; viser keeps a node alive only if it has at least one, so one lies below the floor."""
+    return flat([*pairs, (BELOW, BELOW)])

@@ -14,12 +14,11 @@ def sheet(lecture: bool, veiled: bool) -> str:
     return "<style>" + "".join(map(page.source, sheets)) + "</style>"
 
 
-def clock(t: float, horizon: float, speed: float, caption: str) -> str:
-    """The cursor in all time plots and the clock beside the transport, in one element."""
-    share = t / horizon if horizon > 0 else 0.0
-    digits = digits_of(horizon)
+def clock(t: float, horizon: float, speed: float, caption: str, share: str = "", now: str = "") -> str:
+    """The cursor in all time plots and the clock beside the transport, in one element; `share` and `now` stand for t if given."""
+    share = share or f"{t / horizon if horizon > 0 else 0.0:.4f}"
     return Template(page.source("clock.html")).substitute(
-        share=f"{share:.4f}", now=f"{t:.{digits}f}", horizon=f"{horizon:g}", speed=f"{speed:g}", caption=caption)
+        share=share, now=now or f"{t:.{digits_of(horizon)}f}", horizon=f"{horizon:g}", speed=f"{speed:g}", caption=caption)
 
 
 def digits_of(horizon: float) -> int:

@@ -11,11 +11,12 @@ import viser
 
 from ..tab.commands import ChangeSpeed, Command, Edit, Kick, LookFrom, Play, Redo, Reset, Rewind, Seek, ToggleHelp, Undo
 from ..tab.picture import Picture
-from . import phrases
+from . import phrases, quirks
 from .readback import ReadBack
 from .sizes import BAR
-from .style import clock
+from .style import clock, digits_of
 
+MARKS = "\ue000", "\ue001"  # where a page that plays by itself writes the cursor's place and the time into the clock
 WRITE_EVERY = 3  # poses between two updates of the time slider
 
 
@@ -96,6 +97,18 @@ class Transport:
             self._time.step = step_of(longest)
         if picture.resting and not picture.state.moving:
             self._write(picture.state.t)
+
+    @property
+    def told(self) -> dict[str, object]:
+        """What a page that plays by itself must know to write clock and slider as `pose` does."""
+        horizon = self._picture.horizon
+        return {"clock": quirks.id_of(self._clock), "words": clock(0.0, horizon, self._rate, self._caption, *MARKS),
+                "digits": digits_of(horizon), "slider": quirks.id_of(self._time), "step": self._time.step, "horizon": horizon}
+
+    def forget(self) -> None:
+        """Clock and slider stand on the page as it has written them itself: what comes next is sent whatever it is."""
+        self._clock.content = ""
+        self._back.forget()
 
     def pose(self, t: float, horizon: float) -> None:
         """The clock at every pose, the slider now and then."""

@@ -44,14 +44,14 @@ APART = 37  # values from where one hand begins to where the next does
 LATER = 2  # tabs that open while the others work
 MOVES = ("SetPositionMessage", "SetOrientationMessage")
 TICK = os.sysconf("SC_CLK_TCK")
-PLAYED = re.compile(r'"frames": ?(\d+)')  # what a script of the page is told to play by itself
+PLAYED = re.compile(r'"times": \[([^]]+)]')  # what a page is told to play by itself
 
 
 class Tab(WirePage):  # type: ignore[misc]
     """A tab whose messages are read as they come."""
 
     def __init__(self, socket: ClientConnection, scripts: bool) -> None:
-        super().__init__()
+        super().__init__(plays=not scripts)
         self._socket = socket
         self._sending: set[asyncio.Future[None]] = set()
         self.batches = self.messages = self.poses = 0
@@ -76,7 +76,7 @@ class Tab(WirePage):  # type: ignore[misc]
                 if kind in MOVES:
                     moved = 1
                 elif kind == "RunJavascriptMessage" and message["source"].startswith("// play.js"):
-                    moved += sum(map(int, PLAYED.findall(message["source"])))
+                    moved += sum(times.count(",") + 1 for times in PLAYED.findall(message["source"]))
                 elif kind == "GuiUplotMessage" and self.chart is None:
                     self.chart = message["uuid"]
                 elif kind == "GuiUpdateMessage" and message["uuid"] == self.chart and "data" in message["updates"]:

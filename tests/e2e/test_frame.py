@@ -70,6 +70,25 @@ def test_a_slow_machine_draws_the_scene_coarser_while_it_moves_and_sharp_at_rest
                "fewer pixels while it plays, all of them when the run has ended")
 
 
+def test_the_page_plays_a_run_by_itself(tab: Tab) -> None:
+    """The stage and the clock move by poses that came ahead of their time; where the run is stopped, all stand at one moment."""
+    tab.page.evaluate("""() => {
+        const page = window.__viserMutable, seen = page.scene.onAfterRender;
+        window.stood = new Set();
+        page.scene.onAfterRender = (...all) => {
+          seen(...all);
+          stood.add(Object.entries(page.nodeRefFromName).filter(([name]) => name.startsWith('/plant/'))
+            .map(([, held]) => ('current' in held ? held.current : held)?.position.toArray().join()).join());
+        }; }""")
+    tab.predict("skip")
+    eventually(lambda: tab.page.evaluate("[observerLabPlayer.count, stood.size]"), lambda seen: min(seen) > 8, "poses that the page shows")
+    tab.press("‖ pause")
+    tab.answered(rests=True)
+    left, clock = tab.page.evaluate("observerLabPlayer.queue.length"), tab.clock()
+    assert left == 0 and 0 < clock < 3.0
+    assert abs(tab.value("time t [s]") - clock) < 0.02
+
+
 def test_without_a_graphics_card_the_scene_is_drawn_without_multisampling(tab: Tab) -> None:
     assert tab.page.evaluate("window.observerLabNoCard") is True, "the tests' browser draws with the processor"
     assert not tab.page.evaluate("window.__viserMutable.scene.__r3f.root.getState().gl.getContextAttributes().antialias")

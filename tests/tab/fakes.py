@@ -83,6 +83,7 @@ class FakeView:
         self.asked: list[Callable[..., object]] = []
         self.addresses: list[tuple[str, str, int]] = []
         self.looks: tuple[float, ...] | None = None
+        self.plays = 0.0  # s for which it moves by itself
 
     def build(self, picture: Picture) -> None:
         self.calls.append(("build", picture))
@@ -94,6 +95,13 @@ class FakeView:
 
     def pose(self, t: float) -> None:
         self.calls.append(("pose", t))
+
+    def play(self, t: float, end: float, rate: float, every: float) -> float:
+        if not self.plays:
+            self.pose(t)
+            return every
+        self.calls.append(("play", (t, end, rate)))
+        return min(self.plays, (end - t) / rate)
 
     def progress(self, fraction: float | None, label: Text | None) -> None:
         self.calls.append(("progress", fraction))

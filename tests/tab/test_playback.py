@@ -9,7 +9,7 @@ from fakes import Tab, toy, toy_compute
 
 from app.tab.commands import ChangeSpeed, Command, DrawByHand, Kick, Play, Predict, Reveal, Rewind, Seek, Undo
 from app.tab.history import MERGE
-from app.tab.playing import FRAME, PREDICT_FIRST, SPEEDS
+from app.tab.playing import FRAME, LEAD, PREDICT_FIRST, SPEEDS
 
 
 def playing(**changes: object) -> Tab:
@@ -236,3 +236,19 @@ def test_a_lesson_without_a_run_is_revealed_by_the_prediction() -> None:
     tab.do(Play())
     tab.run_for(0.5)
     assert not tab.picture.state.playing and not tab.view.scolded()
+
+
+def test_a_view_that_goes_on_by_itself_is_asked_for_little_and_believed() -> None:
+    """It is looked after before it has come to its end, and whatever is done meanwhile begins where the run is by then."""
+    tab = playing()
+    tab.view.plays = 1.0
+    tab.run_for(1.2)
+    asked = tab.view.of("play")
+    assert len(asked) == 2 and not tab.view.of("pose")
+    assert [t for t, _, _ in asked] == pytest.approx([FRAME, FRAME + 1.0 - LEAD], abs=1.01 * FRAME)
+    tab.do(Play())  # a pause, in the middle of what the view has
+    assert not tab.picture.state.playing and tab.picture.state.t == pytest.approx(1.2, abs=1e-6)
+    assert tab.view.of("pose")[-1] == tab.picture.state.t
+    tab.do(Play())
+    tab.run_for(1.0)
+    assert (tab.picture.state.t, tab.picture.state.playing, tab.view.of("pose")[-1]) == (2.0, False, 2.0)

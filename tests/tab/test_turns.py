@@ -9,13 +9,16 @@ from fakes import Clock
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.tab.turns import HANDS, LEASE, Turns
+from app.tab.turns import LEASE, ROOM, Turns
+
+TURN = ROOM / 2.5  # s that a turn takes here
 
 
-def queued(turns: Turns, ranks: list[bool], served: list[int]) -> list[threading.Thread]:
+def queued(turns: Turns, clock: Clock, ranks: list[bool], served: list[int]) -> list[threading.Thread]:
     """Threads that wait in this order."""
     def work(number: int, hand: bool) -> None:
         with turns.turn(hand):
+            clock.advance(TURN)
             served.append(number)
     threads = []
     for number, hand in enumerate(ranks):
@@ -28,18 +31,18 @@ def queued(turns: Turns, ranks: list[bool], served: list[int]) -> list[threading
 
 @settings(max_examples=20, deadline=None)
 @given(st.lists(st.booleans(), max_size=14))
-def test_hands_come_first_in_order_and_leave_one_turn_in_five(ranks: list[bool]) -> None:
-    turns, served = Turns(clock=Clock()), list[int]()
+def test_hands_come_first_in_order_and_leave_room_for_three_short_turns(ranks: list[bool]) -> None:
+    clock, served = Clock(), list[int]()
+    turns = Turns(clock=clock)
     with turns.turn(True):
-        threads = queued(turns, ranks, served)
+        threads = queued(turns, clock, ranks, served)
     for thread in threads:
         thread.join()
     hands, others = ([k for k, hand in enumerate(ranks) if hand is rank] for rank in (True, False))
-    wanted, in_a_row = [], 1  # the turn that all waited for was a hand's
-    while hands or others:
-        hand = bool(hands) and (in_a_row < HANDS or not others)
-        wanted.append((hands if hand else others).pop(0))
-        in_a_row = in_a_row + 1 if hand else 0
+    wanted: list[int] = []
+    while hands or others:  # the turn that all waited for was a hand's
+        wanted += others[:3] + hands[:1]
+        hands, others = hands[1:], others[3:]
     assert served == wanted and not turns.waiting
 
 
@@ -47,11 +50,11 @@ def test_whoever_works_too_long_is_not_waited_for() -> None:
     clock, served = Clock(), list[int]()
     turns = Turns(lease=0.01, clock=clock)
     with turns.turn(True):
-        first, second = queued(turns, [True, False], served)
+        first, second = queued(turns, clock, [True, False], served)
         assert not served
         clock.advance(LEASE)
         first.join()
         second.join()
-        assert served == [0, 1]
+        assert sorted(served) == [0, 1]
     with turns.turn(False):  # whose lease had ended takes nobody's turn away when it comes to an end
         assert not turns.waiting

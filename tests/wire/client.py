@@ -57,13 +57,14 @@ def unpack(data: bytes) -> tuple[list[dict[str, Any]], list[bytes]]:
 class WirePage:
     """What a page holds: `widgets` and `nodes` are kept up to date by the messages that are taken; a subclass sends."""
 
-    def __init__(self, kept: str | None = None, answers: bool = True) -> None:
+    def __init__(self, kept: str | None = None, answers: bool = True, plays: bool = False) -> None:
         self.widgets: dict[str, dict[str, Any]] = {}  # uuid → message with its props
         self.commands: dict[str, str] = {}  # label → uuid
         self.nodes: dict[str, dict[str, Any]] = {}  # scene nodes by name
         self.notes: list[str] = []  # bodies of notifications, in order
         self.kept = kept  # what the page's sessionStorage holds
         self.answers = answers  # whether it says what it holds
+        self.plays = plays  # whether it says that it moves between poses by itself
 
     def send_raw(self, data: bytes | str) -> None:
         """Send anything at all."""
@@ -111,6 +112,8 @@ class WirePage:
     def _run(self, script: str, given: dict[str, Any]) -> None:
         if script == "remember":
             self.kept = given["text"]
+        elif script == "play" and "widget" in given and self.plays:
+            self.send("GuiUpdateMessage", uuid=given["widget"], updates={"value": 1})
         elif script == "recall" and self.answers:
             value = json.dumps([self.kept, "", False, "http://127.0.0.1/", None, None])
             self.send("LocalStorageGetItemResponseMessage", value=value, error=None, request_uuid=given["request"])
@@ -160,8 +163,9 @@ class WireTab(WirePage):
     """One connection that whoever waits reads from."""
 
     def __init__(self, url: str, origin: str | None = None, protocol: str | None = None, kept: str | None = None,
-                 camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720)) -> None:
-        super().__init__(kept, answers)
+                 camera: bool = True, hosts: Sequence[str] = (), answers: bool = True, canvas: tuple[int, int] = (1280, 720),
+                 plays: bool = False) -> None:
+        super().__init__(kept, answers, plays)
         self.messages: list[dict[str, Any]] = []  # everything received
         self._questions = 0
         self.url = url

@@ -1,0 +1,82 @@
+"""A run that the page plays by itself: poses go out ahead of their time, many in one message, each computed and packed once."""
+
+from __future__ import annotations
+
+import viser
+
+from . import quirks
+from .moves import changed, packed
+from .stage import StageView
+from .transport import Transport
+
+FIRST, LONGEST = 0.8, 6.4  # s of playing that the first message covers, each further one twice as much, and the most
+LEFT = 0.4  # s that are still to be played when the next one is made
+MOST = 1500  # steps from one pose to the next that are kept packed
+
+
+class Player:
+    """The frames that one page has been given, and how far they reach. A page that has not said that it plays gets none."""
+
+    def __init__(self, client: viser.ClientHandle, stage: StageView, transport: Transport) -> None:
+        self._client, self._stage, self._transport = client, stage, transport
+        self._plays = False
+        self._until: float | None = None  # time of the run up to which the page has frames, None while it plays nothing
+        self._given = (0.0, 0.0)  # the last time that was asked for, and the rate
+        self._ahead = FIRST
+        self._built: object = None
+        self._names: dict[str, int] = {}
+        self._packed: dict[tuple[object, object], str] = {}
+        widget = client.gui.add_number("", 0.0, visible=False)
+
+        @widget.on_update
+        async def _(event: viser.GuiEvent) -> None:
+            self._plays = event.client_id is not None
+        quirks.run(client, "play", widget=quirks.id_of(widget))
+
+    @property
+    def plays(self) -> bool:
+        """Whether the page moves between poses by itself."""
+        return self._plays
+
+    def stop(self) -> None:
+        """Take back what the page has not shown yet; the next pose is sent whole."""
+        if self._until is None:
+            return
+        self._until = None
+        self._stage.forget()
+        self._transport.forget()
+        quirks.run(self._client, "play", stop=True)
+
+    def go_on(self, t: float, end: float, rate: float, every: float) -> float:
+        """Let the page play from t on at `rate` to `end`, a pose `every` so many seconds; the seconds that it can go by itself."""
+        begins = self._until is None or t < self._given[0] or rate != self._given[1] or t > self._until
+        until = t if begins or self._until is None else self._until
+        self._given = t, rate
+        if until - t <= LEFT * rate and (until < end or begins):
+            self._ahead = FIRST if begins else min(2 * self._ahead, LONGEST)
+            count = max(1, round(self._ahead / every))
+            times = [min(until + every * rate * k, end) for k in range(0 if begins else 1, count + 1)]
+            times = times[:next((k for k, time in enumerate(times) if time >= end), len(times)) + 1]
+            self._send(times, begins, every)
+            self._until = until = times[-1]
+        return max(0.0, until - t) / rate
+
+    def _send(self, times: list[float], begins: bool, every: float) -> None:
+        if self._built is not self._stage.built:
+            self._built, self._names, self._packed = self._stage.built, {}, {}
+        if len(self._packed) > MOST:
+            self._packed = {}
+        frames = []
+        before = None if begins else self._stage.place_at(self._until or 0.0)
+        for time in times:
+            place = self._stage.place_at(time)
+            if (before, place) not in self._packed:
+                last = {} if before is None else self._stage.frame_at(before)
+                self._packed[before, place] = packed(changed(last, self._stage.frame_at(place)), self._names)
+            frames.append(self._packed[before, place])
+            before = place
+        quirks.run(self._client, "play", begins=begins, every=1e3 * every, owner=str(self._client.client_id), names=list(self._names),
+                   times=[round(time, 9) for time in times], told=self._transport.told, moves=f"[{','.join(frames)}]")
+        self._client.flush()
+
+
