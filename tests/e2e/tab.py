@@ -94,7 +94,13 @@ class Tab:
         page.on("pageerror", lambda error: self.complaints.append(error.stack or str(error)))
         page.on("console", lambda m: self.complaints.append(m.text)
                 if m.type == "error" and not any(word in m.text for word in HARMLESS) else None)
+        page.on("request", lambda request: self._asked(request.url))
         self.open()
+
+    def _asked(self, url: str) -> None:
+        """Whatever a page asks for, it asks of its own server."""
+        if not url.startswith((self.address.partition("#")[0], "data:", "blob:")):
+            self.complaints.append(f"a request left the server's host: {url[:200]}")
 
     # --- opening ---------------------------------------------------------------------------------------------------
     def open(self) -> None:

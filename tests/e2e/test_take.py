@@ -67,7 +67,13 @@ def test_a_link_copied_in_one_browser_opens_the_same_in_another(tab: Tab, browse
     assert other.value(STIFFNESS[language]) == 3 and address(other) == link
     other.page.evaluate("location.hash = '1.AAAA'")
     eventually(lambda: address(other), lambda url: url == link, "the address bar as before")
-    assert other.notices() and not other.complaints
+    assert other.notices()
+    other.press("English")
+    english = eventually(lambda: address(other), lambda url: url != link, "a link of its own for another language")
+    third = open_link(browser, english)
+    assert third.question() == other.question() == LESSONS["separation"].words["en"].question
+    assert third.value(STIFFNESS["en"]) == 3 and not other.complaints + third.complaints
+    third.page.context.close()
     other.page.context.close()
 
 
