@@ -27,6 +27,7 @@ LARGEST = PART + 64 * 1024  # bytes of one message
 STALLED = 30.0  # s in which a connection must take something of what waits for it
 WHERE = ("/", "/index.html")  # the page; a proxy may show us its second name
 HEALTH = "/health"
+AGAIN = 10  # s after which whoever found no place asks again
 STARTING = Refusal(503, "The server is starting; try again.")
 
 
@@ -98,10 +99,11 @@ class Connection(ServerConnection):
 
 
 def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[Refusal], None],
-            ready: Callable[[], bool], health: Callable[[], Mapping[str, object]]) -> Callable[..., Any]:
+            ready: Callable[[], bool], health: Callable[[], Mapping[str, object]], full: Callable[[], str]) -> Callable[..., Any]:
     """`serve` on a socket that listens already; whom the gate refuses gets an answer and no connection.
 
-    Who asks for HEALTH gets what `health` gives, as JSON.
+    Who asks for HEALTH gets what `health` gives, as JSON. Whoever comes while there is no place gets the page that `full` gives
+    then, with status 503; at other times that is empty.
     """
     def ask(connection: ServerConnection, request: Request) -> Response | None:
         refusal = gate.refusal(request.headers)
@@ -110,16 +112,23 @@ def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[
             return _plain(refusal.status, refusal.words)
         if not ready():
             return _plain(STARTING.status, STARTING.words)
-        if is_socket(request.headers):
-            return None
-        if request.path.partition("?")[0] == HEALTH:
+        if request.path.partition("?")[0] == HEALTH and not is_socket(request.headers):
             return _answer(200, json.dumps(health()), "application/json")
-        return page.answer(request)
+        if busy := full():
+            return _no_place(busy, request)
+        return None if is_socket(request.headers) else page.answer(request)
 
     def server(handler: Any, host: str, port: int, **options: Any) -> Any:
         options |= {"max_size": LARGEST, "create_connection": Connection, "process_request": ask, "logger": log}
         return serve(handler, sock=listener, **options)
     return server
+
+
+def _no_place(busy: str, request: Request) -> Response:
+    answer = _answer(503, busy, "text/html; charset=utf-8")
+    answer.headers["Retry-After"] = str(AGAIN)
+    answer.headers["Content-Security-Policy"] = policy(request.headers["Host"])
+    return answer
 
 
 def _plain(status: int, words: str) -> Response:

@@ -33,7 +33,7 @@ MOVES = MappingProxyType({"SetPositionMessage": "position", "SetOrientationMessa
 
 
 def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None],
-                health: Callable[[], Mapping[str, object]], language: str = "en") -> viser.ViserServer:
+                health: Callable[[], Mapping[str, object]], full: Callable[[], str], language: str = "en") -> viser.ViserServer:
     """viser's server on a socket that listens, behind a gate, with our own page.
 
     viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB, serves the page that it is
@@ -41,7 +41,7 @@ def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal]
     """
     ready = threading.Event()
     host, port = listener.getsockname()[:2]
-    serve = guarded(listener, Page.of(page_of_our_own(language)), gate, refused, ready.is_set, health)
+    serve = guarded(listener, Page.of(page_of_our_own(language)), gate, refused, ready.is_set, health, full)
     with OPENING, mock.patch.object(websockets.asyncio.server, "serve", serve), mock.patch("rich.print"):
         server = viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
     close_shared_doors(server)

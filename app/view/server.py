@@ -16,8 +16,10 @@ from ..tab.session import Session
 from . import phrases, quirks
 from .address import is_public, listen, url
 from .gate import Gate, Refusal
+from .handshake import AGAIN
 from .plants import MOST_BYTES
 from .screen import Screen
+from .shell import page_without_a_place
 from .version import version
 
 log = logging.getLogger(__name__)
@@ -48,7 +50,7 @@ class LabServer:
         self._born = time.monotonic()
         self._host, self._refused = host, set[Refusal]()
         gate = Gate.of(host, is_public(host), names)
-        self._server = quirks.open_server(listen(host, port), gate, self._write_down, self.health, language)
+        self._server = quirks.open_server(listen(host, port), gate, self._write_down, self.health, self._full, language)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
 
@@ -66,6 +68,10 @@ class LabServer:
         """What `GET /health` answers: nothing of any person."""
         return {"status": "ok", "version": version(), "tabs": len(self._sessions), "most_tabs": self._max,
                 "seconds": round(time.monotonic() - self._born, 1)}
+
+    def _full(self) -> str:
+        """The page for whoever comes while all places are taken, else nothing."""
+        return page_without_a_place(self._language, self._max, AGAIN) if len(self._sessions) >= self._max else ""
 
     def _write_down(self, refusal: Refusal) -> None:
         if refusal not in self._refused and len(self._refused) < TOLD:

@@ -32,6 +32,16 @@ def page_of_our_own(language: str) -> str:
                              f"<script>{page.call('address', kept=ADDRESS)}</script>")
 
 
+def page_without_a_place(language: str, places: int, seconds: int) -> str:
+    """What a browser gets while a server has no place for it: one sentence in every language, its own first; it asks again by itself."""
+    codes = sorted(languages(), key=lambda code: code != language)
+    said = "".join(f'<span lang="{web_code(code)}">{html.escape(phrases.FULL.format(places=places, seconds=seconds)(code))}</span>'
+                   for code in codes)
+    return (f'<!doctype html><html lang="{web_code(language)}"><head><meta charset="utf-8"><title>{NAME}</title>'
+            f'<meta name="viewport" content="width=device-width"><meta http-equiv="refresh" content="{seconds}">'
+            f'<style>{page.source("link.css")}</style></head><body><main class="ol-cover"><b>{NAME}</b>{said}</main></body></html>')
+
+
 def page_of_a_recording(recording: bytes, language: str, title: str, head: str, body: str, dark: bool) -> str:
     """viser's page with a recording in it, which it plays without a server, and what of ours stands in its head and beside it."""
     embedded = page.call("embed", recording=base64.b64encode(recording).decode("ascii"), dark=dark)

@@ -5,17 +5,21 @@ from __future__ import annotations
 import http.client
 import socket
 from collections.abc import Callable
+from urllib.error import HTTPError
 from urllib.parse import urlsplit
+from urllib.request import urlopen
 
 import pytest
 import viser
-from client import WireTab
+from client import WireTab, empty
 from websockets.exceptions import InvalidStatus
 
 from app.tab.session import Session
 from app.view import quirks
-from app.view.handshake import LARGEST, PART
+from app.view.handshake import AGAIN, LARGEST, PART
+from app.view.phrases import FULL
 from app.view.server import LabServer
+from lessons import LESSONS
 
 STIFFNESS = "stiffness believed wrong by [%]"
 Enter = Callable[..., WireTab]
@@ -138,3 +142,32 @@ def test_noise_instead_of_http_is_survived(server: LabServer) -> None:
         with socket.create_connection((place.hostname, place.port), timeout=10) as stranger:
             stranger.sendall(noise)
     assert answer(server).status == 200
+
+
+def test_a_full_server_says_so_and_goes_on_serving_those_inside() -> None:
+    """Who comes is told in every language and asks again by itself; whoever has got through the door meanwhile is told too."""
+    server = LabServer(LESSONS, port=0, max_sessions=1, language="zh")
+    try:
+        early = WireTab(server.url, camera=False)
+        with WireTab(server.url) as first:
+            first.until(lambda: len(server.sessions) == 1, "the first tab")
+            with pytest.raises(InvalidStatus) as refused:
+                WireTab(server.url)
+            with pytest.raises(HTTPError) as turned_away:
+                urlopen(server.url, timeout=10)
+            assert refused.value.response.status_code == turned_away.value.code == 503
+            assert refused.value.response.headers["Retry-After"] == turned_away.value.headers["Retry-After"] == str(AGAIN)
+            told = turned_away.value.read().decode("utf-8")
+            said = [FULL.format(places=1, seconds=AGAIN)(code) for code in ("zh", "en")]
+            assert f'http-equiv="refresh" content="{AGAIN}"' in told and 0 < told.index(said[0]) < told.index(said[1])
+            with urlopen(f"{server.url}/health", timeout=10) as health:
+                assert health.status == 200
+            early.look()
+            early.until(lambda: any("full" in note for note in early.notes), "the sentence")
+            early.close()
+            assert len(server.sessions) == 1 and not early.widgets
+        empty(server)
+        with WireTab(server.url) as third:
+            third.until(third.mark, "a place that has become free")
+    finally:
+        server.stop()

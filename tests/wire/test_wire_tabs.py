@@ -233,21 +233,6 @@ def test_a_connection_that_never_looks_costs_no_session(enter: Enter, server: La
         assert len(server.sessions) == 1
 
 
-def test_a_full_server_says_so_and_goes_on_serving_those_inside() -> None:
-    server = LabServer(LESSONS, port=0, max_sessions=1)
-    try:
-        with WireTab(server.url) as first:
-            first.until(lambda: first.has(STIFFNESS), "the first picture")
-            with WireTab(server.url) as second:
-                second.until(lambda: any("full" in note for note in second.notes), "the sentence")
-                assert len(server.sessions) == 1 and not second.has(STIFFNESS)
-        empty(server)
-        with WireTab(server.url) as third:
-            third.until(lambda: third.has(STIFFNESS), "a place that has become free")
-    finally:
-        server.stop()
-
-
 def test_a_heading_stands_over_its_knobs_and_goes_with_them(enter: Enter, newest: Newest) -> None:
     tab = enter()
     lesson = LESSONS["robust-observer"]
