@@ -18,6 +18,9 @@ OPENING_ROUNDS = 3  # that an opened lesson shows by itself
 LEAD = 0.3  # s before a view that goes on by itself has come to its end
 STALL = 0.25  # s of real time that one pose may cover at most: a stalled worker does not leap over the run
 SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
+LATE, OFTEN = 0.3, 3  # s that a pose waits for other tabs, and how many in a row, until the page says so
+AGAIN = 120.0  # s before it says so once more
+CROWDED = text("Many tabs are at work on this server: the stage moves in fewer pictures, and what your hand does is answered first.")
 PREDICT_FIRST = text("Choose a prediction first; then the run unlocks.")
 
 
@@ -95,6 +98,14 @@ def tick(show: Presenter, now: float) -> None:
         return
     covered = show.view.play(show.state.t, _end(show), show.picture.rate, FRAME)
     show.alone = covered if covered > FRAME else 0.0
+
+
+def hold_up(show: Presenter, waited: float) -> None:
+    """What is due has waited for other tabs; where that goes on, and something moves, the page says so, now and then."""
+    show.late = show.late + 1 if waited > LATE and show.state.moving else 0
+    if show.late >= OFTEN and show.clock() - show.said_late > AGAIN:
+        show.said_late = show.clock()
+        show.view.say(CROWDED, False)
 
 
 def under_the_hand(show: Presenter) -> None:

@@ -42,6 +42,7 @@ class Presenter:
         self.answered = 0  # the number of the edit that is being worked on, or was last
         self.last_edit = self.last_tick = clock()
         self.alone = 0.0  # s from the last tick on in which the view goes on with the run by itself
+        self.late, self.said_late = 0, float("-inf")  # how many poses in a row have waited for other tabs; when that was said
         self.desks = Desks(self.lessons)
         self.touched = False  # whether the person has done anything yet
         self.recalled = False  # whether it is known what the browser's tab kept

@@ -90,7 +90,9 @@ class Session:
     def step(self, wait: float | None = 0.0) -> None:
         """Take what waits, do what is due, when it is this tab's turn."""
         taken = self._mailbox.take(wait)
-        with TURNS.turn(hand=bool(taken)):
+        with TURNS.turn(hand=bool(taken)) as waited:
+            if not taken:
+                playing.hold_up(self._show, waited)
             self._work(taken)
 
     def _work(self, taken: list[tuple[int, Edit]]) -> None:

@@ -36,9 +36,9 @@ class Turns:
         self._since, self._used = 0.0, ROOM  # since when the turn is held; what others have used since the last hand's
 
     @contextmanager
-    def turn(self, hand: bool) -> Iterator[None]:
-        """Wait until it is one's turn; it ends with the block, or with its lease if somebody waits then."""
-        ticket = Ticket(hand)
+    def turn(self, hand: bool) -> Iterator[float]:
+        """Wait until it is one's turn, the seconds that took; it ends with the block, or with its lease if somebody waits then."""
+        ticket, began = Ticket(hand), self._clock()
         with self._lock:
             (self._hands if hand else self._others).append(ticket)
             self._call()
@@ -46,7 +46,7 @@ class Turns:
             with self._lock:
                 self._call()
         try:
-            yield
+            yield self._clock() - began
         finally:
             with self._lock:
                 if self._holder is ticket:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import pytest
@@ -9,7 +11,7 @@ from fakes import Tab, toy, toy_compute
 
 from app.tab.commands import ChangeSpeed, Command, DrawByHand, Kick, Play, Predict, Reveal, Rewind, Seek, Undo
 from app.tab.history import MERGE
-from app.tab.playing import FRAME, LEAD, PREDICT_FIRST, SPEEDS
+from app.tab.playing import CROWDED, FRAME, LEAD, OFTEN, PREDICT_FIRST, SPEEDS
 
 
 def playing(**changes: object) -> Tab:
@@ -252,3 +254,17 @@ def test_a_view_that_goes_on_by_itself_is_asked_for_little_and_believed() -> Non
     tab.do(Play())
     tab.run_for(1.0)
     assert (tab.picture.state.t, tab.picture.state.playing, tab.view.of("pose")[-1]) == (2.0, False, 2.0)
+
+
+def test_poses_that_wait_for_other_tabs_again_and_again_are_owned_up_to_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    tab, waits = playing(), iter([1.0] * (OFTEN - 1) + [0.0] + [1.0] * 20)
+
+    class Crowd:
+        @contextmanager
+        def turn(self, hand: bool) -> Iterator[float]:
+            yield 0.0 if hand else next(waits)
+    monkeypatch.setattr("app.tab.session.TURNS", Crowd())
+    tab.run_for(OFTEN * FRAME)
+    assert not tab.view.sentences()
+    tab.run_for(15 * FRAME)
+    assert tab.view.sentences() == [CROWDED] and tab.view.of("pose")
