@@ -225,6 +225,7 @@ def test_list_names_every_lesson_knob_and_task(capsys) -> None:
         assert all(f"--set {knob.name}=" in words for knob in lesson.knobs)
         assert all(f"task {task.id}: " in words for task in lesson.tasks)
         assert entry["title"]["en"] and entry["title"]["zh"]
+        assert entry["needs"] == list(lesson.place.needs) and all(way.title("en") in words for way in lesson.place.ways)
 
 
 def test_every_default_that_list_shows_is_read_back_by_set(capsys) -> None:

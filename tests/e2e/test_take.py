@@ -31,6 +31,12 @@ def kept(tab: Tab, button: Locator) -> bytes:
     return download.value.path().read_bytes()
 
 
+def test_the_address_names_the_figure_that_opened_by_itself(tab: Tab) -> None:
+    """No hand is on the page when the answer's figure opens: the choice is made without a pointer or a key."""
+    tab.page.evaluate("document.querySelector('.ol-option').click()")
+    eventually(lambda: read_token(address(tab).partition("#")[2], LESSONS).tab, lambda name: name == "Poles", "the tab in the address")
+
+
 def test_a_link_copied_in_one_browser_opens_the_same_in_another(tab: Tab, browser: Browser) -> None:
     """In Chinese, which the link carries; before the prediction it is all there is, as files would hold the answer."""
     language = "zh"

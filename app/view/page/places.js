@@ -13,6 +13,7 @@
     if (said !== lab.placed) lab.say(at);
     lab.placed = said;
   };
+  lab.look = look;
   const copy = async button => {
     const field = document.querySelector('input.ol-link');
     field.value = location.origin + location.pathname + '#' + button.dataset.token;

@@ -7,5 +7,6 @@
   requestAnimationFrame(() => requestAnimationFrame(() => {
     const said = document.querySelector(`.ol-caption[data-figure="${CSS.escape(figure)}"]`);
     (said?.parentElement?.previousElementSibling ?? said)?.scrollIntoView({block: 'nearest'});
+    window.observerLabAddress?.look?.();  // the address bar names the tab that opened by itself
   }));
 }
