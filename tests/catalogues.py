@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import ast
+import re
 import string
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 
 from babel.messages.extract import extract_from_file
+
+from app.export.spoken import comments_of
 
 ROOT = Path(__file__).resolve().parent.parent
 KEYWORDS = {"text": None, "phrase": None, "text_in": ((1, "c"), 2),
@@ -26,7 +29,48 @@ def said() -> dict[Message, str]:
             english = message[-1] if isinstance(message, tuple) else message
             if english:
                 found.setdefault((context or "", english), f"{path.relative_to(ROOT)}:{line}")
+    for comment, where in comments():
+        if NAMED.search(comment):
+            found.setdefault(("script", comment), where)
     return found
+
+
+WRITERS = [ROOT / "app" / "export" / f"{name}.py" for name in ("gains", "matlab", "matlab_told", "script", "told")]
+NOTED = {"Given": 2, "array_text": 2, "array": 2, "Code": 3}  # calls, and which of their arguments is a comment
+NAMED = re.compile(r"[A-Za-z]{2}")  # a comment without a word reads the same in every language
+
+
+def comments() -> Iterator[tuple[str, str]]:
+    """What comments of exported scripts say, and where it stands: the parts, and what writers and lessons put beside numbers."""
+    for path in sorted((ROOT / "app" / "export" / "parts").glob("*.txt")):
+        for comment in comments_of(path.read_text(encoding="utf-8"), "%" if path.stem.startswith("matlab") else "#"):
+            yield comment, path.name
+    for path in (*WRITERS, *(ROOT / "lessons").glob("*/*.py")):
+        for comment in _noted(ast.parse(path.read_text(encoding="utf-8")), path in WRITERS):
+            yield comment, path.name
+
+
+def _noted(tree: ast.Module, writer: bool) -> Iterator[str]:
+    filled = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) > (at := NOTED.get(node.func.id, 99)):
+            yield from (words for words in _written(node.args[at], filled) if not words.startswith(","))
+        elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == "UNSAID":
+            yield from _written(node.value, filled)
+        elif writer and isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple):
+            yield from _written(node.value.elts[0], filled)
+        elif writer and isinstance(node, ast.Constant) and isinstance(node.value, str):
+            whole = re.match(r"^(?:#|%%?) ([^\n]{4,})$", node.value) if id(node) not in filled else None
+            said = whole or re.search(r"  [#%] (.+?)(?:\n|$)", node.value)
+            if said and not said[1].endswith(" "):  # else a value follows, and app/export/spoken.py has the whole
+                yield said[1]
+
+
+def _written(tree: ast.AST, filled: set[int]) -> Iterator[str]:
+    """Strings that are written out below a node."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node.value and id(node) not in filled:
+            yield node.value
 
 
 def unreadable() -> Iterator[str]:

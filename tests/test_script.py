@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -50,7 +51,7 @@ def sampled(turn: int) -> list[tuple[Lesson, Design]]:
     return [*(design_of(*one) for one in DESIGNS), *every]
 
 
-def design_of(id: str, plant: str, changes: dict[str, object]) -> tuple[Lesson, Design]:
+def design_of(id: str, plant: str, changes: Mapping[str, object]) -> tuple[Lesson, Design]:
     lesson = LESSONS[id].fit(example(plant)) if plant else LESSONS[id]
     return lesson, lesson.apply(lesson.start(), changes)
 
@@ -69,7 +70,8 @@ def run_alone(scripts: list[str], folder: Path) -> list[str]:
 @pytest.mark.slow
 def test_scripts_prove_themselves_in_a_clean_process_and_fail_where_a_number_is_not_the_pages(tmp_path: Path) -> None:
     wanted = sampled(0)
-    scripts = [python_script(lesson, lesson.compute(design), write_token(LESSONS[lesson.id], Saved(design))) for lesson, design in wanted]
+    scripts = [python_script(lesson, lesson.compute(design), write_token(LESSONS[lesson.id], Saved(design)), ("en", "zh")[k % 2])
+               for k, (lesson, design) in enumerate(wanted)]
     for script in scripts:
         assert "app" not in {line.split()[1].split(".")[0] for line in script.splitlines() if line.startswith(("import ", "from "))}
         assert "print('Observer Lab: " in script
@@ -81,7 +83,7 @@ def test_scripts_prove_themselves_in_a_clean_process_and_fail_where_a_number_is_
 def test_matlab_files_are_whole_functions_and_prove_themselves_where_octave_is_found(tmp_path: Path) -> None:
     wanted = sampled(1)
     for k, (lesson, design) in enumerate(wanted):
-        text = matlab_script(lesson, lesson.compute(design), "1.x")
+        text = matlab_script(lesson, lesson.compute(design), "1.x", ("zh", "en")[k % 2])
         assert text.startswith(f"function {function_name(lesson)}(draw)\n") and "None" not in text and " nan" not in text
         code = [line.split("%")[0].strip().rstrip(";") for line in text.splitlines()]
         opened = sum(line.split(" ")[0].split("(")[0] in ("function", "if", "for", "while", "switch", "try") for line in code)

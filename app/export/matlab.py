@@ -13,16 +13,19 @@ import numpy as np
 
 from ..engine.simulation import Run, Scenario, disturbances_of
 from ..lesson.lesson import Lesson, Outcome
+from ..text import text_in
 from .gains import directions_of, placed_gain
 from .matlab_told import told_lines
 from .matlab_words import array, body_of, complex_row, functions_for, number
 from .script import AGREED, INSTANTS, NO_SCRIPT, ScriptError, poles_of_the_page
+from .spoken import made_by, spoken
 
 __all__ = ["function_name", "matlab_script"]
 
 POLES: Mapping[str, str] = MappingProxyType({
     "A - B K": "Am - Bm * K", "A - L C": "Am - L * Cm", "the loop": "loop_matrix", "the compensator": "Am - Bm * K - L * (Cm - Dm * K)",
     "A": "A", "the believed A": "Am"})
+QUIET = text_in("script", "{function}(false) checks and draws nothing.")
 FEW = 12  # rows that jump, up to which each has a line of its own
 
 
@@ -33,13 +36,12 @@ def function_name(lesson: Lesson) -> str:
 
 def matlab_script(lesson: Lesson, outcome: Outcome, token: str, language: str = "en") -> str:
     """The file of a design. Raises ScriptError where the lesson's run is of another kind than a loop with an observer."""
-    words, run = lesson.words["en"], outcome.run
+    words, run = lesson.words[language], outcome.run
     head = [f"function {function_name(lesson)}(draw)", f"% {words.title}: {words.question}",
-             f"% Made by Observer Lab from the state {token}",
-             "% Every number stands in SI units. Signs: u = -K xhat, e = x - xhat, de/dt = (A - L C) e.",
-             f"% {function_name(lesson)}(false) checks and draws nothing.", "if nargin < 1", "    draw = true;", "end", ""]
+             made_by(token, "%", language),
+             f"% {QUIET.format(function=function_name(lesson))(language)}", "if nargin < 1", "    draw = true;", "end", ""]
     if lesson.code is not None:
-        return "\n".join([*head, *told_lines(lesson.code(outcome))]) + "\n"
+        return spoken("\n".join([*head, *told_lines(lesson.code(outcome))]) + "\n", "%", language)
     if run is None:
         raise ScriptError(NO_SCRIPT)
     s = run.scenario
@@ -48,7 +50,7 @@ def matlab_script(lesson: Lesson, outcome: Outcome, token: str, language: str = 
             "%% The run: its start, its grid, what acts on it", *_given(s, run), "", body_of("loop")[0], "",
             body_of("sampled" if s.discrete else "bent" if s.limited or s.lag else "linear")[0], "",
             "%% What the page shows", *_asserted(s, run, outcome), "", body_of("plot")[0], "end", ""]
-    return "\n".join([*head, *body, functions_for("\n".join(body))]) + "\n"
+    return spoken("\n".join([*head, *body, functions_for("\n".join(body))]) + "\n", "%", language)
 
 
 def _plant(s: Scenario) -> Iterator[str]:

@@ -12,7 +12,6 @@ from .told import INSTANTS, LONG
 
 __all__ = ["told_lines"]
 
-DRAWN = "Noise as Python drew it; the generator of this language gives other numbers from the same seed"
 CURVES = "%% The curves\n"
 
 
@@ -23,7 +22,8 @@ def told_lines(code: Code) -> Iterator[str]:
     yield "%% What is given"
     yield from map(_given, code.given)
     if code.drawn:
-        yield f"\n%% {DRAWN}"
+        yield "\n"
+        yield "%% Noise as Python drew it; the generator of this language gives other numbers from the same seed"
         yield from map(_given, code.drawn)
     shown = list(_asserted(code))
     yield "\n" + equations.rstrip() + "\n"

@@ -17,6 +17,7 @@ from ..text import Text, text
 from .cells import notebook_of
 from .gains import gain_lines
 from .literals import array_text, complex_text, part_text
+from .spoken import made_by, spoken
 from .told import told_parts
 
 __all__ = ["AGREED", "INSTANTS", "ScriptError", "notebook", "parts_of", "poles_of_the_page", "python_script"]
@@ -55,15 +56,21 @@ def notebook(lesson: Lesson, outcome: Outcome, token: str, language: str = "en")
 
 def parts_of(lesson: Lesson, outcome: Outcome, token: str, language: str = "en") -> Iterator[tuple[str, str]]:
     """Title and code of every part, in order. Raises ScriptError where the lesson's run is of another kind."""
+    for title, body in _parts(lesson, outcome, token, language):
+        yield spoken(f"# {title}", "#", language)[2:], spoken(body, "#", language)
+
+
+def _parts(lesson: Lesson, outcome: Outcome, token: str, language: str) -> Iterator[tuple[str, str]]:
+    """The same with English comments but for the head."""
     run = outcome.run
     if lesson.code is not None:
-        yield from told_parts(lesson, lesson.code(outcome), token)
+        yield from told_parts(lesson, lesson.code(outcome), token, language)
         return
     if run is None:
         raise ScriptError(NO_SCRIPT)
     s = run.scenario
-    words = lesson.words["en"]
-    yield f"{words.title}: {words.question}", _head(token)
+    words = lesson.words[language]
+    yield f"{words.title}: {words.question}", made_by(token, "#", language) + "\n" + part_text("head")
     yield "The plant: dx/dt = A x + B u + G w, y = C x + D u + v", "\n".join(_plant(s))
     yield "The gains: u = r - K xhat, dxhat/dt = Am xhat + Bm u + L (y - Cm xhat - Dm u)", "\n".join(_gains(s, outcome))
     yield "The run: its start, its grid, what acts on it", "\n".join(_given(s, run))
@@ -72,11 +79,6 @@ def parts_of(lesson: Lesson, outcome: Outcome, token: str, language: str = "en")
     yield "The trajectory", part_text("sampled" if s.discrete else "bent" if s.limited or s.lag else "linear")
     yield "What the page shows", "\n".join(_asserted(s, run, outcome))
     yield "The curves", part_text("plot")
-
-
-def _head(token: str) -> str:
-    return (f"# Made by Observer Lab from the state {token}\n"
-            "# Every number stands in SI units. Signs: u = -K xhat, e = x - xhat, de/dt = (A - L C) e.\n" + part_text("head"))
 
 
 def _plant(s: Scenario) -> Iterator[str]:

@@ -9,20 +9,19 @@ import numpy as np
 from ..lesson.code import Code, Given, Shown
 from ..lesson.lesson import Lesson
 from .literals import array_text, complex_text, part_text
+from .spoken import made_by
 
 __all__ = ["told_parts"]
 
 LONG, INSTANTS = 40, 6  # rows from which on only some moments are asserted, and how many
 
 
-def told_parts(lesson: Lesson, code: Code, token: str) -> Iterator[tuple[str, str]]:
+def told_parts(lesson: Lesson, code: Code, token: str, language: str) -> Iterator[tuple[str, str]]:
     """Title and code of every part, in order: head, numbers, equations, assertions, curves."""
     imports, *equations = "\n\n".join(map(part_text, code.parts)).split("# %% ")
-    words = lesson.words["en"]
+    words = lesson.words[language]
     yield f"{words.title}: {words.question}", "\n".join([
-        f"# Made by Observer Lab from the state {token}",
-        "# Every number stands in SI units. Signs: u = -K xhat, e = x - xhat, de/dt = (A - L C) e.",
-        imports.strip(), "\n", part_text("proof")])
+        made_by(token, "#", language), imports.strip(), "\n", part_text("proof")])
     yield "What is given", "\n".join(map(_given, code.given))
     for part in equations[:-1]:
         title, body = part.split("\n", 1)

@@ -44,5 +44,5 @@ def code(outcome: Outcome[Study]) -> Code:
         *(Shown(name, m[name]) for name in ("threshold", "dof", "needed", "hourly", "accused", "right_verdict", "delay", "expected_delay",
                                             "pitch"))), "Shares over many runs", (
         Given("w", noise.w), Given("v", noise.v), Given("first_error", noise.whole, "of the filter that the loop believes"),
-        Given("first_starts", [noise.bank[part] for part in bank.slices[:4]], "of the members that leave out a sensor"),
+        Given("first_starts", np.array([noise.bank[part] for part in bank.slices[:4]]), "of the members that leave out a sensor"),
     ), DT)

@@ -52,8 +52,8 @@ def _drawn(d: Design, count: int) -> tuple[Given, ...]:
     begun = starts(case, d["size"], FEW, rng)
     to_v, to_w = root(d["sensor"]**2 * case.R), root(d["wind"] * case.Q)
     noise = [(to_v @ rng.standard_normal((len(to_v), FEW)), to_w @ rng.standard_normal((len(to_w), FEW))) for _ in range(count)]
-    return (Given("starts", begun, "true states, a run a column"), Given("noise_v", [v.ravel() for v, _ in noise]),
-            Given("noise_w", [w.ravel() for _, w in noise]))
+    return (Given("starts", begun, "true states, a run a column"), Given("noise_v", np.array([v.ravel() for v, _ in noise])),
+            Given("noise_w", np.array([w.ravel() for _, w in noise])))
 
 
 def _laws(d: Design) -> tuple[Given, ...]:
