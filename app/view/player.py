@@ -5,12 +5,13 @@ from __future__ import annotations
 import viser
 
 from . import quirks
-from .moves import changed, packed
+from .moves import Frame, changed, packed
 from .stage import StageView
 from .transport import Transport
 
 FIRST, LONGEST = 0.8, 6.4  # s of playing that the first message covers, each further one twice as much, and the most
 LEFT = 0.4  # s that are still to be played when the next one is made
+NEW = 40  # poses of one message that have not been computed before
 MOST = 1500  # steps from one pose to the next that are kept packed
 
 
@@ -57,26 +58,32 @@ class Player:
             count = max(1, round(self._ahead / every))
             times = [min(until + every * rate * k, end) for k in range(0 if begins else 1, count + 1)]
             times = times[:next((k for k, time in enumerate(times) if time >= end), len(times)) + 1]
-            self._send(times, begins, every)
-            self._until = until = times[-1]
+            self._until = until = self._send(times, begins, every)
         return max(0.0, until - t) / rate
 
-    def _send(self, times: list[float], begins: bool, every: float) -> None:
+    def _send(self, times: list[float], begins: bool, every: float) -> float:
+        """Send the poses of these times, but not many that are new: nobody's hand waits for a long run. The time of the last."""
         if self._built is not self._stage.built:
             self._built, self._names, self._packed = self._stage.built, {}, {}
         if len(self._packed) > MOST:
             self._packed = {}
-        frames = []
-        before = None if begins else self._stage.place_at(self._until or 0.0)
+        frames, fresh = list[str](), 0
+        before, stands = (None, Frame()) if begins else (self._stage.place_at(self._until or 0.0), None)
         for time in times:
             place = self._stage.place_at(time)
-            if (before, place) not in self._packed:
-                last = {} if before is None else self._stage.frame_at(before)
-                self._packed[before, place] = packed(changed(last, self._stage.frame_at(place)), self._names)
-            frames.append(self._packed[before, place])
+            known = self._packed.get((before, place))
+            if known is None and fresh == NEW:
+                break
+            if known is None:
+                now = self._stage.frame_at(place)
+                known = packed(changed(self._stage.frame_at(before) if stands is None else stands, now), self._names)
+                self._packed[before, place], stands, fresh = known, now, fresh + 1
+            else:
+                stands = None
+            frames.append(known)
             before = place
+        times = times[:len(frames)]
         quirks.run(self._client, "play", begins=begins, every=1e3 * every, owner=str(self._client.client_id), names=list(self._names),
                    times=[round(time, 9) for time in times], told=self._transport.told, moves=f"[{','.join(frames)}]")
         self._client.flush()
-
-
+        return times[-1]
