@@ -27,6 +27,8 @@ def _false_sentence(outcome: Outcome[Study]) -> Verdict:
     if abs(clipped - 0.5) > 0.051:
         return Verdict(False, text("The force is clipped for {clipped:.2f} s; the counterexample asked for has 0.5 s within 10 %.",
                                    clipped=clipped))
+    if not outcome.metrics["comes_home"]:
+        return Verdict(False, text("The pole does not come home; the force was clipped for {clipped_for:.2f} s.", clipped_for=clipped))
     if meter >= EXACT:
         return Verdict(False, text("Clipped for {clipped:.2f} s, but the meter reads {meter}; it must be below "
                                    "1e-9.",
