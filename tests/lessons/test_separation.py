@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
+from app.engine.simulation import disturbances_of
 from app.lesson.figures import Figure
 from app.lesson.lesson import Outcome
+from app.plants.examples import example
 from lessons.separation.lesson import LESSON
 from lessons.separation.study import Study
 
@@ -83,3 +86,28 @@ def test_a_wall_that_is_broken_keeps_its_poles_and_its_run_dies_down() -> None:
 
 def test_the_limit_clips_as_soon_as_it_is_switched_on() -> None:
     assert outcome(limited=True).study.clipped and outcome(limited=True).metrics["separation_meter"] > 1e-3
+
+
+def test_no_switching_of_a_stiff_loop_is_missed_between_two_instants() -> None:
+    """The aircraft with a very fast controller by weights, a wrong model, noise and limits: each step by a solver from the run's own state.
+
+    A dip of the asked input within a step had been missed, and the page was off by hundredths.
+    """
+    lesson = LESSON.fit(example("aircraft"))
+    design = lesson.apply(lesson.start(), {"method": "weights", "q": 1e4, "r": 3.6e-6, "mismatch": 26.8, "limited": True, "u_max": 0.15,
+                                           "noise": 17.15})
+    run = lesson.compute(design).run
+    assert run is not None and run.saturated
+    s, v = run.scenario, disturbances_of(run.scenario).v
+    P, M, n = s.plant, s.model, s.plant.n
+    states = np.hstack([run.x, run.xhat])
+
+    def slope(t: float, z: np.ndarray, noise: np.ndarray) -> np.ndarray:
+        x, xhat = z[:n], z[n:]
+        asked = -s.K @ xhat
+        u = np.clip(asked, s.u_min, s.u_max)
+        fed = u if s.fed == "applied" else asked
+        return np.concatenate([P.A @ x + P.B @ u, M.A @ xhat + M.B @ fed + s.L @ (P.C @ x + P.D @ u + noise - M.C @ xhat - M.D @ fed)])
+    for before, after, noise in zip(states[20:32], states[21:33], v[20:], strict=False):
+        peer = solve_ivp(slope, (0, s.dt), before, "LSODA", rtol=1e-10, atol=1e-14, max_step=s.dt / 100, args=(noise,)).y[:, -1]
+        assert np.abs(after - peer).max() < 1e-9 * np.abs(states).max()

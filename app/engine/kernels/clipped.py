@@ -4,7 +4,8 @@ w = (z, q) holds the states z (N,) and what acts beside them, q = (1, r, v). For
 met there are, transposed so that `times` reads them row by row:
     flow[s, j] (w → z, u, u̇ after h/2ʲ; padded), read[s] (w → u, u̇ now; padded), rate[s] (w → ż),
     taylor[s] (ż → coefficients of z(τ) − z(0) in rising powers of τ/short[s]), F (z → u without r),
-    within[s] (2, m) the limits of u in the mode with their slack, counts[s] (levels of flow, first that may be used).
+    within[s] (2, m) the limits of u in the mode with their slack, counts[s] (levels of flow, first that may be used, first that tells
+    u by itself: longer ones are told from doubling to doubling).
 slot tells the place s of a mode by its code Σ (sign + 1) 3ⁱ, −1 where it has not been met.
 """
 
@@ -12,15 +13,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from .exits import piece
 from .small import times
 
 __all__ = ["march"]
 
 HUGE = 1e100  # a state beyond this is not followed
 ROUNDING = 16 * 2.0**-52
-NEWTON = 80
-SAMPLES = 8  # of a polynomial, between which it crosses a limit at most once
-MOST = 100_000  # switchings within a step
+MOST = 100_000  # pieces of a step
+DOUBT = 0.25  # as in simulation.saturation
 
 
 def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within, counts, flow, read, rate, taylor,
@@ -34,7 +35,7 @@ def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within,
     N = Z.shape[1]
     m, width = F.shape[0], flow.shape[3]
     n, near, far, rest, bound = int(judge[0]), judge[1], judge[2], judge[3], judge[4]
-    w, v, ud = np.empty(N + q.shape[1]), np.empty(width), np.empty(read.shape[2])
+    w, v, ud, v2 = np.empty(N + q.shape[1]), np.empty(width), np.empty(read.shape[2]), np.empty(width)
     trial, change, line = np.empty(len(w)), np.empty(taylor.shape[2]), np.empty((taylor.shape[2] // N + 1, m))
     missing, held, small = -1, q.shape[0] == 1, min(rest, bound)
     for run in range(begin, stop):
@@ -52,7 +53,7 @@ def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within,
             known = False
             if s >= 0:
                 good = False
-                if counts[s, 1] == 0:
+                if counts[s, 2] == 0:
                     times(flow[s, 0], w, v)
                     good = stays(ud, v, N, m, within[s], h)
                 if good:
@@ -63,7 +64,7 @@ def march(Z, at, end, out, q, jumps, judge, last, lost, slot, limits, F, within,
                     for j in range(len(w)):
                         trial[j] = w[j]
                     s = careful(trial, h, slot, limits, F, within, counts, flow, read, rate, taylor, short, h, v, ud,
-                                change, line)
+                                v2, change, line)
                     if s >= 0:
                         for j in range(N):
                             w[j] = trial[j]
@@ -173,110 +174,76 @@ def slack_of(i, w, limits, F):
 
 
 def stays(ud, v, N, m, within, h):
-    """Whether u keeps within the limits over a step of length h, by the Bernstein points of its cubic."""
+    """Whether u keeps within the limits over a step of length h, by the Bernstein points of its cubic and DOUBT of its cubic term."""
     for i in range(m):
         u0, u1 = ud[i], v[N + i]
         inner0, inner1 = u0 + ud[m + i] * (h / 3), u1 - v[N + m + i] * (h / 3)
-        if not (min(min(u0, u1), min(inner0, inner1)) >= within[0, i]
-                and max(max(u0, u1), max(inner0, inner1)) <= within[1, i]):
+        doubt = DOUBT * abs(2 * (u0 - u1) + (ud[m + i] + v[N + m + i]) * h)
+        if not (min(min(u0, u1), min(inner0, inner1)) - doubt >= within[0, i]
+                and max(max(u0, u1), max(inner0, inner1)) + doubt <= within[1, i]):
             return False
     return True
 
 
-def careful(w, left, slot, limits, F, within, counts, flow, read, rate, taylor, short, h, v, ud, change, line):
-    """Take w through every switching of the next `left` seconds; the last mode, or −1 − the code of a missing one."""
+def careful(w, left, slot, limits, F, within, counts, flow, read, rate, taylor, short, h, v, ud, v2, change, line):
+    """Take w through every switching of the next `left` seconds; the last mode, or −1 − the code of a missing one.
+
+    w[0] is ∞ where it cannot be followed.
+    """
     m, N = F.shape
     least, s = 1e-14 * h, 0
     for _ in range(MOST):
         if not left > least:
             break
+        most = np.sqrt(length2(w, N))
+        if not most < HUGE or blurred(w, most, limits, F):
+            w[0] = np.inf
+            return s
         s = mode_at(w, slot, limits, F, read, ud)
         if s < 0:
             return s
-        part, moved = h, False
-        for level in range(counts[s, 0]):
-            if level >= counts[s, 1] and part <= left * (1 + 1e-12):
-                times(flow[s, level], w, v)
-                if stays(ud, v, N, m, within[s], part):
-                    moved = True
-                    break
+        longest, part = counts[s, 1], h / 2.0 ** counts[s, 1]
+        while longest < counts[s, 0] and part > left * (1 + 1e-12):
+            longest += 1
+            part /= 2
+        level, moved = longest, False
+        while level < counts[s, 2]:
+            level += 1
+            part /= 2
+        while level < counts[s, 0]:
+            times(flow[s, level], w, v)
+            if stays(ud, v, N, m, within[s], part):
+                moved = True
+                break
+            level += 1
             part /= 2
         if moved:
+            while level > longest:
+                times(flow[s, level - 1], w, v2)
+                if not stays(v[N:], v2, N, m, within[s], part):
+                    break
+                for j in range(len(v)):
+                    v[j] = v2[j]
+                level -= 1
+                part *= 2
             for j in range(N):
                 w[j] = v[j]
             left -= part
         else:
             left -= piece(w, min(short[s], left), left, F, within[s], rate[s], taylor[s], short[s], v, ud, change, line)
-        most = 0.0
-        for j in range(N):
-            if not abs(w[j]) <= most:
-                most = abs(w[j])
-        if not most < HUGE:
-            break
+    if left > least:
+        w[0] = np.inf
     return s
 
 
-def piece(w, part, left, F, within, rate, taylor, short, v, ud, change, line):
-    """Move w along its Taylor series for `part`, or until an input leaves its limits; the time that it took."""
-    m, N = F.shape
-    terms = line.shape[0]
-    times(rate, w, v)
-    times(taylor, v[:N], change)
-    for i in range(m):
-        line[0, i] = ud[i]
-        for k in range(1, terms):
-            a = 0.0
-            for j in range(N):
-                a += change[(k - 1) * N + j] * F[i, j]
-            line[k, i] = a
-    end = part / short
-    leave = end
-    for i in range(m):
-        for side in range(2):
-            if np.isfinite(within[side, i]):
-                leave = min(leave, first_exit(line, i, within[side, i], 1.0 if side else -1.0, end))
-    power = 1.0
-    for k in range(terms - 1):
-        power *= leave
-        for j in range(N):
-            w[j] += power * change[k * N + j]
-    return left if leave * short >= left * (1 - 1e-14) else leave * short
-
-
-def first_exit(line, i, limit, side, end):
-    """The first s in (0, end] where side·(polynomial i − limit) turns positive, by Newton within a bracket; or end."""
-    terms = line.shape[0]
-    a = b = 0.0
-    found = False
-    for j in range(1, SAMPLES + 1):
-        b = end * j / SAMPLES
-        value = 0.0
-        for k in range(terms - 1, -1, -1):
-            value = value * b + line[k, i]
-        if side * (value - limit) > 0:
-            found = True
-            break
-        a = b
-    if not found:
-        return end
-    s = 0.5 * (a + b)
-    for _ in range(NEWTON):
-        value = slope = 0.0
-        for k in range(terms - 1, -1, -1):
-            slope = slope * s + value
-            value = value * s + line[k, i]
-        value -= limit
-        if value == 0:
-            break
-        if side * value > 0:
-            b = s
-        else:
-            a = s
-        new = s - value / slope if slope != 0 else a
-        if not a < new < b:
-            new = 0.5 * (a + b)
-        done = abs(new - s) <= 1e-15 * abs(b) + 1e-300
-        s = new
-        if done:
-            break
-    return s
+def blurred(w, most, limits, F):
+    """Whether a state is so large that rounding alone takes an input from one limit to the other; `most` is its length."""
+    for i in range(F.shape[0]):
+        span = limits[1, i] - limits[0, i]
+        if limits[3, i] * most > span:
+            reach = 0.0
+            for j in range(F.shape[1]):
+                reach += abs(F[i, j]) * abs(w[j])
+            if ROUNDING * reach > span:
+                return True
+    return False

@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from . import clipped, held, recursion, small
+from . import clipped, exits, held, recursion, small
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels"]
 
@@ -40,7 +40,7 @@ SIGNATURES = MappingProxyType({
 })
 PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor,
          small.solve_upper, small.solve_both, recursion.there, clipped.length2, clipped.mode_at, clipped.slack_of, clipped.stays,
-         clipped.careful, clipped.piece, clipped.first_exit)
+         clipped.careful, clipped.blurred, exits.piece, exits.first_exit)
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
 SWITCH = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it

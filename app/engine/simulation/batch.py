@@ -10,7 +10,7 @@ from ..systems.errors import ShapeError, phrase
 from .disturbance import disturbances
 from .loop import Loop, ramped
 from .runner import Runner, beside
-from .saturation import ROUNDING, TERMS, Mode, Switcher, bounds
+from .saturation import MOST, ROUNDING, TERMS, Mode, Switcher
 from .scenario import Scenario
 from .simulate import loop_of
 
@@ -175,7 +175,7 @@ def _by_sign(w: Switcher, sign: np.ndarray, r: np.ndarray, v: np.ndarray) -> lis
 
 def grid_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> np.ndarray:
     """All runs over one whole grid step: those that keep their mode in one product, the others through switchings."""
-    after, F = np.empty_like(Z), w.loop.F
+    after = np.empty_like(Z)
     for mode, rows, force in _groups(w, Z, r, v):
         if mode.first:
             after[rows] = part_step(w, Z[rows], r, v, np.full(len(rows), w.h))
@@ -183,9 +183,7 @@ def grid_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> np.nd
         Phi, Phi1 = mode.flow[0]
         now = Z if len(rows) == len(Z) else Z[rows]
         then = now @ Phi.T + Phi1 @ force
-        slope = F @ force
-        least, most = bounds(now @ F.T + r, then @ F.T + r, now @ mode.FM.T + slope, then @ mode.FM.T + slope, w.h)
-        leaves = ~((least >= mode.low - w.slack) & (most <= mode.high + w.slack)).all(axis=1)
+        leaves = ~w.keeps(mode, now, then, force, r)
         after[rows] = then
         if leaves.any():
             gone = rows[leaves]
@@ -196,8 +194,10 @@ def grid_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray) -> np.nd
 def part_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray, left: np.ndarray) -> np.ndarray:
     """All runs over their own durations `left` ≤ h, piece by Taylor piece from switching to switching."""
     Z, left = Z.copy(), left.copy()
-    for _ in range(100_000):
-        active = np.flatnonzero(left > 1e-14 * w.h)
+    span = np.abs(w.loop.F).T, w.u_max - w.u_min
+    for _ in range(MOST):
+        blurred = (ROUNDING * (np.abs(Z) @ span[0]) > span[1]).any(axis=1)
+        active = np.flatnonzero((left > 1e-14 * w.h) & ~blurred)
         if not len(active):
             break
         for mode, rows, force in _groups(w, Z[active], r, v):
@@ -209,6 +209,7 @@ def part_step(w: Switcher, Z: np.ndarray, r: np.ndarray, v: np.ndarray, left: np
             powers = leave[:, None] ** np.arange(1, TERMS + 1)
             Z[rows] += (powers[:, None] @ change)[:, 0]
             left[rows] = np.where(leave >= left[rows] / mode.short * (1 - 1e-14), 0.0, left[rows] - leave * mode.short)
+    Z[left > 1e-14 * w.h] = np.inf  # not to be followed
     return Z
 
 

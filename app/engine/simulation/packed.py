@@ -30,7 +30,7 @@ class Packed:
         self.slot = np.full(3**m, -1)
         self.limits = np.array([w.u_min, w.u_max, w.slack, ROUNDING * np.abs(w.loop.F).sum(axis=1)])
         flow = len(free.flow), N + nq, _padded(N + 2 * m)
-        shapes = (2, m), (2,), flow, (N + nq, _padded(2 * m)), (N + nq, N), (N, TERMS * N), ()
+        shapes = (2, m), (3,), flow, (N + nq, _padded(2 * m)), (N + nq, N), (N, TERMS * N), ()
         self.arrays = [np.zeros((min(ROOM, 3**m), *shape), dtype=int if i == 1 else float) for i, shape in enumerate(shapes)]
         self.add((len(self.slot) - 1) // 2)
 
@@ -59,7 +59,7 @@ class Packed:
         now = np.zeros((2 * m, N + 1 + m + p))  # w → u, u̇
         now[:m, :N], now[m:, :N], now[m:, N:] = loop.F, mode.FM, loop.F @ force
         now[:m, N + 1:N + 1 + m] = np.eye(m)
-        within[s], counts[s], short[s] = (mode.low - slack, mode.high + slack), (len(mode.flow), mode.first), mode.short
+        within[s], counts[s], short[s] = (mode.low - slack, mode.high + slack), (len(mode.flow), mode.first, mode.looks), mode.short
         read[s, :, :2 * m] = now.T
         rate[s, :N], rate[s, N:], taylor[s] = mode.M.T, force.T, mode.taylor.T
         for level, (Phi, Phi1) in enumerate(mode.flow):

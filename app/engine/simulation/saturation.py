@@ -20,6 +20,8 @@ SAMPLES = np.linspace(0.0, 1.0, 9)
 POWERS = SAMPLES[:, None] ** np.arange(TERMS + 1)
 HUGE = 1e100  # a state beyond this is not followed
 LONGEST = 512  # grid steps tried at once in one mode
+MOST = 100_000  # pieces of a grid step
+DOUBT = 0.25  # of the cubic term; an exponential that decays by a factor of 55 from end to end is off by a tenth of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +30,8 @@ class Mode:
 
     flow[j] = (Φ, Φ₁) over h / 2^j; the last of them is short enough for `taylor` (TERMS·N × N), which maps ż to the
     coefficients of z(τ) − z(0) in powers 1 … TERMS of τ / h_last. From part `first` on, a ringing mode turns by less
-    than a radian, so that u between two ends is told by its values and slopes there.
+    than a radian, so that u between two ends is told by its values and slopes there. What decays within a step is told so from
+    part `looks` on, and after that from one doubling of the time to the next.
     """
 
     free: np.ndarray
@@ -41,6 +44,7 @@ class Mode:
     taylor: np.ndarray
     short: float
     first: int
+    looks: int
 
 
 def _mode(loop: Loop, sign: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, h: float) -> Mode:
@@ -63,22 +67,26 @@ def _mode(loop: Loop, sign: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, h:
             Phi, Phi1 = flow[-1]
             flow.append((Phi @ Phi, Phi1 + Phi @ Phi1))
         flow = tuple((outer * Phi, outer * Phi1) for Phi, Phi1 in flow[::-1])
-    first = 0
-    if np.linalg.norm(balanced - balanced.T) * h > 2.0:  # else no |Im λ| h, at most half of it, is beyond 1
+    first = looks = 0
+    if np.linalg.norm(balanced, 1) * h > 1.0:  # else no |λ| h is beyond 1
         poles = np.linalg.eigvals(balanced)
         ringing = np.abs(poles.imag[np.abs(poles.imag) > RINGING * np.abs(poles.real)])
-        first = int(np.ceil(np.log2(max(1.0, ringing.max(initial=0.0) * h)))) if len(ringing) else 0
+        first, looks = (int(np.ceil(np.log2(max(1.0, rates.max(initial=0.0) * h)))) for rates in (ringing, np.abs(poles.real)))
     held = np.where(sign > 0, u_max, np.where(sign < 0, u_min, 0.0))
     low = np.where(sign > 0, u_max, np.where(sign < 0, -np.inf, u_min))
     high = np.where(sign < 0, u_min, np.where(sign > 0, np.inf, u_max))
-    return Mode(free, held, low, high, M, loop.F @ M, flow, (outer * terms).reshape(-1, N), short, first)
+    return Mode(free, held, low, high, M, loop.F @ M, flow, (outer * terms).reshape(-1, N), short, first, min(max(first, looks), halvings))
 
 
 def bounds(u0: np.ndarray, u1: np.ndarray, d0: np.ndarray, d1: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Least and greatest value over a step of the cubic with these ends and slopes, by its Bernstein points."""
+    """Least and greatest value over a step of the cubic with these ends and slopes, by its Bernstein points.
+
+    Wider by DOUBT of its cubic term: u is a sum of exponentials, and the cubic is off by less than that where one of them decays.
+    """
     inner0, inner1 = u0 + d0 * (h / 3), u1 - d1 * (h / 3)
     low, high = np.minimum(inner0, inner1), np.maximum(inner0, inner1)
-    return np.minimum(np.minimum(u0, u1), low), np.maximum(np.maximum(u0, u1), high)
+    doubt = DOUBT * np.abs(2 * (u0 - u1) + (d0 + d1) * h)
+    return np.minimum(np.minimum(u0, u1), low) - doubt, np.maximum(np.maximum(u0, u1), high) + doubt
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,29 +125,48 @@ class Switcher:
         return self.mode_of(sign)
 
     def advance(self, z: np.ndarray, r: np.ndarray, v: np.ndarray, duration: float) -> np.ndarray:
-        """The state after `duration` ≤ h with r and v held, through every switching on the way."""
+        """The state after `duration` ≤ h with r and v held, through every switching on the way; ∞ where it cannot be followed."""
         left, guard = duration, 0
         while left > 1e-14 * self.h:
+            guard += 1
+            if guard > MOST or not np.abs(z).max() < HUGE or self.blurred(z):
+                return np.full_like(z, np.inf)
             mode = self.mode_at(z, r, v)
             force = self.loop.forcing(mode.free, mode.held, r, v)
             z, used = self._stretch(mode, z, force, r, left)
             left -= used
-            guard += 1
-            if guard > 100_000 or not np.abs(z).max() < HUGE:
-                break
         return z
+
+    def blurred(self, z: np.ndarray) -> bool:
+        """Whether a state is so large that rounding alone takes u from one limit to the other."""
+        return bool(np.any(ROUNDING * (np.abs(self.loop.F) @ np.abs(z)) > self.u_max - self.u_min))
 
     def _stretch(self, mode: Mode, z: np.ndarray, force: np.ndarray, r: np.ndarray,
                  left: float) -> tuple[np.ndarray, float]:
         """Stay in one mode for the longest dyadic part of the step that holds no switching, or up to the switching."""
-        F, part = self.loop.F, self.h
-        u0, d0 = F @ z + r, mode.FM @ z + F @ force
-        for level, (Phi, Phi1) in enumerate(mode.flow):
-            if level >= mode.first and part <= left * (1 + 1e-12):
-                after = Phi @ z + Phi1 @ force
-                if self._stays(mode, u0, F @ after + r, d0, mode.FM @ after + F @ force, part):
-                    return after, part
-            part /= 2
+        F = self.loop.F
+        pull = F @ force
+
+        def end_of(level: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+            Phi, Phi1 = mode.flow[level]
+            then = Phi @ z + Phi1 @ force
+            return then, F @ then + r, mode.FM @ then + pull
+
+        u0, d0 = F @ z + r, mode.FM @ z + pull
+        longest = mode.first
+        while longest < len(mode.flow) and self.h / 2**longest > left * (1 + 1e-12):
+            longest += 1
+        for level in range(max(longest, min(mode.looks, len(mode.flow) - 1)), len(mode.flow)):
+            then, u, d = end_of(level)
+            part = self.h / 2**level
+            if not self._stays(mode, u0, u, d0, d, part):
+                continue
+            while level > longest:  # on from there, each time twice as far
+                later, u1, d1 = end_of(level - 1)
+                if not self._stays(mode, u, u1, d, d1, part):
+                    break
+                then, u, d, level, part = later, u1, d1, level - 1, 2 * part
+            return then, part
         part = min(mode.short, left)
         change = (mode.taylor @ (mode.M @ z + force)).reshape(TERMS, -1)
         coefficients = np.vstack([u0, change @ F.T])
@@ -183,7 +210,7 @@ class Switcher:
     def _scan(self, states: np.ndarray, k: int, end: int, r: np.ndarray, v: np.ndarray, jumps: np.ndarray | None,
               bound: float) -> int:
         """Fill states k+1 … as far as one mode carries and return the last index that is right."""
-        mode, F = self.mode_at(states[k], r[k], v[k]), self.loop.F
+        mode = self.mode_at(states[k], r[k], v[k])
         if mode.first:
             return k
         force = self.loop.forcing(mode.free, mode.held, r[k:end], v[k:end])
@@ -194,14 +221,25 @@ class Switcher:
         path = affine_scan(Phi, push, states[k], end - k)
         with np.errstate(over="ignore", invalid="ignore"):
             before = path[1:] if jumps is None else path[1:] - jumps[k:end]
-            u0, u1 = path[:-1] @ F.T + r[k:end], before @ F.T + r[k:end]
-            slope = force @ F.T
-            least, greatest = bounds(u0, u1, path[:-1] @ mode.FM.T + slope, before @ mode.FM.T + slope, self.h)
-            good = ((least >= mode.low - self.slack) & (greatest <= mode.high + self.slack)).all(axis=1)
+            good = self.keeps(mode, path[:-1], before, force, r[k:end])
             good &= np.abs(path[1:]).max(axis=1) < bound
         right = len(good) if good.all() else int(np.argmin(good))
         states[k + 1:k + 1 + right] = path[1:1 + right]
         return k + right
+
+    def keeps(self, mode: Mode, now: np.ndarray, then: np.ndarray, force: np.ndarray, r: np.ndarray) -> np.ndarray:
+        """Which of the steps from `now` to `then` (rows) stay in a mode: told from its part `looks` on, and at each doubling."""
+        F = self.loop.F
+        pull, kept, width = force @ F.T, np.ones(len(now), dtype=bool), self.h / 2**mode.looks
+        u0, d0 = now @ F.T + r, now @ mode.FM.T + pull
+        for level in range(mode.looks, -1, -1):
+            Phi, Phi1 = mode.flow[level]
+            at = now @ Phi.T + force @ Phi1.T if level else then
+            u1, d1 = at @ F.T + r, at @ mode.FM.T + pull
+            least, greatest = bounds(u0, u1, d0, d1, width)
+            kept &= ((least >= mode.low - self.slack) & (greatest <= mode.high + self.slack)).all(axis=1)
+            u0, d0, width = u1, d1, self.h / 2**level
+        return kept
 
     def careful(self, z: np.ndarray, r: np.ndarray, v: np.ndarray, kicks: list[tuple[float, np.ndarray]]) -> np.ndarray:
         """One grid step through kicks (time into the step, jump) and switchings."""

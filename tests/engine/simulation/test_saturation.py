@@ -2,10 +2,15 @@
 
 import numpy as np
 import pytest
+from laws import holds_for_all
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from app.engine import Plant, Scenario, simulate
+from app.engine.simulation import disturbances_of
+from app.engine.simulation.batch import part_step
+from app.engine.simulation.loop import continuous_loop
+from app.engine.simulation.saturation import Switcher
 
 DOUBLE = Plant([[0, 1], [0, 0]], [[0], [1]], [[1, 0]])
 K, L = np.array([[4.0, 4.0]]), np.array([[12.0], [36.0]])  # poles −2, −2 and −6, −6
@@ -97,6 +102,46 @@ def test_noise_that_switches_at_every_step_stays_autonomous_and_within_limits() 
     quiet = simulate(Scenario(DOUBLE, K, L, x0=[1.0, 0.0], V=1.0, horizon=3, seed=5))
     assert np.abs(run.u_applied).max() <= 0.1
     assert np.abs(run.e - quiet.e).max() < 1e-11
+
+
+LOOP = continuous_loop(Scenario(DOUBLE, K, L, **ONE))
+
+
+def stiff(seed: int) -> Scenario:
+    """A plant whose modes decay at rates that are decades apart, most within a step of the grid; noise wakes them at each step."""
+    rng = np.random.default_rng(seed)
+    turn, _ = np.linalg.qr(rng.standard_normal((4, 4)))
+    A = turn @ np.diag([-1.0, -30.0, -400.0, -3000.0]) @ turn.T
+    B, gain = turn @ [[1.0], [30], [400], [3000]], np.array([[0.05, 1.0, -4.0, 3.0]]) @ turn.T
+    return Scenario(Plant(A, B, np.eye(4)), gain, state_feedback=True, x0=rng.standard_normal(4), W=np.eye(4), horizon=1.2, dt=0.04,
+                    seed=seed, u_min=-0.1, u_max=0.1)
+
+
+def test_what_a_stiff_loop_does_within_a_step_is_seen() -> None:
+    """Each step from the run's own state, by a solver that resolves the fastest mode."""
+    def law(seed: int) -> None:
+        s = stiff(seed)
+        run, jumps = simulate(s), disturbances_of(s).jumps
+        states, n = np.hstack([run.x, run.xhat]), s.plant.n
+        assert jumps is not None
+        for before, after, jump in zip(run.x, run.x[1:], jumps, strict=False):
+            def slope(t: float, x: np.ndarray) -> np.ndarray:
+                return s.plant.A @ x + s.plant.B @ np.clip(-s.K @ x, s.u_min, s.u_max)
+            peer = solve_ivp(slope, (0, s.dt), before, "LSODA", rtol=1e-10, atol=1e-13, max_step=s.dt / 60).y[:, -1]
+            assert np.abs(after - jump[:n] - peer).max() < 1e-8 * np.abs(states).max()
+    holds_for_all(range(3), law)
+
+
+def test_a_state_of_which_rounding_hides_the_input_ends_the_run_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It had kept a lesson busy for minutes: u swayed by more than both limits with the last digit of the state."""
+    pieces, stretch = [], Switcher._stretch
+    monkeypatch.setattr(Switcher, "_stretch", lambda *given: pieces.append(1) or stretch(*given))
+    one = np.array([1.0])
+    far = Switcher(LOOP, -one, one, 0.01).advance(np.array([3e14, -1e15, 3e14, 2e14]), np.zeros(1), np.zeros(1), 0.01)
+    assert not np.isfinite(far).all() and not pieces
+    FAR = np.array([[3e14, -1e15, 3e14, 2e14], [1.0, 0.0, 0.0, 0.0]])
+    both = part_step(Switcher(LOOP, -one, one, 0.01), FAR, np.zeros(1), np.zeros(1), np.full(2, 0.01))
+    assert not np.isfinite(both[0]).all() and np.isfinite(both[1]).all()
 
 
 def test_delay_with_a_limit_is_the_delayed_clipped_input() -> None:
