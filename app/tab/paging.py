@@ -70,8 +70,10 @@ def _see(show: Presenter, window: tuple[float, float], night: bool) -> None:
     grown = max(abs(a - b) / b for a, b in zip(window, before.window, strict=True)) > SAME_WINDOW
     if state.darkness != before.darkness or (state.lecture and grown):
         show.rebuild(state)
+    elif grown:
+        show.change(state)
     else:
-        show.state = replace(state, window=window if grown else before.window)
+        show.state = replace(state, window=before.window)
 
 
 def _pixels(sent: object) -> float:

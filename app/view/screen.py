@@ -80,7 +80,7 @@ class Screen(Browser):
             self._panel = Panel(gui, picture, self._post)
             quirks.run(self._client, "fields", fields=self._panel.fields)
             self._right_panel(picture)
-            self._transport = Transport(gui, picture, self._post, sizes.run)
+            self._transport = Transport(gui, picture, self._post)
             self._mark = Mark(gui, self._post)
             self._take = Take(self._client, picture, self._post, self._home)
             self._course = Course(self._client, self._post)

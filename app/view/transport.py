@@ -13,7 +13,7 @@ from ..tab.commands import ChangeSpeed, Command, Edit, Kick, LookFrom, Play, Red
 from ..tab.picture import Picture
 from . import phrases, quirks
 from .readback import ReadBack
-from .sizes import BAR
+from .sizes import BAR, Sizes
 from .style import clock, digits_of
 
 MARKS = "\ue000", "\ue001"  # where a page that plays by itself writes the cursor's place and the time into the clock
@@ -39,7 +39,7 @@ def _parts(picture: Picture) -> str:
 class Transport:
     """Play, kick, start, undo, redo, reset; the time slider and the speed."""
 
-    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], int], width: float) -> None:
+    def __init__(self, gui: viser.GuiApi, picture: Picture, post: Callable[[Edit], int]) -> None:
         lang = picture.state.language
         self._lang = lang
         self._count, self._rate, self._picture = 0, picture.rate, picture
@@ -59,7 +59,8 @@ class Transport:
             self._back = ReadBack(self._time, lambda t: post(Seek(t)))
             self._clock = gui.add_html(clock(0.0, picture.horizon, picture.rate, self._caption))
         panel.expand()  # a phone folds it otherwise
-        panel.float(x=BAR, y=-BAR, width=width)
+        self._panel, self._width = panel, Sizes(picture.state).run
+        panel.float(x=BAR, y=-BAR, width=self._width)
         self._listen(commands, post)
 
     def _words(self, picture: Picture) -> str:
@@ -85,6 +86,10 @@ class Transport:
     def show(self, picture: Picture) -> None:
         """Play or pause on the first button, the speed, the length of the run, what is on the stage."""
         self._picture = picture
+        width = Sizes(picture.state).run
+        if width != self._width:  # the window has grown or shrunk
+            self._width = width
+            self._panel.set_width(width)
         options = self._options(picture)
         if self._row.options != options:
             self._row.options = options

@@ -11,7 +11,7 @@ from tab import Tab, eventually
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
 from app.view.knobs import label_of
-from app.view.sizes import RIGHT
+from app.view.sizes import RIGHT, RUN
 from lessons import LESSONS
 
 GLYPHS = """() => {
@@ -53,6 +53,10 @@ NAMES = """() => {  // the names of curves: within their chart, off each other, 
     }));
   }
   return out;
+}"""
+RUN_PANEL = """() => {  // px: the panel about the clock
+  const panels = [...document.querySelectorAll('.mantine-Paper-root')].filter(panel => panel.querySelector('.ol-dim'));
+  return Math.min(...panels.map(panel => panel.getBoundingClientRect().width));
 }"""
 COLUMN = "() => Math.round(document.querySelector('[data-dock-region=right]')?.getBoundingClientRect().width ?? -1)"
 
@@ -98,6 +102,7 @@ def look_at(tab: Tab, lesson: Lesson, language: str, path: Path) -> None:
     assert tab.page.evaluate(UNDRAWN) == []
     eventually(lambda: tab.page.evaluate(NAMES), lambda wrong: not wrong, "names of curves in their places")
     eventually(lambda: tab.page.evaluate(COLUMN), lambda wide: wide == -1 or abs(wide - RIGHT) < 8, "the figures' column has its width")
+    eventually(lambda: tab.page.evaluate(RUN_PANEL), lambda wide: abs(wide - RUN) < 30, "the run's panel has its width")
     assert tab.page.locator("math").count() > 0, "no equation on the page"
 
 
