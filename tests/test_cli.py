@@ -19,6 +19,7 @@ from app.lesson.exam import seed_of
 from app.lesson.lesson import Check, Job, Lesson
 from app.published import records
 from app.tab.state import Saved, write_state
+from app.tab.token import read_token, write_token
 from app.text import same
 from lessons import LESSONS
 
@@ -83,12 +84,33 @@ def test_figure_and_csv_are_written(suffix: str, capsys, tmp_path: Path) -> None
     figure, table = tmp_path / f"page.{suffix}", tmp_path / "data.csv"
     main(["run", "separation", "--figure", str(figure), "--csv", str(table)])
     assert figure.stat().st_size > 5000
-    names = {line.split(",")[0] for line in table.read_text(encoding="utf-8").splitlines()[1:]}
+    told, _, *rows = table.read_text(encoding="utf-8").splitlines()
+    token = told.rpartition(" ")[2]
+    assert read_token(token, LESSONS).design == SEPARATION.start() and any(",t [s]," in row for row in rows)
+    assert suffix == "pdf" or token.encode() in figure.read_bytes(), "the token stands in the figure's file"
+    names = {line.split(",")[0] for line in rows}
     assert names == {f.id for f in SEPARATION.figures(SEPARATION.compute(SEPARATION.start()))}
 
 
+def test_a_state_brings_its_language_and_camera_to_every_file(capsys, tmp_path: Path) -> None:
+    camera = (0.0, -9.0, 3.0, 0.0, 0.5, 1.0)
+    token = write_token(SEPARATION, Saved(SEPARATION.start(), "zh", camera=camera))
+    page, script, figure = (str(tmp_path / name) for name in ("run.html", "run.py", "run.svg"))
+    assert main(["replay", "separation", "--state", token, "-o", page]) == 0
+    assert main(["export", "separation", "--state", token, "--to", "python", "-o", script]) == 0
+    assert main(["run", "separation", "--state", token, "--figure", figure]) == 0
+    capsys.readouterr()
+    assert main(["link", "separation", "--state", token]) == 0
+    assert capsys.readouterr().out.strip().endswith(f"#{token}")
+    words = SEPARATION.words["zh"]
+    assert words.question in Path(page).read_text(encoding="utf-8") and token in Path(page).read_text(encoding="utf-8")
+    assert words.title in Path(script).read_text(encoding="utf-8") and token in Path(figure).read_text(encoding="utf-8")
+    assert main(["export", "separation", "--state", token, "--lang", "en", "--to", "python", "-o", script]) == 0
+    assert words.title not in Path(script).read_text(encoding="utf-8")
+
+
 def test_a_file_that_cannot_be_finished_leaves_the_one_before_it(capsys, tmp_path: Path, monkeypatch) -> None:
-    def breaks_off(figures: object, path: str) -> None:
+    def breaks_off(figures: object, path: str, token: str) -> None:
         Path(path).write_text("figure,kind")
         raise OSError(28, "No space left on device")
     table = tmp_path / "data.csv"

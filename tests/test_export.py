@@ -30,7 +30,7 @@ from app.lesson.figures import (
     over_frequency,
 )
 from app.lesson.lesson import Check, Design, Outcome
-from app.text import same, text
+from app.text import same, text, wording
 
 T = np.linspace(0.0, 2.0, 120)
 F = np.geomspace(0.1, 100.0, 90)
@@ -247,6 +247,8 @@ def test_csv_read_back_is_the_record_to_the_last_bit(tmp_path: Path) -> None:
     save_csv(KINDS, tmp_path / "data.csv")
     rows = rows_of(tmp_path / "data.csv")
     assert tuple(rows[0]) == HEADER
+    axes = {row["figure"]: (row["x_axis"], row["y_axis"]) for row in rows}
+    assert axes["time"] == (TIME.x_label, wording(TIME.y_label, "en")) and axes["matrix"] == ("", "")
 
     def series(figure: str, name: str, column: str = "y") -> list[float]:
         return [float(row[column]) for row in rows if (row["figure"], row["series"]) == (figure, name)]

@@ -74,7 +74,7 @@ def test_every_command_runs_where_nothing_but_the_wheel_is_installed(bin: Path, 
     record = json.loads(told(lab, "run", "duality", "--json", "--plant", "motor", "--figure", "page.png", "--csv",
                              "data.csv", cwd=tmp_path))
     assert record["lesson"] == "duality" and (tmp_path / "page.png").stat().st_size > 5000
-    assert (tmp_path / "data.csv").read_text(encoding="utf-8").startswith("figure,kind,series")
+    assert (tmp_path / "data.csv").read_text(encoding="utf-8").startswith("# Observer Lab, state ")
     assert "agrees" in told(lab, "verify", cwd=tmp_path)
 
 

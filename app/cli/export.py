@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
-from .options import PLANT_HELP, STATE_HELP, CommandError
+from .options import PLANT_HELP, STATE_HELP, CommandError, add_language
 
 HELP = "a design as a script that proves itself, as data, as figures or as a sheet for print"
 SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("engine-notebook", "-engine.ipynb"), ("matlab", ".m"),
@@ -13,13 +14,11 @@ SUFFIXES = (("python", ".py"), ("notebook", ".ipynb"), ("engine-notebook", "-eng
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `export`."""
-    from ..text.languages import languages
-
     parser.add_argument("lesson", metavar="LESSON")
     parser.add_argument("--to", required=True, choices=[kind for kind, _ in SUFFIXES],
                         help="what to make of it; engine-notebook uses the lab's own engine, "
                              "pdf is the sheet of the lesson for print, svg and png are its figures on one page")
-    parser.add_argument("--lang", choices=languages(), default="en", help="language of scripts, figures and sheet (default %(default)s)")
+    add_language(parser, "scripts, figures and sheet")
     parser.add_argument("-o", "--output", metavar="FILE", help="where to (default: the lesson's name in this folder)")
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                         help="set a knob; may be repeated, and comes after --state")
@@ -35,32 +34,32 @@ def execute(options: argparse.Namespace) -> int:
     from ..export.files import SCRIPTS, FileError, Taken, sheet_file
     from ..export.matlab import function_name
     from ..export.script import ScriptError
-    from ..tab.state import Saved
     from ..tab.token import write_token
-    from .inputs import design_of, find_lesson, fitted, outcome_of
+    from .inputs import design_of, find_lesson, fitted, look_of, outcome_of
     from .outputs import save_bytes, save_page, save_words, write
 
     origin = find_lesson(options.lesson)
     design = design_of(origin, options.plant, options.state, options.changes)
-    lesson, token = fitted(origin, design.plant), write_token(origin, Saved(design))
+    look = look_of(options.state, options.lang)
+    lesson, token = fitted(origin, design.plant), write_token(origin, replace(look, design=design))
     called = function_name(origin) if options.to == "matlab" else origin.id
     name = options.output or f"{called}{dict(SUFFIXES)[options.to]}"
     try:
         outcome = outcome_of(lesson, design, options.final)
         if options.to in SCRIPTS:
-            code = SCRIPTS[options.to][0](lesson, outcome, token, options.lang)
+            code = SCRIPTS[options.to][0](lesson, outcome, token, look.language)
             write(name, lambda path: save_words(code, path))
         elif options.to == "json":
             write(name, lambda path: save_words(json_text(design, outcome, token), path))
         elif options.to == "csv":
-            write(name, lambda path: save_csv(lesson.figures(outcome), path))
+            write(name, lambda path: save_csv(lesson.figures(outcome), path, token))
         elif not name.lower().endswith(dict(SUFFIXES)[options.to]):
             raise CommandError(f"{name[:80]} does not end in {dict(SUFFIXES)[options.to]}; name it so.")
         elif options.to == "pdf":
-            file = sheet_file(Taken(lesson, outcome, tuple(lesson.figures(outcome)), token, options.lang))
+            file = sheet_file(Taken(lesson, outcome, tuple(lesson.figures(outcome)), token, look.language))
             write(name, lambda path: save_bytes(file.content, path))
         else:
-            write(name, lambda path: save_page(lesson.figures(outcome), path, options.lang))
+            write(name, lambda path: save_page(lesson.figures(outcome), path, look.language, token))
     except EngineError as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
     except (FileError, ScriptError) as problem:

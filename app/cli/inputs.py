@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from lessons import LESSONS
@@ -83,14 +84,24 @@ def saved_of(state: str) -> Saved:
 
     What could not be taken over is said on stderr.
     """
-    words = state if is_token(state) else _words_in(state)
-    try:
-        saved = read_token(words, LESSONS) if is_token(words) else read_state(words, LESSONS)
-    except KnobError as problem:
-        raise CommandError(str(problem)) from problem
+    saved = _read(state)
     for note in saved.notes:
         print(f"observer-lab: {note}", file=sys.stderr)
     return saved
+
+
+def look_of(state: str | None, language: str | None) -> Saved:
+    """How a state was shown, with the language that was asked for instead, if any; without a state as a page opens. Raises CommandError."""
+    saved = Saved(Design("", ())) if state is None else replace(_read(state), notes=())
+    return saved if language is None else replace(saved, language=language)
+
+
+def _read(state: str) -> Saved:
+    words = state if is_token(state) else _words_in(state)
+    try:
+        return read_token(words, LESSONS) if is_token(words) else read_state(words, LESSONS)
+    except KnobError as problem:
+        raise CommandError(str(problem)) from problem
 
 
 def _design_in(state: str, lesson: Lesson) -> Design:

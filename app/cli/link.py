@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
-from .options import PLANT_HELP, STATE_HELP, add_json
+from .options import PLANT_HELP, STATE_HELP, add_json, add_language
 
 HELP = "a link that opens a lesson exactly as you set it"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `link`."""
-    from ..text.languages import languages
-
     parser.add_argument("lesson", metavar="LESSON")
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                         help="set a knob; may be repeated, and comes after --state")
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
-    parser.add_argument("--lang", choices=languages(), default="en", help="language that the page opens in")
+    add_language(parser, "the page")
     parser.add_argument("--print", action="store_true", dest="lecture", help="large print, as for a lecture")
     parser.add_argument("--at", metavar="ADDRESS", default="http://127.0.0.1:8080/",
                         help="where the server is reached (default %(default)s)")
@@ -29,14 +28,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(options: argparse.Namespace) -> int:
     """Print the link; write what was asked for."""
-    from ..tab.state import Saved, write_state
+    from ..tab.state import write_state
     from ..tab.token import write_token
-    from .inputs import design_of, find_lesson
+    from .inputs import design_of, find_lesson, look_of
     from .outputs import save_code, save_words, write
     from .printing import print_json
 
     lesson = find_lesson(options.lesson)
-    saved = Saved(design_of(lesson, options.plant, options.state, options.changes), options.lang, options.lecture)
+    look = look_of(options.state, options.lang)
+    saved = replace(look, design=design_of(lesson, options.plant, options.state, options.changes), lecture=options.lecture or look.lecture)
     token = write_token(lesson, saved)
     link = f"{options.at.partition('#')[0]}#{token}"
     if options.qr is not None:

@@ -28,6 +28,13 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
+def add_language(parser: argparse.ArgumentParser, what: str) -> None:
+    """The option of every command that writes words for people."""
+    from ..text.languages import languages
+
+    parser.add_argument("--lang", choices=languages(), help=f"language of {what} (default: that of --state, else en)")
+
+
 def whole(low: int, high: int, refusal: str) -> Callable[[str], int]:
     """The reader of an option that is a whole number from low to high; `refusal` follows what was given instead."""
     def read(words: str) -> int:

@@ -26,12 +26,12 @@ def write(name: str, save: Callable[[str], None]) -> None:
         raise CommandError(f"{name[:80]} cannot be written ({cause(problem)}); choose another place.") from problem
 
 
-def save_page(figures: Sequence[Figure], path: str, language: str = "en") -> None:
+def save_page(figures: Sequence[Figure], path: str, language: str, token: str) -> None:
     """All figures on one page: .png, .svg or .pdf. Raises CommandError at another suffix."""
     from ..export.figure import ExportError, save_figures  # matplotlib is loaded only when a figure is drawn
 
     try:
-        save_figures(figures, path, language)
+        save_figures(figures, path, language, token)
     except ExportError as problem:
         raise CommandError(str(problem)) from problem
 

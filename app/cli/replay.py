@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
-from .options import PLANT_HELP, STATE_HELP, CommandError
+from .options import PLANT_HELP, STATE_HELP, CommandError, add_language
 
 HELP = "a run as one page that plays in three dimensions without a server"
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `replay`."""
-    from ..text.languages import languages
-
     parser.add_argument("lesson", metavar="LESSON")
     parser.add_argument("-o", "--output", metavar="FILE.html", help="where to (default: the lesson's name in this folder)")
     parser.add_argument("--set", action="append", default=[], metavar="KNOB=VALUE", dest="changes",
                         help="set a knob; may be repeated, and comes after --state")
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
-    parser.add_argument("--lang", choices=languages(), default="en", help="language of the page (default %(default)s)")
+    add_language(parser, "the page")
     parser.add_argument("--dark", action="store_true", help="light letters on a dark ground")
     parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
 
@@ -29,22 +28,22 @@ def execute(options: argparse.Namespace) -> int:
     from ..engine import EngineError
     from ..export.files import FileError
     from ..tab.picture import Picture, State
-    from ..tab.state import Saved
     from ..tab.token import write_token
     from ..view.replay import replay
-    from .inputs import design_of, find_lesson, fitted, outcome_of
+    from .inputs import design_of, find_lesson, fitted, look_of, outcome_of
     from .outputs import save_words, write
 
     origin = find_lesson(options.lesson)
+    look = look_of(options.state, options.lang)
     design = design_of(origin, options.plant, options.state, options.changes)
     lesson, name = fitted(origin, design.plant), options.output or f"{origin.id}.html"
     if not name.lower().endswith((".html", ".htm")):
         raise CommandError(f"{name[:80]} does not end in .html; name it so.")
     try:
         outcome = outcome_of(lesson, design, options.final)
-        state = State(language=options.lang, dark=options.dark)
+        state = State(language=look.language, dark=options.dark, camera=look.camera)
         page = replay(Picture(lesson, design, outcome, tuple(lesson.figures(outcome)), state, True),
-                      write_token(origin, Saved(design, options.lang)))
+                      write_token(origin, replace(look, design=design)))
     except EngineError as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
     except FileError as problem:

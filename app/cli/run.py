@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
-from .options import PLANT_HELP, STATE_HELP, CommandError, add_json
+from .options import PLANT_HELP, STATE_HELP, CommandError, add_json, add_language
 
 HELP = "compute a lesson without a browser"
 
@@ -19,6 +20,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--final", action="store_true", help="do the lesson's long computation too, if it has one")
     parser.add_argument("--figure", metavar="FILE", help="draw all figures on one page: .png, .svg or .pdf")
     parser.add_argument("--csv", metavar="FILE", help="write the data of all figures")
+    add_language(parser, "figures")
     add_json(parser)
 
 
@@ -26,21 +28,23 @@ def execute(options: argparse.Namespace) -> int:
     """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
     from ..engine import EngineError
     from ..export.data import run_record, save_csv
-    from .inputs import design_of, find_lesson, fitted, outcome_of
+    from ..tab.token import write_token
+    from .inputs import design_of, find_lesson, fitted, look_of, outcome_of
     from .outputs import save_page, write
     from .printing import print_json, print_run
 
-    design = design_of(find_lesson(options.lesson), options.plant, options.state, options.changes)
-    lesson = fitted(find_lesson(options.lesson), design.plant)
+    origin, look = find_lesson(options.lesson), look_of(options.state, options.lang)
+    design = design_of(origin, options.plant, options.state, options.changes)
+    lesson, token = fitted(origin, design.plant), write_token(origin, replace(look, design=design))
     try:
         outcome = outcome_of(lesson, design, options.final)
         figures = lesson.figures(outcome)
     except EngineError as problem:
         raise CommandError(f"This design cannot be computed: {problem}") from problem
     if options.figure is not None:
-        write(options.figure, lambda path: save_page(figures, path))
+        write(options.figure, lambda path: save_page(figures, path, look.language, token))
     if options.csv is not None:
-        write(options.csv, lambda path: save_csv(figures, path))
+        write(options.csv, lambda path: save_csv(figures, path, token))
     record = run_record(design, outcome)
     print_json(record) if options.json else print_run(lesson, record)
     return 0 if all(check.holds for check in outcome.checks) else 1

@@ -25,16 +25,17 @@ from ..text import languages, wording
 
 __all__ = ["HEADER", "csv_rows", "distinct", "json_text", "plain", "run_record", "save_csv"]
 
-HEADER = ("figure", "kind", "series", "x", "y", "value")
+HEADER = ("figure", "kind", "series", "x", "y", "value", "x_axis", "y_axis")
 Row = tuple[str, str, str, float, float | str, float | str]
 SERIES = ("t", "x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
 PLAYED = ("t", "x", "xhat", "u")
 
 
-def save_csv(figures: Sequence[Figure], path: str | Path) -> None:
+def save_csv(figures: Sequence[Figure], path: str | Path, token: str = "") -> None:
     """Write the data of all figures as one table (UTF-8, comma, full precision: reading it back loses nothing).
 
-    The header is `figure,kind,series,x,y,value`, one row a point:
+    The header is `figure,kind,series,x,y,value,x_axis,y_axis`, below a line `# …` with the token of the state, if any. One row a
+    point; the last two columns name the axes of its figure with their units:
 
     | kind | series | x | y | value |
     |---|---|---|---|---|
@@ -49,10 +50,14 @@ def save_csv(figures: Sequence[Figure], path: str | Path) -> None:
     Raises OSError if the file cannot be written.
     """
     with Path(path).open("w", encoding="utf-8", newline="") as file:
+        if token:
+            file.write(f"# Observer Lab, state {token}\n")
         table = csv.writer(file, lineterminator="\n")
         table.writerow(HEADER)
-        for row in csv_rows(figures):
-            table.writerow([repr(cell) if isinstance(cell, float) else cell for cell in row])
+        for figure in figures:
+            axes = _axes(figure)
+            for row in csv_rows([figure]):
+                table.writerow([*(repr(cell) if isinstance(cell, float) else cell for cell in row), *axes])
 
 
 def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
@@ -71,6 +76,13 @@ def csv_rows(figures: Sequence[Figure]) -> Iterator[Row]:
             yield from _map(figure)
         else:
             yield from _table(figure)
+
+
+def _axes(figure: Figure) -> tuple[str, str]:
+    """What stands at a figure's axes, with units; nothing where it has none."""
+    if isinstance(figure, (MatrixFigure, TableFigure)):
+        return "", ""
+    return wording(figure.x_label, "en"), wording(figure.y_label, "en")
 
 
 def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:

@@ -56,18 +56,18 @@ class Cell:
         return HEAD + self.above + self.axes + self.below + LINE * len(self.caption) + 0.16
 
 
-def save_figures(figures: Sequence[Figure], path: str | Path, language: str = "en") -> None:
+def save_figures(figures: Sequence[Figure], path: str | Path, language: str = "en", token: str = "") -> None:
     """Write all figures on one page: PNG (200 dpi), SVG (text as outlines) or PDF (fonts embedded), by the suffix.
 
-    `language` is one of `app.text.languages()`. The same records give the same bytes. Warns (MissingFontWarning) where
-    Chinese is asked for and no font holds it. Raises ExportError for another suffix or no figures, OSError if the file
-    cannot be written.
+    `language` is one of `app.text.languages()`; the token of the state stands among what the file says of itself. The same
+    records give the same bytes. Warns (MissingFontWarning) where Chinese is asked for and no font holds it. Raises
+    ExportError for another suffix or no figures, OSError if the file cannot be written.
     """
     path = Path(path)
     kind = path.suffix.lower()
     if kind not in SUFFIXES:
         raise ExportError(f"A figure is written as {', '.join(SUFFIXES)}; {path.name} ends in none of these.")
-    path.write_bytes(figures_as(figures, kind[1:], language))
+    path.write_bytes(figures_as(figures, kind[1:], language, token))
 
 
 def figures_as(figures: Sequence[Figure], kind: str, language: str = "en", token: str = "") -> bytes:
