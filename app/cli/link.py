@@ -35,8 +35,8 @@ def execute(options: argparse.Namespace) -> int:
     from .printing import print_json
 
     lesson = find_lesson(options.lesson)
-    look = look_of(options.state, options.lang)
-    saved = replace(look, design=design_of(lesson, options.plant, options.state, options.changes), lecture=options.lecture or look.lecture)
+    design, look = design_of(lesson, options.plant, options.state, options.changes), look_of(options.state, options.lang)
+    saved = replace(look, design=design, lecture=options.lecture or look.lecture)
     token = write_token(lesson, saved)
     link = f"{options.at.partition('#')[0]}#{token}"
     if options.qr is not None:

@@ -34,8 +34,8 @@ def execute(options: argparse.Namespace) -> int:
     from .outputs import save_words, write
 
     origin = find_lesson(options.lesson)
-    look = look_of(options.state, options.lang)
     design = design_of(origin, options.plant, options.state, options.changes)
+    look = look_of(options.state, options.lang)
     lesson, name = fitted(origin, design.plant), options.output or f"{origin.id}.html"
     if not name.lower().endswith((".html", ".htm")):
         raise CommandError(f"{name[:80]} does not end in .html; name it so.")

@@ -33,8 +33,9 @@ def execute(options: argparse.Namespace) -> int:
     from .outputs import save_page, write
     from .printing import print_json, print_run
 
-    origin, look = find_lesson(options.lesson), look_of(options.state, options.lang)
+    origin = find_lesson(options.lesson)
     design = design_of(origin, options.plant, options.state, options.changes)
+    look = look_of(options.state, options.lang)
     lesson, token = fitted(origin, design.plant), write_token(origin, replace(look, design=design))
     try:
         outcome = outcome_of(lesson, design, options.final)
