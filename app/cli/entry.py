@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Protocol
 
-from . import exam, export, link, replay, run, serve, status, teach, verify
+from . import exam, export, link, replay, run, serve, status, study, teach, verify
 from . import list as list_
 from .options import CommandError, Parser
 
@@ -39,7 +39,7 @@ class Command(Protocol):
 
 DEFAULT = "serve"
 COMMANDS: Mapping[str, Command] = MappingProxyType({DEFAULT: serve, "list": list_, "teach": teach, "exam": exam, "run": run, "link": link,
-                                                    "export": export, "replay": replay,
+                                                    "export": export, "replay": replay, "study": study,
                                                     "verify": verify, "status": status})
 
 

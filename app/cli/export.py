@@ -34,8 +34,9 @@ def execute(options: argparse.Namespace) -> int:
     from ..export.files import SCRIPTS, FileError, Taken, sheet_file
     from ..export.matlab import function_name
     from ..export.script import ScriptError
+    from ..study.points import outcome_of
     from ..tab.token import write_token
-    from .inputs import design_of, find_lesson, fitted, look_of, outcome_of
+    from .inputs import design_of, find_lesson, fitted, look_of
     from .outputs import save_bytes, save_page, save_words, write
 
     origin = find_lesson(options.lesson)

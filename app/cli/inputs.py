@@ -11,7 +11,7 @@ from lessons import LESSONS
 
 from ..engine import EngineError, load_plant
 from ..lesson.knobs import KnobError
-from ..lesson.lesson import Design, Lesson, Outcome
+from ..lesson.lesson import Design, Lesson
 from ..plants.examples import EXAMPLES, example
 from ..plants.own import canonical
 from ..tab.state import TOO_LARGE, Saved, read_state
@@ -70,15 +70,6 @@ def design_of(lesson: Lesson, plant: str | None, state: str | None, changes: Seq
         raise CommandError(str(TOO_LARGE)) from problem
 
 
-def outcome_of(lesson: Lesson, design: Design, final: bool) -> Outcome:
-    """What a design leads to; the lesson's long computation too if `final`. Raises what the lesson raises."""
-    outcome = lesson.compute(design)
-    if final and lesson.job is not None:
-        for _, better in lesson.job.outcomes(outcome):
-            outcome = better
-    return outcome
-
-
 def saved_of(state: str) -> Saved:
     """The state of a token, of a link that ends in one, or in a file that holds either or was saved. Raises CommandError.
 
@@ -97,7 +88,7 @@ def look_of(state: str | None, language: str | None) -> Saved:
 
 
 def _read(state: str) -> Saved:
-    words = state if is_token(state) else _words_in(state)
+    words = state if is_token(state) else words_in(state, "state", "give a token, a link or a file that the app saved")
     try:
         return read_token(words, LESSONS) if is_token(words) else read_state(words, LESSONS)
     except KnobError as problem:
@@ -112,16 +103,15 @@ def _design_in(state: str, lesson: Lesson) -> Design:
     return design
 
 
-def _words_in(name: str) -> str:
-    """What a state file holds."""
+def words_in(name: str, what: str, instead: str) -> str:
+    """What a text file holds. Raises CommandError, which says what to give instead."""
     try:
         _plain_file(name)
         return Path(name).read_text(encoding="utf-8")
     except UnicodeDecodeError as problem:
-        raise CommandError(f"The state file {name[:80]} is not text; give one that the app saved.") from problem
+        raise CommandError(f"The {what} file {name[:80]} is not text; {instead}.") from problem
     except (OSError, ValueError) as problem:
-        raise CommandError(f"The state file {name[:80]} cannot be read ({cause(problem)}); give a token, a link or a file "
-                           "that the app saved.") from problem
+        raise CommandError(f"The {what} file {name[:80]} cannot be read ({cause(problem)}); {instead}.") from problem
 
 
 def _plain_file(name: str) -> None:

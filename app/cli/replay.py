@@ -27,10 +27,11 @@ def execute(options: argparse.Namespace) -> int:
     """Compute the design and write the page; prints its name."""
     from ..engine import EngineError
     from ..export.files import FileError
+    from ..study.points import outcome_of
     from ..tab.picture import Picture, State
     from ..tab.token import write_token
     from ..view.replay import replay
-    from .inputs import design_of, find_lesson, fitted, look_of, outcome_of
+    from .inputs import design_of, find_lesson, fitted, look_of
     from .outputs import save_words, write
 
     origin = find_lesson(options.lesson)

@@ -28,8 +28,9 @@ def execute(options: argparse.Namespace) -> int:
     """Compute a design, write what was asked for, print the run; 1 if one of the lesson's checks does not hold."""
     from ..engine import EngineError
     from ..export.data import run_record, save_csv
+    from ..study.points import outcome_of
     from ..tab.token import write_token
-    from .inputs import design_of, find_lesson, fitted, look_of, outcome_of
+    from .inputs import design_of, find_lesson, fitted, look_of
     from .outputs import save_page, write
     from .printing import print_json, print_run
 
