@@ -12,7 +12,7 @@ CODE = "qps"
 ACCENTS = str.maketrans("aeiouycnszAEIOUCNSZ", "áéíóúýçñšžÁÉÍÓÚÇÑŠŽ")
 # what a translator leaves alone: places for values, mathematics, code, tags, links, names of LaTeX
 KEPT = re.compile(r"\[\[\w+\]\]|\$+[^$]+\$+|`[^`]*`|\{[^{}]*\}|<[^>]+>|\\[A-Za-z]+|&\w+;")
-SECTION = re.compile(r"^(#+ (?:predict|reveal|solution|exam|source|why|now|derivation)$|## (?:step|derive) |"
+SECTION = re.compile(r"^(#+ (?:predict|again|reveal|solution|exam|source|why|now|derivation)$|## (?:step|derive) |"
                      r"## (?:task|exam) [\w-]+: |#+ |- |(?:  )?> |)(.*)$")
 
 

@@ -45,7 +45,7 @@ def test_every_script_is_called_with_just_what_it_takes() -> None:
 @pytest.mark.parametrize("name", STYLES)
 def test_every_style_is_used_and_closed(name: str) -> None:
     text = page.source(name)
-    assert text.strip() in sheet(True, True) + page_of_our_own("en") + replay.style()
+    assert text.strip() in sheet(True, True, ("$figure",), True) + page_of_our_own("en") + replay.style()
     assert text.count("{") == text.count("}") and "<" not in text and "%(" not in text
 
 

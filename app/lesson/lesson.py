@@ -15,6 +15,7 @@ from ..plants.body import Body
 from ..plants.model import Model
 from ..plants.own import own_model, plant_of, without_hold
 from ..text import NO_WORDS, Text, joined, text
+from .again import Again
 from .code import Code
 from .course import NOWHERE, Place
 from .derivation import Value, no_numbers
@@ -194,6 +195,7 @@ class Lesson(Generic[S]):
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     `derived` gives the numbers that stand now in the places of the derivation. `place` is its place in the course.
+    `again` is its second prediction, about the lesson's own plant.
     """
 
     id: str
@@ -218,6 +220,7 @@ class Lesson(Generic[S]):
     origin: Lesson | None = None
     derived: Callable[[Outcome[S]], Mapping[str, Value]] = no_numbers
     place: Place = NOWHERE
+    again: Again | None = None
 
     def fit(self, plant: str) -> Lesson:
         """This lesson for the user's plant (canonical JSON), itself for "". Raises EngineError or KnobError."""
@@ -269,7 +272,7 @@ def _fitted(origin: Lesson, text: str) -> Lesson:
         prose, introduction=f"{_whose(model, universal, bool(plant.dt))(language)}\n\n{prose.introduction}",
         tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
     derived = no_numbers if lesson.derived is origin.derived else lesson.derived  # made for the lesson's own study
-    return replace(lesson, words=words, plant=text, origin=origin, derived=derived)
+    return replace(lesson, words=words, plant=text, origin=origin, derived=derived, again=None)
 
 
 def _whose(model: Model, universal: bool, sampled: bool) -> Text:

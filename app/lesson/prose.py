@@ -11,6 +11,8 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
       > why it is wrong, below each option but the right one
     ### reveal
     what is really so, shown after the prediction
+    ## again
+    a second prediction, in the same form, for the knob that surprises most
     ## step first heading
     text
     ## derive heading of a step of the derivation
@@ -49,6 +51,16 @@ class ProseError(ValueError):
 
 
 @dataclass(frozen=True)
+class Asked:
+    """A prediction: `refutations` stand beside `options`: what refutes each, empty for the right one."""
+
+    question: str
+    options: tuple[str, ...]
+    refutations: tuple[str, ...]
+    reveal: str
+
+
+@dataclass(frozen=True)
 class TaskWords:
     """Statement, hints and solution of one task."""
 
@@ -83,6 +95,7 @@ class Prose:
     exams: Mapping[str, ExamWords]
     source: str
     derivation: tuple[Derived, ...] = ()
+    again: Asked | None = None
 
 
 def read_prose(folder: Path) -> dict[str, Prose]:
@@ -114,7 +127,7 @@ def parse_prose(text: str, name: str = "text") -> Prose:
         raise ProseError(f"{name} must begin with '# title'.")
     question = " ".join(line[2:].strip() for line in lines if line.startswith("> "))
     introduction = "\n".join(line for line in lines[1:] if not line.startswith("> ")).strip()
-    predict, reveal, options, refutations, source = "", "", (), (), ""
+    first, again, source = Asked("", (), (), ""), None, ""
     steps: list[tuple[str, str]] = []
     derivation: list[Derived] = []
     tasks: dict[str, TaskWords] = {}
@@ -123,8 +136,9 @@ def parse_prose(text: str, name: str = "text") -> Prose:
         title, _, body = section.partition("\n")
         kind, _, rest = title.strip().partition(" ")
         if kind == "predict":
-            body, _, reveal = body.partition("\n### reveal")
-            predict, options, refutations = _options(body)
+            first = _asked(body)
+        elif kind == "again":
+            again = _asked(body)
         elif kind == "step":
             steps.append((rest.strip(), body.strip()))
         elif kind == "derive":
@@ -141,17 +155,18 @@ def parse_prose(text: str, name: str = "text") -> Prose:
         elif kind == "source":
             source = body.strip()
         else:
-            raise ProseError(f"{name} has a section '## {title}'; use predict, step, derive, task, exam or source.")
-    prose = Prose(lines[0][2:].strip(), question, introduction, predict, options, refutations, reveal.strip(), tuple(steps),
-                  tasks, exams, source, tuple(derivation))
+            raise ProseError(f"{name} has a section '## {title}'; use predict, again, step, derive, task, exam or source.")
+    prose = Prose(lines[0][2:].strip(), question, introduction, first.question, first.options, first.refutations, first.reveal,
+                  tuple(steps), tasks, exams, source, tuple(derivation), again)
     for field in ("question", "introduction", "predict", "reveal", "exams", "source"):
         if not getattr(prose, field):
             raise ProseError(f"{name} has no {field}.")
     return prose
 
 
-def _options(body: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
-    """The question, the options, and for each what refutes it: its indented lines that begin with `>`."""
+def _asked(body: str) -> Asked:
+    """A prediction; what refutes an option are its indented lines that begin with `>`."""
+    body, _, reveal = body.partition("\n### reveal")
     kept: list[str] = []
     refutations: list[str] = []
     for line in body.strip().splitlines():
@@ -161,7 +176,7 @@ def _options(body: str) -> tuple[str, tuple[str, ...], tuple[str, ...]]:
             refutations[-1] = f"{refutations[-1]} {line[4:].strip()}".strip()
         else:
             kept.append(line)
-    return *_bullets("\n".join(kept)), tuple(refutations)
+    return Asked(*_bullets("\n".join(kept)), tuple(refutations), reveal.strip())
 
 
 def _bullets(body: str) -> tuple[str, tuple[str, ...]]:

@@ -121,6 +121,18 @@ class Predict:
 
 
 @dataclass(frozen=True)
+class PredictAgain:
+    """The index of the option chosen in the lesson's second prediction, −1 to skip."""
+
+    index: object
+
+
+@dataclass(frozen=True)
+class ShowAgain:
+    """Set the knobs so that the run shows the answer to the second prediction."""
+
+
+@dataclass(frozen=True)
 class Reveal:
     """Show the answer to the prediction."""
 
@@ -270,7 +282,7 @@ class SaveState:
 
 Playing = Play | Rewind | Seek | ChangeSpeed | Kick | Watched
 Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChoosePlant | Refuse
-Studying = Predict | Reveal | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
+Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
 Sharing = OpenState | Placed | ToggleTake | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp
           | ToggleCourse | Answer | Recalled)

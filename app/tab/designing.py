@@ -15,6 +15,7 @@ from .presenter import Presenter
 
 YOURS = "yours"
 NOTHING_TO_UNDO = text("Nothing to undo.")
+ASKS_AGAIN = text("Before you look: what will this knob do? The question stands under the knobs; choose, or skip it.")
 NOTHING_TO_REDO = text("Nothing to redo.")
 
 
@@ -54,7 +55,10 @@ def set_knobs(show: Presenter, edits: list[SetKnobs]) -> None:
         except KnobError as problem:
             refused = problem
     if keys:
+        asked = show.picture.asks_again
         show.adopt(design, (frozenset(keys), grip), grip is not None)
+        if show.picture.asks_again and not asked:
+            show.view.say(ASKS_AGAIN, False)
     if refused is not None:
         raise refused
 

@@ -17,6 +17,7 @@ class Desk:
     history: History
     predicted: int | None = None
     revealed: bool = False
+    again: int | None = None
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
     exams: Mapping[str, ExamState] = field(default_factory=dict)
     pins: tuple[Pin, ...] = ()
@@ -25,12 +26,12 @@ class Desk:
     def keep(self, state: State) -> None:
         """Take over what the tab's state says of this lesson."""
         self.predicted, self.revealed, self.tasks, self.exams = state.predicted, state.revealed, state.tasks, state.exams
-        self.pins = state.pins
+        self.pins, self.again = state.pins, state.again
 
     def laid_out(self, state: State) -> State:
         """The tab's state with this lesson open, at the start of its run."""
         return replace(state, playing=False, loop=None, stopped=False, t=0.0, predicted=self.predicted,
-                       revealed=self.revealed, tasks=self.tasks, exams=self.exams, pins=self.pins)
+                       revealed=self.revealed, again=self.again, tasks=self.tasks, exams=self.exams, pins=self.pins)
 
     def take_back(self, old: Desk) -> bool:
         """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.
@@ -39,6 +40,7 @@ class Desk:
         """
         if self.predicted is None:
             self.predicted, self.revealed = old.predicted, old.revealed
+        self.again = old.again if self.again is None else self.again
         self.tasks = {**old.tasks, **self.tasks}
         self.exams = {**old.exams, **self.exams}
         self.pins = self.pins or old.pins

@@ -52,6 +52,7 @@ def write_desk(lesson: Lesson, history: History, state: State) -> str:
     tasks = {name: [task.hints, task.solution, task.verdict is not None and task.verdict.solved]
              for name, task in state.tasks.items()}
     return json.dumps({**plain(lesson, history.design), "predicted": state.predicted, "revealed": state.revealed,
+                       **({} if state.again is None else {"again": state.again}),
                        "tasks": tasks, "exams": {name: [exam.variant, [[a.student, a.variant, a.said] for a in exam.answers]]
                                                  for name, exam in state.exams.items()},
                        **({"pins": [[pin.name, plain(lesson, pin.design), pin.ghost] for pin in state.pins]} if state.pins else {}),
@@ -101,11 +102,17 @@ def read_desk(data: object, lesson: str, lessons: Mapping[str, Lesson]) -> Desk 
         return None
     if not isinstance(data, dict) or design.lesson != lesson:
         return None
-    options, predicted = len(lessons[lesson].words["en"].options), data.get("predicted")
-    known = isinstance(predicted, int) and not isinstance(predicted, bool) and -1 <= predicted < options
-    return Desk(read_steps(data.get("steps"), data, design, lessons), predicted if known else None, known and data.get("revealed") is True,
+    words = lessons[lesson].words["en"]
+    predicted = _chosen(data.get("predicted"), len(words.options))
+    return Desk(read_steps(data.get("steps"), data, design, lessons), predicted, predicted is not None and data.get("revealed") is True,
+                _chosen(data.get("again"), 0 if words.again is None else len(words.again.options)),
                 _tasks(data.get("tasks"), lessons[lesson]), _exams(data.get("exams"), lessons[lesson]),
                 _pins(data.get("pins"), lesson, lessons))
+
+
+def _chosen(index: object, options: int) -> int | None:
+    """The index of an option, −1 where it was skipped; None where it is neither."""
+    return index if isinstance(index, int) and not isinstance(index, bool) and options and -1 <= index < options else None
 
 
 def how_far(data: object) -> Progress:

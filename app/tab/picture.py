@@ -86,6 +86,7 @@ class State:
     speed: float = 1.0
     predicted: int | None = None  # index of the option; −1 when skipped
     revealed: bool = False
+    again: int | None = None  # of the second prediction, likewise
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
     exams: Mapping[str, ExamState] = field(default_factory=dict)
     key: str = ""  # the student's; the same numbers are drawn for it everywhere
@@ -146,6 +147,13 @@ class Picture:
     def boards(self) -> tuple[Board, ...]:
         """The boards as they are shown, with the poles of the pins."""
         return boards_with_pins(self.outcome.boards, self.pinned) if self.pinned else self.outcome.boards
+
+    @cached_property
+    def asks_again(self) -> bool:
+        """Whether the second prediction waits: its knob has been moved, and neither has an option been chosen nor the question skipped."""
+        again, state = self.lesson.again, self.state
+        return (again is not None and state.predicted is not None and state.again is None
+                and again.touched(self.lesson.start(), self.design))
 
     @cached_property
     def ghosts(self) -> tuple[Ghost, ...]:

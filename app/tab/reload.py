@@ -94,8 +94,8 @@ def _begin_from(show: Presenter, earlier: Memory) -> None:
 def _put_beside(show: Presenter, memory: Memory) -> None:
     met = show.desks.take_back(memory.desks)
     desk = show.desk
-    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, tasks=desk.tasks, exams=desk.exams, pins=desk.pins,
-                        plant=show.state.plant or memory.plant, key=show.state.key or memory.key, fresh=memory.fresh or show.state.fresh,
-                        withheld=show.state.withheld or memory.withheld))
+    show.change(replace(show.state, predicted=desk.predicted, revealed=desk.revealed, again=desk.again, tasks=desk.tasks, exams=desk.exams,
+                        pins=desk.pins, plant=show.state.plant or memory.plant, key=show.state.key or memory.key,
+                        fresh=memory.fresh or show.state.fresh, withheld=show.state.withheld or memory.withheld))
     if met:
         show.view.say(LATE, False)

@@ -25,7 +25,8 @@ LONGEST = 200_000  # characters of a written state that are read at all
 FAR = 100.0  # stage units: no camera stands farther off
 LONGEST_NAME = 60  # characters of a figure tab's name
 FIELDS = frozenset({"version", "lesson", "knobs", "plant", "defaults", "language", "print", "tab", "step", "camera", "withheld"})
-DESK = frozenset({"predicted", "revealed", "tasks", "exam", "exams", "pins", "steps"})  # what a tab keeps beside a design, read by `memory`
+# what a tab keeps beside a design, read by `memory`
+DESK = frozenset({"predicted", "revealed", "again", "tasks", "exam", "exams", "pins", "steps"})
 NO_STATE = text("This is not a design of Observer Lab; save one with the app and give that.")
 TOO_LARGE = text("The design holds a number or a nesting too large for a computer; simplify it.")
 OTHER_DEFAULTS = text("The lesson's defaults have changed since this was saved; what it does not name stands as it is today.")

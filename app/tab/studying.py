@@ -15,8 +15,10 @@ from .commands import (
     CheckNextTask,
     CheckTask,
     Predict,
+    PredictAgain,
     Reveal,
     RunJob,
+    ShowAgain,
     ShowHint,
     ShowSolution,
     Studying,
@@ -40,6 +42,10 @@ def obey(show: Presenter, command: Studying) -> None:
         case Reveal():
             if not locked(show):
                 show.change(replace(show.state, revealed=True))
+        case PredictAgain(index):
+            _predict_again(show, int(number(index)))
+        case ShowAgain():
+            _show_again(show)
         case CheckTask(task, said):
             _check(show, _find(show, task), said)
         case CheckNextTask():
@@ -54,13 +60,31 @@ def obey(show: Presenter, command: Studying) -> None:
             assert_never(command)
 
 
-def _predict(show: Presenter, choice: int) -> None:
-    options = show.lesson.words[show.state.language].options
+def _one_of(choice: int, options: tuple[str, ...]) -> int:
+    """The choice, −1 to skip. Raises KnobError."""
     if not -1 <= choice < len(options):
         raise KnobError(text("There are {count} predictions.", count=len(options)))
+    return choice
+
+
+def _predict(show: Presenter, choice: int) -> None:
+    choice = _one_of(choice, show.lesson.words[show.state.language].options)
     runs = show.picture.horizon > 0
     show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, playing=runs, loop=None,
                         stopped=False, t=0.0))
+
+
+def _predict_again(show: Presenter, choice: int) -> None:
+    asked = show.lesson.words[show.state.language].again
+    if not locked(show):
+        show.change(replace(show.state, again=_one_of(choice, () if asked is None else asked.options)))
+
+
+def _show_again(show: Presenter) -> None:
+    again = show.lesson.again
+    if again is not None and show.state.again is not None:
+        show.adopt(show.lesson.apply(show.lesson.start(), again.trial))
+        show.view.open_figure(again.figures[0])
 
 
 # --- tasks ---------------------------------------------------------------------------------------------------------

@@ -14,6 +14,7 @@ from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_ran
 from ..text import raised, wording
 from .prose import with_minus
 from .sizes import Sizes
+from .style import of_figure
 from .svg import draw
 from .ticks import ticks
 
@@ -115,8 +116,8 @@ class Chart:
     def _all_series(self, figure: LineFigure) -> tuple[Any, ...]:
         mark = "ol-time" if self._cursor else "ol-still"
         x: dict[str, Any] = {"label": figure.x_label[0], "class": "ol-x"}
-        told = [c.key for c in figure.curves]
-        return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}{self._shared}", self._bold)
+        told, end = [c.key for c in figure.curves], f"{self._shared}{of_figure(figure.id)}"
+        return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}{end}", self._bold)
                      for k, c in enumerate(figure.curves)))
 
     def _frame(self, figure: LineFigure) -> dict[str, Any]:

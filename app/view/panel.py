@@ -20,6 +20,7 @@ from ..tab.commands import (
 from ..tab.picture import Picture, TaskState
 from ..text import languages, name_of
 from . import phrases
+from .again import PredictionAgain
 from .beside import Beside
 from .course import Guide
 from .derivation import Derivation
@@ -49,6 +50,7 @@ class Panel:
         self._prediction = Prediction(gui, picture, post)
         self._part("knobs")
         self._rows = KnobRows(gui, picture, post)
+        self._again = PredictionAgain(gui, picture, post)
         if self._lesson.adapt is not None:
             self._plants = PlantRow(gui, picture, post)
         self._beside = Beside(gui, picture, post)
@@ -153,6 +155,7 @@ class Panel:
             self._show_numbers(picture)
         self._derivation.show(picture)
         self._prediction.show(picture)
+        self._again.show(picture)
         for task_id in self._tasks:
             self._show_task(task_id, picture.state.tasks.get(task_id, TaskState()))
         self._exams.show(picture)

@@ -6,6 +6,8 @@ from ..text import text, text_in
 
 LESSON = text("lesson")
 PREDICTION = text("Predict")
+AGAIN = text("Predict again")
+TRY_IT = text("set the knobs so that the run shows it")
 SKIP = text("skip")
 REVEAL = text("reveal")
 YOU_PREDICTED = text("You predicted {letter}.")

@@ -53,13 +53,17 @@ class Prediction:
 
     def _sentences(self, picture: Picture) -> str:
         """The options as sentences to press; afterwards the chosen one is marked and none can be pressed."""
-        predicted, skip = picture.state.predicted, phrases.SKIP(picture.state.language)
-        said = [(letter, f"<b>{letter}</b> {render(words)}") for letter, words in zip(LETTERS, self._words.options, strict=False)]
-        said += [(skip, skip)] if predicted is None else []
-        return "".join(
-            f'<button type="button" class="ol-option{" ol-chosen" if i == predicted else ""}" data-value="{value}" '
-            f'data-to="{quirks.id_of(self._letters)}"{"" if predicted is None else " disabled"}>{words}</button>'
-            for i, (value, words) in enumerate(said))
+        return sentences(self._words.options, picture.state.predicted, quirks.id_of(self._letters), picture.state.language)
+
+
+def sentences(options: tuple[str, ...], chosen: int | None, hand: str, lang: str) -> str:
+    """Options as sentences to press for the buttons `hand`; once one is chosen it is marked and none can be pressed."""
+    skip = phrases.SKIP(lang)
+    said = [(letter, f"<b>{letter}</b> {render(words)}") for letter, words in zip(LETTERS, options, strict=False)]
+    said += [(skip, skip)] if chosen is None else []
+    return "".join(
+        f'<button type="button" class="ol-option{" ol-chosen" if i == chosen else ""}" data-value="{value}" '
+        f'data-to="{hand}"{"" if chosen is None else " disabled"}>{words}</button>' for i, (value, words) in enumerate(said))
 
 
 def answered(picture: Picture) -> str:
@@ -72,22 +76,37 @@ def answered(picture: Picture) -> str:
         return joined(said, phrases.WATCH_FIRST)(lang)
     words = picture.lesson.words[lang]
     refuted = words.refutations[state.predicted] if state.predicted >= 0 else ""
-    return "\n\n".join(part for part in (_told(picture, said), render(refuted), render(words.reveal)) if part)
+    told = _told(said, state.predicted, picture.lesson.answer, lang)
+    return "\n\n".join(part for part in (told, render(refuted), render(words.reveal)) if part)
 
 
 def others(picture: Picture) -> str:
     """What refutes the wrong options that were not chosen, folded; nothing before the answer is revealed."""
     state, lang = picture.state, picture.state.language
-    if state.predicted is None or not state.revealed:
-        return ""
+    shown = state.predicted is not None and state.revealed
+    return why_not(picture.lesson.words[lang].refutations, state.predicted, lang) if shown else ""
+
+
+def why_not(refutations: tuple[str, ...], chosen: int | None, lang: str) -> str:
+    """What refutes the wrong options but the chosen one, folded."""
     told = [f"<p><b>{letter}</b> {render(words)}</p>" for i, (letter, words)
-            in enumerate(zip(LETTERS, picture.lesson.words[lang].refutations, strict=False)) if words and i != state.predicted]
+            in enumerate(zip(LETTERS, refutations, strict=False)) if words and i != chosen]
     return f'<details class="ol-note ol-others"><summary>{phrases.WHY_NOT(lang)}</summary>{"".join(told)}</details>' if told else ""
 
 
-def _told(picture: Picture, said: Text) -> str:
+def answered_again(picture: Picture) -> str:
+    """What is said to the second prediction, once an option is chosen or the question skipped."""
+    state, lang, asked = picture.state, picture.state.language, picture.lesson.words[picture.state.language].again
+    if state.again is None or asked is None or picture.lesson.again is None:
+        return ""
+    said = phrases.SKIPPED if state.again < 0 else phrases.YOU_PREDICTED.format(letter=LETTERS[state.again])
+    refuted = asked.refutations[state.again] if state.again >= 0 else ""
+    told = _told(said, state.again, picture.lesson.again.answer, lang)
+    return "\n\n".join(part for part in (told, render(refuted), render(asked.reveal)) if part)
+
+
+def _told(said: Text, chosen: int, answer: int, lang: str) -> str:
     """What was predicted and what the run says, with a sign and a colour where something was predicted."""
-    predicted, answer = picture.state.predicted, picture.lesson.answer
-    says = phrases.WAS_RIGHT if predicted == answer else phrases.WAS_WRONG.format(letter=LETTERS[answer])
-    words = joined(said, says)(picture.state.language)
-    return words if predicted is None or predicted < 0 else judged(predicted == answer, words)
+    says = phrases.WAS_RIGHT if chosen == answer else phrases.WAS_WRONG.format(letter=LETTERS[answer])
+    words = joined(said, says)(lang)
+    return words if chosen < 0 else judged(chosen == answer, words)

@@ -29,7 +29,7 @@ from .panel import Panel
 from .player import Player
 from .sizes import Sizes, listen_to_the_window
 from .stage import StageView, letters
-from .style import sheet
+from .style import sheet_of
 from .take import Take
 from .transport import Transport
 
@@ -76,7 +76,7 @@ class Screen(Browser):
             gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178),
                                 dark_mode=picture.state.darkness)
             gui.set_panel_label("Observer Lab")
-            self._style = gui.add_html(sheet(picture.state.lecture, picture.state.predicted is None), order=-1e9)
+            self._style = gui.add_html(sheet_of(picture), order=-1e9)
             self._panel = Panel(gui, picture, self._post)
             quirks.run(self._client, "fields", fields=self._panel.fields)
             self._right_panel(picture)
@@ -265,7 +265,7 @@ class Screen(Browser):
             self._post(command)
 
     def _show_style(self, picture: Picture) -> None:
-        content = sheet(picture.state.lecture, picture.state.predicted is None)
+        content = sheet_of(picture)
         if self._style is not None and self._style.content != content:
             self._style.content = content
 

@@ -5,13 +5,27 @@ from __future__ import annotations
 import math
 from string import Template
 
+from ..tab.picture import Picture
 from . import page
 
 
-def sheet(lecture: bool, veiled: bool) -> str:
-    """The style element for the present state."""
-    sheets = ["page.css", *(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else [])]
-    return "<style>" + "".join(map(page.source, sheets)) + "</style>"
+def sheet(lecture: bool, veiled: bool, figures: tuple[str, ...] = (), numbers: bool = False) -> str:
+    """The style element for the present state; `figures` and `numbers` are veiled by themselves."""
+    sheets = ["page.css", *(["lecture.css"] if lecture else []), *(["veil.css"] if veiled else []), *(["numbers.css"] if numbers else [])]
+    also = [Template(page.source("again.css")).substitute(figure=figure) for figure in figures]
+    return "<style>" + "".join([*map(page.source, sheets), *also]) + "</style>"
+
+
+def sheet_of(picture: Picture) -> str:
+    """The style element for a picture: all veiled before the first prediction, what would answer while the second one waits."""
+    again = picture.lesson.again if picture.asks_again else None
+    veil: tuple[tuple[str, ...], bool] = ((), False) if again is None else (again.figures, again.numbers)
+    return sheet(picture.state.lecture, picture.state.predicted is None, *veil)
+
+
+def of_figure(figure: str) -> str:
+    """What the class of a chart's curves ends with, so that the page finds the chart of a figure."""
+    return f":{figure}:"
 
 
 def clock(t: float, horizon: float, speed: float, caption: str, share: str = "", now: str = "") -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -22,4 +23,5 @@ LESSON = Lesson(
     source="Tutorial (000), introduction and applications: the arm whose joint speeds are not measured; data sheets of maxon RE 40, "
            "order number 148867, gear GP 42 C, 203116, encoder HEDL 5540, 110514",
     place=PLACES["arm"],
+    again=Again(("cancel",), 3, {"cancel": False}, ("angle", "load", "error")),
     words=read_prose(Path(__file__).parent), aside=("target", "counts"), derived=derived, code=code, job=JOB)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -20,5 +21,6 @@ LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answ
                 source="Synthesis of functional observers for bilinear plants (004), Avtometriya 53 (2017) no. 4, "
                        "equations (1)–(24) and the worked example",
                 place=PLACES["bilinear-observer"],
+                again=Again(("form",), 1, {"form": "filtered", "pole": (-60 + 0j,)}, ("forms", "error")),
     words=read_prose(Path(__file__).parent), aside=("amplitude", "omega", "seed", "tau", "chi0", "line"), code=code,
     derived=derived)

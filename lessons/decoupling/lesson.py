@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="spectrum-rotation", tasks=TASKS, exams=EXAMS,
                 source="Platform report (003), chapter 2: equations (2)–(38), figures 3–6; section 5.3.3",
                 place=PLACES["decoupling"],
+                again=Again(("mix",), 3, {"mix": "best"}, ("spectrum-rotation", "velocity-rotation")),
     words=read_prose(Path(__file__).parent), aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
     derived=derived, code=code)

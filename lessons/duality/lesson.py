@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,5 +22,6 @@ LESSON = Lesson(
     "duality", 5, KNOBS, partial(compute, BLOCK), partial(all_figures, BLOCK), answer=2, answering="gains", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), duality section: L = K_dᵀ; observer notes (001), spring-damper example",
     place=PLACES["duality"],
+    again=Again(("sensor",), 2, {"sensor": 90.0}, ("gains",), numbers=True),
     words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted,
     derived=derived)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,5 +22,6 @@ LESSON = Lesson(
     "error-dynamics", 2, KNOBS, partial(compute, BLOCK), partial(figures, BLOCK), answer=1, answering="error", tasks=TASKS, exams=EXAMS,
     source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
     place=PLACES["error-dynamics"],
+    again=Again(("guess_q",), 2, {"guess_q": -1.0}, ("error", "components")),
     words=read_prose(Path(__file__).parent), aside=("amplitude", "frequency", "seed", "line"), adapt=adapted,
     derived=partial(derived, BLOCK))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,5 +22,6 @@ LESSON = Lesson(
     "fault-diagnosis", 17, KNOBS, compute, figures, answer=0, answering="isolation", tasks=TASKS, exams=EXAMS,
     source="Chen and Patton, Robust Model-Based Fault Diagnosis for Dynamic Systems (1999), chapter 3; platform report (003), section 3.1",
     place=PLACES["fault-diagnosis"],
+    again=Again(("window",), 0, {"bias": 1.5, "window": 100}, ("sensors", "isolation", "members")),
     words=read_prose(Path(__file__).parent), aside=("force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived)

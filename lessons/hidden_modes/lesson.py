@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answering="error_parts", tasks=TASKS, exams=EXAMS,
                 source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
                 place=PLACES["hidden-modes"],
+                again=Again(("centre",), 3, {"centre": 0.0}, ("error_parts", "centre", "state_parts")),
     words=read_prose(Path(__file__).parent), adapt=adapted,
     derived=derived)

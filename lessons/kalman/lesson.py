@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 from app.plants.model import Model
@@ -30,5 +31,6 @@ LESSON = Lesson(
     "kalman", 9, KNOBS, compute, all_figures, answer=2, answering="nees", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
     place=PLACES["kalman"],
+    again=Again(("q",), 0, {"q": 100.0}, ("nees", "nis", "tests"), numbers=True),
     words=read_prose(Path(__file__).parent), aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
     derived=derived)

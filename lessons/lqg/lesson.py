@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 from app.plants.model import Model
@@ -28,6 +29,7 @@ def build(cases: tuple[Case, ...]) -> Lesson:
         tasks=TASKS, exams=EXAMS,
         source="Platform report (003), chapter 5: equations (71)–(89), figures 13–16; J. C. Doyle (1978); Doyle and Stein (1979)",
         place=PLACES["lqg"],
+        again=Again(("recovery",), 3, {"case": "doyle", "recovery": 4.0}, ("price", "cost", "loop-gain")),
     words=read_prose(Path(__file__).parent), aside=("cut", "filter", "rule"),
         job=JOB, code=code)
 

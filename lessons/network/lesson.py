@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -22,5 +23,6 @@ LESSON = Lesson(
     source="Sinopoli, Schenato, Franceschetti, Poolla, Jordan, Sastry: Kalman filtering with intermittent observations, 2004; "
            "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
     place=PLACES["network"],
+    again=Again(("delay",), 2, {"delay": 1}, ("spectrum", "state", "blocks")),
     words=read_prose(Path(__file__).parent), aside=("order", "lost", "told"), job=JOB, code=code,
     derived=derived)

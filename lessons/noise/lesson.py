@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,6 +22,7 @@ LESSON = Lesson(
     "noise", 8, KNOBS, compute, all_figures, answer=0, answering="valley", tasks=TASKS, exams=EXAMS,
     source="Observer notes (001) on fast poles; platform report (003), section 4.1, equations (43)–(50)",
     place=PLACES["noise"],
+    again=Again(("v",), 2, {"v": 0.0064}, ("valley", "peaks", "shares"), numbers=True),
     words=read_prose(Path(__file__).parent),
     job=JOB, adapt=adapted,
     derived=derived)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -22,5 +23,6 @@ LESSON = Lesson(
     source="Platform report (003), chapter 4, Algorithms 1–3, and appendix B; Athans, Wishner and Bertolini (1968); Julier, Uhlmann and "
            "Durrant-Whyte (2000)",
     place=PLACES["nonlinear"],
+    again=Again(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
     words=read_prose(Path(__file__).parent), aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
     derived=derived)

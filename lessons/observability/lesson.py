@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,5 +22,6 @@ LESSON = Lesson(
     "observability", 3, KNOBS, compute, figures, answer=3, answering="modes", tasks=TASKS, exams=EXAMS, kick=False,
     source="Observer notes (001), section 2: observability matrix, rank criterion; PBH test; Gramian",
     place=PLACES["observability"],
+    again=Again(("noise",), 0, {"noise": 0.003}, ("ellipses", "halves", "energy")),
     words=read_prose(Path(__file__).parent), aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
     derived=derived)

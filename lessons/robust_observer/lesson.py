@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,6 +22,7 @@ from .tasks import TASKS
 LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, answering="criterion", tasks=TASKS, exams=EXAMS,
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
                 place=PLACES["robust-observer"],
+                again=Again(("c",), 0, {"c": 0.0}, ("e_u", "gain", "sweep")),
     words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "beta", "gamma", "remark", "line", "columns"), kick=False,
                 job=JOB, adapt=adapted, code=code,
     derived=derived)

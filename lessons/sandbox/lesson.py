@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 from app.plants import Model
@@ -34,6 +35,7 @@ def build(model: Model) -> Lesson:
         "sandbox", 19, knobs(model), partial(compute, model), partial(figures, model), answer=1, answering="lights",
         tasks=TASKS, exams=EXAMS, source="Lessons 1 to 10, with their sources; example plants in app/plants/data",
         place=PLACES["sandbox"],
+        again=Again(("belief",), 1, {"belief": 1000.0}, ("nis", "gain", "lights")),
     words=read_prose(Path(__file__).parent), aside=("sensor", "belief", "tolerance"), job=job_on(model),
         adapt=adapted, universal=True, derived=partial(derived))
 

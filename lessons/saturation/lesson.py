@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,5 +22,6 @@ LESSON = Lesson(
     "saturation", 7, KNOBS, compute, figures, answer=3, answering="error", tasks=TASKS, exams=EXAMS,
     source="Tutorial (000), section on the limits of the separation principle",
     place=PLACES["saturation"],
+    again=Again(("error0",), 1, {"error0": 0.0}, ("state1", "state0", "error", "input")),
     words=read_prose(Path(__file__).parent), job=JOB, pick=pick, adapt=adapted,
     derived=derived)

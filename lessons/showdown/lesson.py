@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -21,6 +22,7 @@ LESSON = Lesson(
     "showdown", 13, KNOBS, compute, figures, answer=0, answering="suppression", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
     place=PLACES["showdown"],
+    again=Again(("damping",), 1, {"damping": -90.0}, ("suppression", "sizes", "channel_rotation")),
     words=read_prose(Path(__file__).parent), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,
     derived=derived, code=code)

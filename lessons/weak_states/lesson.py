@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from app.lesson.again import Again
 from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 
@@ -19,5 +20,6 @@ from .tasks import TASKS
 LESSON = Lesson("weak-states", 12, KNOBS, compute, figures, answer=1, answering="shapes", tasks=TASKS, exams=EXAMS, kick=False,
                 source="Platform report (003), chapter 3: rank, Hankel values (39), truncation, section 3.3",
                 place=PLACES["weak-states"],
+                again=Again(("order",), 0, {"order": 9}, ("error",)),
     words=read_prose(Path(__file__).parent), aside=("ground", "measure", "h", "a", "mu", "kp", "v0", "pressed"), code=code,
     derived=derived)

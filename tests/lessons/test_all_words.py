@@ -23,7 +23,7 @@ from lesson_checks import (
 from app.engine import EngineError
 from app.lesson.figures import LineFigure, PlaneFigure, TableFigure, tabs
 from app.lesson.lesson import Lesson
-from app.lesson.prose import Prose
+from app.lesson.prose import Asked, Prose
 from app.text import Text, languages
 from app.view import phrases
 from app.view.prose import mathml
@@ -114,12 +114,21 @@ def test_figures_keep_their_ids_when_knobs_move(lesson: Lesson) -> None:
                 assert {f.id for f in drawn} == ids, (knob.name, value)
 
 
+def predictions(prose: Prose) -> list[Asked]:
+    """The first prediction and the second."""
+    first = Asked(prose.predict, prose.options, prose.refutations, prose.reveal)
+    return [first] if prose.again is None else [first, prose.again]
+
+
 def texts(prose: Prose) -> Iterator[tuple[str, str]]:
     """Every piece of a lesson's prose with a name for it."""
     for name in ("title", "question", "introduction", "predict", "reveal", "source"):
         yield name, getattr(prose, name)
     yield from ((f"option {i}", option) for i, option in enumerate(prose.options))
     yield from ((f"refutation {i}", words) for i, words in enumerate(prose.refutations) if words)
+    if prose.again is not None:
+        yield from (("again", prose.again.question), ("its reveal", prose.again.reveal))
+        yield from ((f"its {i}", words) for i, words in enumerate((*prose.again.options, *prose.again.refutations)) if words)
     for heading, text in prose.steps:
         yield f"heading {heading}", heading
         yield f"step {heading}", text
@@ -150,17 +159,21 @@ def test_steps_are_short(lesson: Lesson) -> None:
         assert len(without_math(text).split()) <= MOST_WORDS, heading
     for heading, text in lesson.words["zh"].steps:
         assert len(re.sub(r"\s", "", without_math(text))) <= MOST_CHARACTERS, heading
-    assert len(without_math(lesson.words["en"].reveal).split()) <= MOST_REVEALED
+    for asked in predictions(lesson.words["en"]):
+        assert len(without_math(asked.reveal).split()) <= MOST_REVEALED, asked.question
 
 
 @every_lesson
 def test_every_wrong_option_is_refuted_and_the_right_one_is_not(lesson: Lesson) -> None:
     """Shortly, and with the same formulas and figures in every language."""
+    answers = [lesson.answer, *([lesson.again.answer] if lesson.again else [])]
     for language, prose in lesson.words.items():
-        wrong = [i for i in range(len(prose.options)) if i != lesson.answer]
-        assert [i for i, words in enumerate(prose.refutations) if words] == wrong, language
-        assert len(set(prose.refutations)) == len(prose.refutations) == len(prose.options), language
-    for english, chinese in zip(*(lesson.words[language].refutations for language in languages()), strict=True):
+        for asked, answer in zip(predictions(prose), answers, strict=True):
+            wrong = [i for i in range(len(asked.options)) if i != answer]
+            assert [i for i, words in enumerate(asked.refutations) if words] == wrong, language
+            assert len(set(asked.refutations)) == len(asked.refutations) == len(asked.options), language
+    for english, chinese in zip(*([words for asked in predictions(lesson.words[language]) for words in asked.refutations]
+                                  for language in languages()), strict=True):
         assert len(without_math(english).split()) <= MOST_REFUTING, english
         assert len(re.sub(r"\s", "", without_math(chinese))) <= MOST_SIGNS, chinese
         assert set(MATH.findall(chinese)) == set(MATH.findall(english)), chinese

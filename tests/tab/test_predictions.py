@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
-import pytest
-from fakes import Tab
+import json
+from dataclasses import replace
 
-from app.tab.commands import Predict, Reveal, SetLanguage
+import pytest
+from fakes import Tab, toy
+
+from app.lesson.again import Again
+from app.lesson.prose import Asked
+from app.tab.commands import Predict, PredictAgain, Reveal, SetLanguage, ShowAgain, Undo
+from app.tab.designing import ASKS_AGAIN
+from app.tab.memory import read_desk
 from app.view import phrases
-from app.view.prediction import LETTERS, answered, others
+from app.view.prediction import LETTERS, answered, answered_again, others
+from app.view.style import sheet_of
 
 REFUTED = ("never this", "", "one of them")
 
@@ -36,3 +44,31 @@ def test_what_is_told_speaks_the_language_of_the_tab() -> None:
     tab.do(SetLanguage("zh"))
     assert phrases.WHY_NOT("zh") in others(tab.picture) and phrases.WHY_NOT("zh") != phrases.WHY_NOT("en")
     assert phrases.WAS_WRONG.format(letter="B")("zh") in answered(tab.picture)
+
+
+def test_a_second_prediction_waits_once_its_knob_has_moved_and_can_be_chosen_skipped_and_shown() -> None:
+    asking = Again(("gain",), 1, {"gain": 6.0}, ("response",))
+    words = {language: replace(prose, again=Asked("again?", ("this", "that", "neither"), REFUTED, "so it is"))
+             for language, prose in toy("first").words.items()}
+    tab = Tab({"first": toy("first", again=asking, words=words)})
+    tab.set(gain=2.0)
+    assert not tab.picture.asks_again, "the first prediction comes first"
+    tab.do(PredictAgain(0))
+    assert tab.picture.state.again is None
+    tab.do(Predict(1))
+    assert tab.picture.asks_again and ":response:" in sheet_of(tab.picture) and not answered_again(tab.picture)
+    tab.do(Undo())
+    assert not tab.picture.asks_again and ":response:" not in sheet_of(tab.picture)
+    tab.set(gain=2.0)
+    assert tab.view.sentences()[-1] == ASKS_AGAIN
+    tab.do(PredictAgain(7))
+    tab.do(ShowAgain())
+    assert tab.picture.asks_again and tab.picture.design["gain"] == 2.0
+    tab.do(PredictAgain(2))
+    verdict, *told = answered_again(tab.picture).split("\n\n")
+    assert "✗" in verdict and told == [REFUTED[2], "so it is"]
+    assert not tab.picture.asks_again and ":response:" not in sheet_of(tab.picture)
+    tab.do(ShowAgain())
+    assert tab.picture.design["gain"] == 6.0 and not tab.picture.asks_again
+    tab.rest()
+    assert read_desk(json.loads(tab.view.kept)["desks"]["first"], "first", tab.lessons).again == 2
