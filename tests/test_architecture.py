@@ -166,6 +166,12 @@ def test_no_star_imports() -> None:
                            and any(a.name == "*" for a in node.names))) for m in every_module()) == []
 
 
+def test_nothing_waits_or_ends_by_a_clock_that_can_be_set() -> None:
+    """Whoever sets the clock of a machine moves no deadline: the log alone tells the time of day."""
+    clock = re.compile(r"\b(time\.time\(|datetime\.(now|utcnow|today)\()")
+    assert violations((m, clock.findall(m.source)) for m in modules("app", "lessons")) == []
+
+
 def test_no_mutable_globals() -> None:
     """Wrap a table in MappingProxyType, a sequence in a tuple, a set in a frozenset."""
     assert violations((m, [*mutable_globals(m.source), *(f"line {n.lineno}: global" for n in ast.walk(m.tree)

@@ -109,7 +109,7 @@ class LongJob:
                 found = found if new is None else new
         except StopIteration:
             self._steps, self._ended = None, self._clock()
-        except Exception:
+        except BaseException:
             self._steps = None
             raise
         news, self._last = found is not self._last, found

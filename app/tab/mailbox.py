@@ -18,8 +18,10 @@ class Mailbox:
         self.closed = False
 
     def post(self, edit: Edit) -> int:
-        """Put an edit in and give its number; cheap enough for the event loop."""
+        """Put an edit in and give its number; cheap enough for the event loop. A closed box takes nothing."""
         with self._ready:
+            if self.closed:
+                return self._count
             if isinstance(edit, SetKnobs):
                 self._drop_older(edit)
             self._count += 1

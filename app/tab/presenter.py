@@ -87,7 +87,7 @@ class Presenter:
         try:
             self.lesson = self._lesson_for(self.design)
             drawn = self._draw(self.design)
-        except Exception:
+        except BaseException:
             log.exception("the remembered design of lesson %s cannot be computed; it starts anew", self.lesson.id)
             self.lesson = self.lessons[self.lesson.id]
             self.desks.renew(self.lesson.id, self.lesson.start())
@@ -107,7 +107,7 @@ class Presenter:
         before, self.lesson = self.lesson, self.lessons[lesson]
         try:
             self.open()
-        except Exception:
+        except BaseException:
             self.lesson = before
             self.open()
             raise
@@ -192,7 +192,7 @@ class Presenter:
                 self.view.build(self._shown)
             self.view.show(self._shown)
             self.view.pose(self.state.t)
-        except Exception:
+        except BaseException:
             rebuilt = self._shown is not picture and self.lesson is not lesson
             history.restore(before)
             self._shown, self.resting, self.state, self.lesson = picture, resting, state, lesson
@@ -231,7 +231,7 @@ class Presenter:
         self.redraw()
         self.remember()
 
-    def refuse(self, problem: Exception, command: bool = False) -> None:
+    def refuse(self, problem: BaseException, command: bool = False) -> None:
         """Say in one sentence why something was not done, and show the last good picture again."""
         if isinstance(problem, (EngineError, KnobError)):
             said = told(problem)

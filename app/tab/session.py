@@ -27,11 +27,14 @@ from .picture import Picture, State, View
 from .presenter import Presenter
 from .reload import PATIENCE, Recall, recalled
 from .turns import Turns
+from .watch import ENDED, Watch
 from .worker import start_worker
 
 log = logging.getLogger(__name__)
 
 TURNS = Turns()  # of all tabs of this process
+WATCH = Watch()  # over all tabs of this process
+FAREWELL = 0.5  # s for the last word of a tab that is ended
 REST = 0.25  # s without an edit after which the final picture is drawn
 
 
@@ -56,6 +59,7 @@ class Session:
         self._show = Presenter(lessons, view, lesson, State(language=language, fresh=secrets.token_hex(8), plant=plant), clock)
         self._show.insists = insists or bool(state)
         self._errands = Errands(self.post)
+        self._ended: Callable[[], object] = lambda: None
         self._recall = Recall(self._show, lambda *kept: self.post(Recalled(*kept)))
 
     # --- outside ---------------------------------------------------------------------------------------------------
@@ -64,8 +68,9 @@ class Session:
         on."""
         return self._mailbox.post(edit)
 
-    def start(self) -> None:
-        """Open the lesson and work on a thread until `close`."""
+    def start(self, ended: Callable[[], object] = lambda: None) -> None:
+        """Open the lesson and work on a thread until `close`; `ended` is called where the watch had to end the tab."""
+        self._ended = ended
         start_worker(self._mailbox, self._begin, self._step_when_due, self._stop_playing)
 
     def close(self) -> None:
@@ -93,7 +98,8 @@ class Session:
         with TURNS.turn(hand=bool(taken)) as waited:
             if not taken:
                 playing.hold_up(self._show, waited)
-            self._work(taken)
+            with WATCH.step(self._left, self._give_up):
+                self._work(taken)
 
     def _work(self, taken: list[tuple[int, Edit]]) -> None:
         if taken or not self._show.resting or self._show.job.running:
@@ -111,7 +117,7 @@ class Session:
                     self._obey(edits)
             except (KnobError, EngineError) as problem:
                 self._show.refuse(problem)
-            except Exception as problem:
+            except BaseException as problem:  # a lesson that asks the process to exit is a lesson that failed
                 log.exception("%s failed", "a change of knobs" if isinstance(edits, list) else type(edits).__name__)
                 self._show.refuse(problem, command=not isinstance(edits, list))
         now = self._show.clock()
@@ -159,11 +165,21 @@ class Session:
         for edit in early:
             self._mailbox.post(edit)
         if not self._mailbox.closed:  # a page for a tab that has left would cost as much as any
-            with TURNS.turn(hand=True):
+            with TURNS.turn(hand=True), WATCH.step(self._left, self._give_up):
                 self.open()
 
     def _step_when_due(self) -> None:
         self.step(self._wait())
+
+    def _left(self) -> bool:
+        return self._mailbox.closed
+
+    def _give_up(self) -> None:
+        """End the tab from another thread: its own one does not answer."""
+        self.close()
+        self._show.view.say(ENDED, True)
+        time.sleep(FAREWELL)
+        self._ended()
 
     def _stop_playing(self) -> None:
         self._show.state = replace(self._show.state, playing=False, loop=None)

@@ -148,7 +148,7 @@ def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
         fraction, found = show.job.go_on(undisturbed)
         if found is not None:
             show.keep(found)
-    except Exception as problem:
+    except BaseException as problem:
         log.exception("the job of lesson %s failed", show.lesson.id)
         show.drop_job()
         show.refuse(problem)

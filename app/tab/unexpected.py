@@ -16,7 +16,7 @@ KINDS = MappingProxyType({
 })
 
 
-def kind_of(problem: Exception) -> Text:
+def kind_of(problem: BaseException) -> Text:
     """What kind of error this is, in a few words of both languages; its class is named where that is all there is."""
     name = type(problem).__name__
     return KINDS.get(name, text("an error in the program, {name}", name=name))

@@ -25,7 +25,7 @@ def work(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None], 
     later."""
     try:
         begin()
-    except Exception:
+    except BaseException:
         if not mailbox.closed:
             log.exception("a session could not be opened")
         return
@@ -34,7 +34,7 @@ def work(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None], 
         try:
             step()
             failures = 0
-        except Exception:
+        except BaseException:
             if mailbox.closed:
                 return
             failures += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import secrets
 import socket
 import threading
@@ -110,6 +111,13 @@ def may_leave(client: viser.ClientHandle) -> None:
             push(message)
 
     buffer.push = push_to_who_is_there  # type: ignore[method-assign]
+
+
+def hang_up(server: viser.ViserServer, client_id: int) -> None:
+    """Close the connection of a tab from any thread; viser has no call for it. Its page comes back by itself."""
+    connection = server._websock_server._live_connections.get(infra.ClientId(client_id))
+    if connection is not None:
+        asyncio.run_coroutine_threadsafe(connection.close(1011), connection.loop)
 
 
 def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused: Callable[[], object]) -> None:

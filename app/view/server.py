@@ -12,7 +12,7 @@ import viser
 
 from ..lesson.lesson import Lesson
 from ..tab.commands import Refuse
-from ..tab.session import Session
+from ..tab.session import WATCH, Session
 from . import phrases, quirks
 from .address import is_public, listen, url
 from .gate import Gate, Refusal
@@ -67,7 +67,7 @@ class LabServer:
     def health(self) -> Mapping[str, object]:
         """What `GET /health` answers: nothing of any person."""
         return {"status": "ok", "version": version(), "tabs": len(self._sessions), "most_tabs": self._max,
-                "seconds": round(time.monotonic() - self._born, 1)}
+                "stuck": WATCH.stuck, "seconds": round(time.monotonic() - self._born, 1)}
 
     def _full(self) -> str:
         """The page for whoever comes while all places are taken, else nothing."""
@@ -91,7 +91,7 @@ class LabServer:
         quirks.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))
         quirks.accept_small_files_only(client, MOST_BYTES, lambda: session.post(Refuse(phrases.TOO_LARGE)))
         self._sessions[client.client_id], self._screens[client.client_id] = session, screen
-        session.start()
+        session.start(lambda: quirks.hang_up(self._server, client.client_id))
 
     async def _leave(self, client: viser.ClientHandle) -> None:
         self._screens.pop(client.client_id, None)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 import re
 import socket
+import struct
 import time
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
@@ -189,6 +190,12 @@ class WireTab(WirePage):
         """Leave, as a closed tab does."""
         self._socket.close()
 
+    def cut(self) -> None:
+        """Be gone without a word, as a machine is whose cable is pulled: the connection is reset."""
+        self._socket.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self._socket.socket.shutdown(socket.SHUT_RD)
+        self._socket.socket.close()
+
     # --- sending ---------------------------------------------------------------------------------------------------
     def update(self, label: str, **updates: Any) -> None:
         """Change a widget as its browser would, and see it changed at once."""
@@ -202,6 +209,14 @@ class WireTab(WirePage):
         """Press a word of a button group, or a button, once it is there."""
         self.until(lambda: self.has(label) or self.offers(label), label)
         super().press(label)
+
+    def drag(self, name: str, phase: str, dx: float) -> None:
+        """Drag a node of the scene across by dx."""
+        self.until(lambda: name in self.nodes, name)
+        x, y, z = 1.9, 1.45, 3.7
+        self.send("SceneNodeDragMessage", phase=phase, name=name, instance_index=None, start_position=(x, y, z),
+                  start_screen_pos=(0.5, 0.5), end_position=(x + dx, y, z), end_screen_pos=(0.5, 0.5), button="left",
+                  modifier=None, owner=self.nodes[name].get("owner", ""))
 
     def send_raw(self, data: bytes | str) -> None:
         """Send anything at all."""

@@ -169,12 +169,8 @@ def test_a_dragged_cross_moves_its_pole_and_its_twin(enter: Enter, newest: Newes
     tab = enter()
     tab.press("skip")  # the poles can be dragged from now on
     tab.settle()
-    name = "/board/observer/grips"
-    x, y, z = (float(v) for v in (1.9, 1.45, 3.7))
     for phase, dx in (("start", 0.0), ("update", 0.2), ("update", 0.4), ("end", 0.5)):
-        tab.send("SceneNodeDragMessage", phase=phase, name=name, instance_index=None, start_position=(x, y, z),
-                 start_screen_pos=(0.5, 0.5), end_position=(x + dx, y, z), end_screen_pos=(0.5, 0.5), button="left",
-                 modifier=None, owner=tab.nodes[name].get("owner", ""))
+        tab.drag("/board/observer/grips", phase, dx)
         tab.answered()
     tab.until(lambda: newest().picture.design["observer_poles"] != START["observer_poles"], "a moved pole")  # type: ignore[union-attr]
     poles = newest().picture.design["observer_poles"]  # type: ignore[union-attr]

@@ -23,8 +23,8 @@ def test_health_counts_the_tabs_and_names_nobody(server: LabServer, enter: Calla
     before = health(server)
     enter()
     after = health(server)
-    assert before["status"] == after["status"] == "ok" and before["tabs"] == 0 and after["tabs"] == 1
-    assert set(after) == {"status", "version", "tabs", "most_tabs", "seconds"}
+    assert before["status"] == after["status"] == "ok" and before["tabs"] == 0 and after["tabs"] == 1 and after["stuck"] == 0
+    assert set(after) == {"status", "version", "tabs", "most_tabs", "stuck", "seconds"}
 
 
 def test_a_server_that_stops_tells_its_tabs_first() -> None:

@@ -233,6 +233,20 @@ def test_a_connection_that_never_looks_costs_no_session(enter: Enter, server: La
         assert len(server.sessions) == 1
 
 
+def test_connections_cut_in_the_middle_of_a_drag_leave_nothing_and_nobody_else_notices(enter: Enter, server: LabServer) -> None:
+    other = enter()
+    for _ in range(3):
+        tab = enter()
+        tab.press("skip")
+        for phase in ("start", "update"):
+            tab.drag("/board/observer/grips", phase, 0.2)
+        tab.cut()
+    eventually(lambda: len(server.sessions) == 1, "the end of the sessions that were cut")
+    assert other.unasked() == [] and not other.notes
+    other.update(DELAY, value=6.0)
+    other.settle()
+
+
 def test_a_heading_stands_over_its_knobs_and_goes_with_them(enter: Enter, newest: Newest) -> None:
     tab = enter()
     lesson = LESSONS["robust-observer"]
