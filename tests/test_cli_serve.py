@@ -1,6 +1,9 @@
 """The command line as a process: what it loads, how it serves, tells, logs and ends."""
 
+import errno
+import io
 import json
+import logging
 import os
 import re
 import signal
@@ -16,6 +19,7 @@ import pytest
 from commands import refused
 
 from app.cli.entry import main
+from app.cli.logs import RotatingFile
 from app.view.address import url
 
 ROOT = Path(__file__).parents[1]
@@ -123,6 +127,22 @@ def test_the_log_is_lines_of_json_on_stderr_and_in_the_data_folder(tmp_path: Pat
     records = [json.loads(line) for line in written.splitlines()]
     assert [record["what"] for record in records] == [f"serving {url}", "stopped"]
     assert all(set(record) == {"time", "level", "where", "what"} and record["level"] == "info" for record in records)
+
+
+def test_a_full_disk_costs_the_log_and_one_sentence_until_there_is_room_again(capsys, tmp_path: Path) -> None:
+    class Full(io.StringIO):
+        def flush(self) -> None:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    log = RotatingFile(tmp_path / "log", encoding="utf-8")
+    room = log.stream
+    for k in range(9):
+        log.stream = room if k % 4 == 3 else Full()
+        log.emit(logging.LogRecord("lab", logging.WARNING, "", 0, f"event{k}", (), None))
+    log.stream = room
+    log.close()
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3 and all("cannot be written (no space left on device); the server goes on" in line for line in told)
+    assert (tmp_path / "log").read_text().split() == ["event3", "event7"]
 
 
 def test_an_ipv6_address_is_printed_in_brackets() -> None:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import json
 import logging
 import logging.handlers
+import sys
 import time
 from pathlib import Path
+
+from .options import cause
 
 FILE, LONGEST, KEPT = "observer-lab.log", 1_000_000, 5  # bytes of a file, and files
 PLAIN = "%(asctime)s %(levelname)s %(name)s: %(message)s"
@@ -26,14 +29,31 @@ class OneLineOfJson(logging.Formatter):
         return json.dumps(line, ensure_ascii=False)
 
 
+class RotatingFile(logging.handlers.RotatingFileHandler):
+    """A file that rotates. Where it cannot be written, as on a full disk, one sentence says so, and it goes on when it can."""
+
+    _told = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write a record down, if that is possible."""
+        self._failed = False
+        super().emit(record)
+        self._told = self._failed
+
+    def handleError(self, record: logging.LogRecord) -> None:
+        """Say once that nothing is written down any more."""
+        self._failed = True
+        if not self._told and sys.stderr is not None:
+            print(f"observer-lab: {FILE} cannot be written ({cause(sys.exc_info()[1])}); the server goes on without it.", file=sys.stderr)
+
+
 def set_up(as_json: bool, folder: str | None) -> None:
     """Write warnings, and what the command itself says, to stderr and to FILE in `folder`. Raises OSError where that
     fails."""
     handlers: list[logging.Handler] = [logging.StreamHandler()]
     if folder is not None:
         Path(folder).mkdir(parents=True, exist_ok=True)
-        handlers.append(logging.handlers.RotatingFileHandler(Path(folder) / FILE, maxBytes=LONGEST, backupCount=KEPT,
-                                                             encoding="utf-8"))
+        handlers.append(RotatingFile(Path(folder) / FILE, maxBytes=LONGEST, backupCount=KEPT, encoding="utf-8"))
     for handler in handlers:
         handler.setFormatter(OneLineOfJson() if as_json else logging.Formatter(PLAIN))
     logging.basicConfig(level=logging.WARNING, handlers=handlers, force=True)

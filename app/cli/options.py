@@ -52,7 +52,7 @@ def host_name(words: str) -> str:
     return words
 
 
-def cause(problem: Exception) -> str:
+def cause(problem: BaseException | None) -> str:
     """What went wrong, to stand in the middle of a sentence."""
     words = getattr(problem, "strerror", None) or str(problem) or type(problem).__name__
     return words[:1].lower() + words[1:].rstrip(".")

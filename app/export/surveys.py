@@ -10,7 +10,7 @@ from io import BytesIO
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap, LogNorm
+from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure as Page
 from matplotlib.ticker import MaxNLocator
 
@@ -100,9 +100,9 @@ def _band(page: Page, axes: Axes, survey: Survey, language: str) -> None:
 def _map(page: Page, axes: Axes, survey: Survey, language: str) -> None:
     down, across = survey.sides  # the last one varies fastest
     values, lowest = np.ma.masked_invalid(survey.middle), 0.0 if survey.share else _lowest(survey.middle)
-    norm = LogNorm(lowest, float(values.max())) if lowest else None
+    norm = Normalize(0.0, 1.0) if survey.share else LogNorm(lowest, float(values.max())) if lowest else None
     shown = axes.pcolormesh(_edges(across), _edges(down), np.ma.maximum(values, lowest) if lowest else values, cmap=SHADES, norm=norm,
-                            rasterized=True, **({"vmin": 0.0, "vmax": 1.0} if survey.share else {}))
+                            rasterized=True)
     bar = page.colorbar(shown, ax=axes, pad=0.02)
     bar.outline.set_linewidth(0.5)  # type: ignore[operator]
     bar.outline.set_edgecolor(RULE)  # type: ignore[operator]
