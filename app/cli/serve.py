@@ -38,6 +38,7 @@ class ServeRequest:
     log_json: bool = False
     data_dir: str | None = None
     state: str | None = None
+    exam: bool = False
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,6 +52,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
     parser.add_argument("--state", metavar="TOKEN|FILE", help=STATE_HELP)
+    parser.add_argument("--exam", action="store_true", help="note answers to exams and tell nothing of them; no tab can practise")
     parser.add_argument("--public", action="store_true", help="yes, listen on an address that other machines can reach")
     parser.add_argument("--allow-host", action="append", default=[], type=host_name, metavar="NAME", dest="names",
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
@@ -63,7 +65,7 @@ def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
-                              options.state))
+                              options.state, options.exam))
 
 
 def serve(request: ServeRequest) -> int:
@@ -109,7 +111,7 @@ def _serve(request: ServeRequest) -> None:
             raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
                                "--public as well if that is meant.")
         server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions,
-                           plant, request.names, state, bool(request.lesson or plant))
+                           plant, request.names, state, bool(request.lesson or plant), request.exam)
     except OSError as problem:
         raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); "
                            "choose a free port of an address of this machine.") from problem

@@ -18,6 +18,7 @@ from .examined import AnotherVariant, AnswerExam, Examining, SetKey, Withhold
 from .picture import MOST_ANSWERS, MOST_VARIANTS, Answered, ExamState, State
 from .presenter import Presenter
 
+SEALED = text("This server notes answers to exams and tells nothing of them; practise on one that was started without --exam.")
 WITHHELD = 0  # the variant that is asked where nothing is told
 
 
@@ -31,6 +32,8 @@ def obey(show: Presenter, command: Examining) -> None:
         case SetKey(key):
             show.change(replace(show.state, key=key.strip()[:LONGEST] if isinstance(key, str) else ""))
         case Withhold(on):
+            if show.state.sealed and on is not True:
+                raise KnobError(SEALED)
             show.change(replace(show.state, withheld=on is True))
         case _:
             assert_never(command)

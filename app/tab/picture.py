@@ -92,6 +92,7 @@ class State:
     key: str = ""  # the student's; the same numbers are drawn for it everywhere
     fresh: str = ""  # a random one for as long as there is none
     withheld: bool = False  # whether answers to exams are noted and nothing is told of them
+    sealed: bool = False  # whether the server has settled that, so that no tab can practise
     landscape: bool = False
     plant: str = ""  # the plant that the person brought last, shown now or not
     tab: str | None = None  # the English name of the figures' tab that is open, None for the first

@@ -46,17 +46,18 @@ class Session:
 
     def __init__(self, lessons: Mapping[str, Lesson], view: View, lesson: str, language: str = "en",
                  clock: Callable[[], float] = time.monotonic, plant: str = "",
-                 state: str = "", insists: bool = False) -> None:
+                 state: str = "", insists: bool = False, sealed: bool = False) -> None:
         """`state` is a token, or the words of a saved file, that the tab opens with if nothing else is known of it.
 
         A new tab goes on where the browser's last one was, unless the server `insists` on its lesson or its state.
 
-        Exams are drawn for a random key until the person gives one.
+        Exams are drawn for a random key until the person gives one; a `sealed` tab only notes answers to them.
         """
         if lesson not in lessons:
             raise KeyError(f"There is no lesson {lesson}; there are {', '.join(lessons)}.")
         self._mailbox, self._state = Mailbox(), state
-        self._show = Presenter(lessons, view, lesson, State(language=language, fresh=secrets.token_hex(8), plant=plant), clock)
+        first = State(language=language, fresh=secrets.token_hex(8), plant=plant, withheld=sealed, sealed=sealed)
+        self._show = Presenter(lessons, view, lesson, first, clock)
         self._show.insists = insists or bool(state)
         self._errands = Errands(self.post)
         self._ended: Callable[[], object] = lambda: None

@@ -34,8 +34,10 @@ class Exams:
             return
         with gui.add_folder(phrases.EXAM(self._lang), expand_by_default=False):
             key = gui.add_text(phrases.KEY(self._lang), picture.state.key, hint=phrases.KEY_HINT(self._lang))
+            if picture.state.sealed:
+                gui.add_html(f'<p class="ol-note">{phrases.NOTES_ALONE(self._lang)}</p>')
             mode = gui.add_dropdown(phrases.MODE(self._lang), tuple(self._modes), initial_value=self._mode(picture),
-                                    hint=phrases.MODE_HINT(self._lang))
+                                    visible=not picture.state.sealed, hint=phrases.MODE_HINT(self._lang))
             for count, exam in enumerate(self._lesson.exams, 1):
                 title = self._lesson.words[self._lang].exams[exam.id].title
                 with gui.add_folder(f"{count} {title}", expand_by_default=False):

@@ -35,16 +35,16 @@ class LabServer:
 
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
-                 names: Iterable[str] = (), state: str = "", insists: bool = False) -> None:
+                 names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False) -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
-        of its browser was, unless the server `insists` on its lesson or has a state.
+        of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
 
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
         sys.setswitchinterval(SWITCH)
         self._lessons = lessons
         self._lesson, self._language, self._max, self._plant, self._state = lesson, language, max_sessions, plant, state
-        self._insists = insists
+        self._insists, self._sealed = insists, sealed
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
         self._born = time.monotonic()
@@ -85,7 +85,7 @@ class LabServer:
             return
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
-                          state=self._state, insists=self._insists)
+                          state=self._state, insists=self._insists, sealed=self._sealed)
         screen.attach(session.post)
         quirks.may_leave(client)
         quirks.accept_values_only(client, lambda: session.post(Refuse(phrases.NONSENSE)))

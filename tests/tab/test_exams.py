@@ -12,8 +12,9 @@ from app.lesson.exam import Exam, ExamItem
 from app.lesson.lesson import Verdict
 from app.tab.commands import OpenState
 from app.tab.examined import AnotherVariant, AnswerExam, SetKey, Withhold
-from app.tab.examining import item_of, said_of, verdict_of
+from app.tab.examining import SEALED, item_of, said_of, verdict_of
 from app.tab.picture import MOST_ANSWERS
+from app.tab.session import Session
 from app.tab.state import Saved
 from app.tab.token import write_token
 
@@ -127,3 +128,19 @@ def test_a_verdict_that_a_browser_made_up_is_not_believed() -> None:
     assert seen.variant == 2 and [a.said for a in seen.answers] == ["rubbish<b>"]
     again.do(AnotherVariant("twice"))
     assert verdict(again) is None
+
+
+def test_a_sealed_tab_cannot_practise_whatever_is_opened_or_asked() -> None:
+    tab = Tab(sealed=True)
+    tab.do(SetKey("me"))
+    asked = item(tab)
+    answer(tab, f"{asked.answer:.2f}")
+    tab.do(Withhold(False))
+    assert tab.view.scolded()[-1] == SEALED and tab.picture.state.withheld and verdict(tab) is None and item(tab) == asked
+    open_tab = keyed("me")
+    tab.do(OpenState(write_token(open_tab.picture.lesson, Saved(open_tab.picture.design))))
+    assert tab.picture.state.withheld and verdict(tab) is None
+    back = Session(tab.lessons, FakeView(), "toy", sealed=True)
+    back.restore(open_tab.view.kept)  # a tab that practised elsewhere
+    back.open()
+    assert back.picture is not None and back.picture.state.withheld and back.picture.state.sealed
