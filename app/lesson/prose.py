@@ -39,7 +39,7 @@ The form of such a file (headings are keywords, the rest is Markdown with $LaTeX
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..text.languages import folder_of, languages
@@ -96,6 +96,7 @@ class Prose:
     source: str
     derivation: tuple[Derived, ...] = ()
     again: Asked | None = None
+    references: tuple[str, ...] = ()  # what to read on, from the end of the notes for the teacher
 
 
 def read_prose(folder: Path) -> dict[str, Prose]:
@@ -105,14 +106,21 @@ def read_prose(folder: Path) -> dict[str, Prose]:
     """
     own, name = folder / "en.md", f"{_id(folder)}.md"
     files = {lang: (folder_of(lang) or folder) / name for lang in languages()}
-    return {lang: parse_prose((path if path.is_file() else own).read_text(encoding="utf-8"), f"{lang}/{name}")
-            for lang, path in files.items()}
+    return {lang: replace(parse_prose((path if path.is_file() else own).read_text(encoding="utf-8"), f"{lang}/{name}"),
+                          references=_references(folder, lang)) for lang, path in files.items()}
 
 
 def read_notes(folder: Path, language: str) -> str:
     """The notes for the teacher of a lesson in Markdown: `<id>.teacher.md` of the language, the lesson's own `teacher.md` without it."""
     path = (folder_of(language) or folder) / f"{_id(folder)}.teacher.md"
     return (path if path.is_file() else folder / "teacher.md").read_text(encoding="utf-8")
+
+
+def _references(folder: Path, language: str) -> tuple[str, ...]:
+    """The items under the last heading of the notes for the teacher; none where there are no notes."""
+    if not (folder / "teacher.md").is_file():
+        return ()
+    return _bullets(read_notes(folder, language).rpartition("\n## ")[2])[1]
 
 
 def _id(folder: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from collections.abc import Callable
 from typing import Any
 
@@ -63,6 +64,9 @@ class Panel:
         self._exams = Exams(gui, picture, post)
         self._guide.end(picture)
         gui.add_markdown(f"*{phrases.SOURCE(self._lang)}: {render(self._words.source)}*")
+        if self._words.references:
+            gui.add_html(f'<details class="ol-note ol-others"><summary>{phrases.READ_ON(self._lang)}</summary>'
+                         + "".join(f"<p>{html.escape(item)}</p>" for item in self._words.references) + "</details>")
 
     @property
     def fields(self) -> dict[str, dict[str, object]]:

@@ -102,7 +102,7 @@ def test_all_notes_of_a_language_have_the_same_headings_and_nothing_under_them_i
 def test_notes_are_short_and_the_minutes_add_up() -> None:
     def law(id: str, language: str) -> None:
         words = read_notes(folder(id), language)
-        long = len(COUNTED.findall(words))
+        long = len(COUNTED.findall(words.rpartition("\n## ")[0]))  # without the references
         assert long <= LONGEST.get(language, 350), f"{long} words"
         whole, _, parts = re.split(r"([:：])", sections(words)[1], maxsplit=1)
         minutes = [int(found) for found in re.findall(r"(\d+)(?=[,，.。]|$)", parts)]
@@ -148,3 +148,25 @@ def test_every_number_with_a_point_is_what_the_lesson_computes() -> None:
         assert found <= printed[id], f"from where: {sorted(found - printed[id])}"
         assert {w for w in printed[id] if "." in w} <= found, f"not in the notes: {sorted(printed[id] - found)}"
     holds_for_all(LESSONS, known)
+
+
+# what a reference names: a document of this lab, a data sheet, or authors and a year; and of an article where it stands
+OURS = re.compile(r"\b00[0-4]\b|（00[0-4]）|\b148867\b|^Lessons 1 to 10|^第 1 至 10 课")
+BOOK = re.compile(r"[(（][^()（）]*\b(?:19|20)\d\d[)）]")
+PLACE = re.compile(r"\d+ \((?:19|20)\d\d\) \d+–\d+|[(（](?:19|20)\d\d[)）] ?\d+–\d+")
+DOI = re.compile(r"doi:(10\.\d{4,}/[^\s，。;；]+?)(?=[.。]$)")
+
+
+def test_a_reference_can_be_found_and_stands_on_the_page() -> None:
+    """Authors, title and year; a DOI at the end of its item or none, the same ones in every language."""
+    def law(id: str, language: str) -> None:
+        listed = LESSONS[id].words[language].references
+        assert len(listed) >= 2 and all(item in read_notes(folder(id), language) for item in listed)
+        for item in listed:
+            assert OURS.search(item) or PLACE.search(item) or BOOK.search(item), item
+            assert ("doi:" in item) == bool(DOI.search(item)), item
+            if "doi:" in item:
+                assert PLACE.search(item) and len(re.split("[,，]", item)) >= 4, item
+        assert {m for item in listed for m in DOI.findall(item)} == {
+            m for item in LESSONS[id].words["en"].references for m in DOI.findall(item)}
+    holds_for_all(notes(), law)
