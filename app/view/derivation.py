@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import viser
 
-from ..lesson.derivation import Derived, put_in
+from ..lesson.derivation import Derived, Value, put_in
 from ..lesson.lesson import Outcome
 from ..tab.picture import Picture
 from . import phrases
@@ -48,7 +50,14 @@ class Derivation:
         self._shown = picture.outcome
         values = picture.lesson.derived(picture.outcome)
         for handle, step in zip(self._now, self._steps, strict=True):
-            line = put_in(step, values)
-            content = "" if not line else f'<p class="ol-caption">{phrases.PUT_IN(self._lang)}</p>{drawn(line)}'
+            content = present(step, values, picture.lesson.origin is not None, self._lang)
             if handle.content != content:
                 handle.content = content
+
+
+def present(step: Derived, values: Mapping[str, Value], theirs: bool, lang: str) -> str:
+    """The present numbers of a step; on a person's own plant (`theirs`) a sentence where it puts none in."""
+    line = put_in(step, values)
+    if line:
+        return f'<p class="ol-caption">{phrases.PUT_IN(lang)}</p>{drawn(line)}'
+    return f'<p class="ol-caption">{phrases.NOT_YOURS(lang)}</p>' if theirs else ""

@@ -24,4 +24,4 @@ LESSON = Lesson(
     place=PLACES["duality"],
     again=Again(("sensor",), 2, {"sensor": 90.0}, ("gains",), numbers=True),
     words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted,
-    derived=derived)
+    derived=partial(derived, BLOCK))

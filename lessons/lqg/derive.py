@@ -15,8 +15,8 @@ from .loops import setting_of
 from .study import Study
 
 
-def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
-    """The cost's two parts beside that of the whole loop, where m = 1; the last coefficients of Doyle's loop."""
+def cost_split(outcome: Outcome[Study]) -> dict[str, Value]:
+    """The cost's two parts beside that of the whole loop, where m = 1; on a person's own plant too."""
     case, design, cost = outcome.study.case, outcome.design, outcome.study.cost
     setting = setting_of(case, design)
     known: dict[str, Value] = {"known": cost.known, "total": cost.total}
@@ -25,6 +25,13 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         noise = outcome.study.disturbance * case.G @ case.W @ case.G.T + f.sensor * L @ case.V @ L.T
         P = solve_continuous_lyapunov(plant.A - L @ plant.C, -noise)
         known["unknown"] = float(np.sum((K.T @ (f.alpha_r * case.R) @ K) * P))
+    return known
+
+
+def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
+    """The split of the cost, and the last coefficients of Doyle's loop."""
+    known, design = cost_split(outcome), outcome.design
+    setting = setting_of(outcome.study.case, design)
     q, sigma, m = design["q"], design["sigma"], setting.gain
     top, d = doyle.gains(q, sigma)
     p, K, L = doyle.plant(), top * np.ones((1, 2)), d * np.ones((2, 1))

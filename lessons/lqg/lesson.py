@@ -13,7 +13,7 @@ from app.plants.model import Model
 from ..course import PLACES
 from .cases import Case, case_of, doyle_case, report_case
 from .code import code
-from .derive import derived
+from .derive import cost_split, derived
 from .exams import EXAMS
 from .figures import all_figures
 from .job import JOB
@@ -36,7 +36,7 @@ def build(cases: tuple[Case, ...]) -> Lesson:
 
 def adapt(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant."""
-    return replace(on_model(model), words=lesson.words)
+    return replace(on_model(model), words=lesson.words, derived=cost_split)
 
 
 def on_model(model: Model) -> Lesson:

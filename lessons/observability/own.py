@@ -17,6 +17,7 @@ from ..toolkit.gains import sizes
 from .bodies import body_of
 from .cases import Case, sensed_by
 from .criteria import criteria
+from .derive import derived
 from .knobs import KNOBS
 from .knowledge import learn, rebuild
 from .study import Study, checks_of, cloud_of, formulas_of, live_of, metrics_of
@@ -85,4 +86,5 @@ def _stage(model: Model, found: Study) -> Stage:
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant; the tasks turn sensors of the lesson's plants and stay with them."""
-    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model, case_of(model)), tasks=())
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model, case_of(model)), tasks=(),
+                   derived=partial(derived))

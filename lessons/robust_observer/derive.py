@@ -9,12 +9,13 @@ import numpy as np
 from app.lesson.derivation import Value
 from app.lesson.lesson import Outcome
 
+from .own_loop import Story as OwnStory
 from .study import Story
 
 REAL = 1e-9
 
 
-def derived(outcome: Outcome[Story]) -> Mapping[str, Value]:
+def derived(outcome: Outcome[Story] | Outcome[OwnStory]) -> Mapping[str, Value]:
     """Both conditions, the parts of J, and the row that belongs to the first real pole, if there is one."""
     o = outcome.study.observer
     A, C, order = o.plant.A, o.plant.C, {1: 1, 2: 2, "inf": np.inf}[o.norm]
@@ -28,7 +29,7 @@ def derived(outcome: Outcome[Story]) -> Mapping[str, Value]:
         "J": o.J}
     values, vectors = np.linalg.eig(o.F.T)
     real = np.flatnonzero(np.abs(np.imag(values)) < REAL)
-    if len(real):
+    if len(real) and len(C) == 1:
         s, row = float(np.real(values[real[0]])), np.real(vectors[:, real[0]])[None]
         t, lower = row @ o.T, row @ o.L
         H = _adjugate_row(A, C, s)

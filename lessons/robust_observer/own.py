@@ -16,6 +16,7 @@ from app.text import Text, joined, same, text
 from ..toolkit.boards import bolts
 from ..toolkit.latex import gain_words, number, pole_words
 from .code import own_code
+from .derive import derived
 from .own_figures import all_figures
 from .own_job import key, search, shown
 from .own_knobs import own_knobs
@@ -109,5 +110,5 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where an observer of a part of its state exists; the tasks stay with the paper."""
     here = fitted(model)
     return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=all_figures, tasks=(),
-                   code=partial(_code, here),
+                   code=partial(_code, here), derived=partial(derived),
                    job=Job(text("Run algorithm RLO"), partial(search, here), key, partial(shown, here), figure="found"))

@@ -8,6 +8,7 @@ import numpy as np
 
 from app.lesson.derivation import Value
 from app.lesson.lesson import Outcome
+from app.plants import Model
 
 from .knobs import APPLIED
 from .study import ANGLE, PLANT, Study, ceiling, start_state
@@ -34,3 +35,13 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         "qB": qB, "q3": float(q[0, 2]), "q4": float(q[0, 3]), "B3": float(B[2, 0]), "B4": float(B[3, 0]),
         "size": abs(qB), "u_max": limit, "ceiling_rad": float(np.radians(highest)), "degrees": float(np.degrees(1.0)),
         "per_newton": highest / limit}
+
+
+def derived_own(model: Model, outcome: Outcome[object]) -> Mapping[str, Value]:
+    """The compensator left to itself on a person's own plant, where no input reaches an output at once."""
+    A, B, C, K, L = model.plant.A, model.plant.B, model.plant.C, outcome.gains["K"], outcome.gains["L"]
+    if np.any(model.plant.D):
+        return {}
+    alone = A - B @ K - L @ C
+    return {"trace_o": float(np.trace(A - L @ C)), "trace_BK": float(np.trace(B @ K)), "trace_c": float(np.trace(alone)),
+            "windup": float(max(np.linalg.eigvals(alone).real))}

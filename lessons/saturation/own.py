@@ -23,6 +23,7 @@ from ..toolkit.figures import error_figure, input_figure, state_figures, within
 from ..toolkit.gains import feedback, injection
 from ..toolkit.knobs import kicks, pole_knobs, run_knobs
 from ..toolkit.latex import gain_words
+from .derive import derived_own
 from .figures import CATEGORIES
 from .job import SLICE
 from .knobs import APPLIED, COMMANDED
@@ -196,4 +197,4 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks speak of the pole and stay with it."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
                    job=Job(text("Map the starts that come home"), partial(find_starts, model), depends, with_map, figure="starts"),
-                   pick=pick)
+                   pick=pick, derived=partial(derived_own, model))

@@ -9,6 +9,7 @@ import numpy as np
 from app.engine import observer_gain
 from app.lesson.derivation import Value
 from app.lesson.lesson import Outcome
+from app.plants import Model
 
 from .study import Study, believed
 
@@ -26,3 +27,13 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         "a22": float(A[1, 1]),
         "l1": float(L[0, 0]), "l2": float(L[1, 0]), "c1": float(-np.trace(F)), "c0": float(np.linalg.det(F)),
         "sum": float(poles.sum().real), "product": float(poles.prod().real), "full1": float(full[0, 0]), "full2": float(full[1, 0])}
+
+
+def derived_own(model: Model, outcome: Outcome[object]) -> Mapping[str, Value]:
+    """A, LC and A − LC of a person's own plant; the pace of the copy where it has two states and real poles."""
+    A, C, L = model.plant.A, model.plant.C, outcome.gains["L"]
+    known: dict[str, Value] = {"A": A, "LC": L @ C, "F": A - L @ C}
+    trace, det = float(np.trace(A)), float(np.linalg.det(A))
+    if model.plant.n == 2 and trace**2 >= 4 * det:
+        known |= {"trace": trace, "det": det, "slow": float(np.real(model.plant.poles).max())}
+    return known

@@ -22,6 +22,7 @@ from ..toolkit.figures import TIME_TAB
 from ..toolkit.gains import injection, sizes, sped
 from ..toolkit.knobs import kicks, run_knobs
 from ..toolkit.latex import gain_words, number
+from .derive import derived_own
 from .figures import COPY, ERROR_TAB, OBSERVER, TRUE, TRUST_TAB
 from .knobs import MOST_TRUST
 from .study import checks_of
@@ -209,4 +210,5 @@ def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks are about the chip and stay with it."""
-    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=())
+    return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
+                   derived=partial(derived_own, model))
