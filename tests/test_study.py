@@ -14,6 +14,7 @@ from commands import refused
 from laws import each, holds_for_all
 
 from app.cli.entry import main
+from app.cli.study import FORMAT
 from app.engine import from_json
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
@@ -117,6 +118,8 @@ def test_wherever_a_line_is_torn_or_spoiled_the_others_are_kept(tmp_path: Path) 
         assert sorted(ledger.rows) == [2, 3]
     with pytest.raises(StudyError, match="holds another study"):
         Ledger(path, study, "other")
+    with Ledger(path, study, "mark"), pytest.raises(StudyError, match="is at work"):
+        Ledger(path, study, "mark")
     path.write_bytes(b"something\nelse\n")
     with pytest.raises(StudyError, match="no record"):
         Ledger(path, study, "mark")
@@ -149,6 +152,12 @@ def test_without_dask_one_sentence_says_how_to_get_it(capsys, tmp_path: Path, mo
     monkeypatch.setitem(sys.modules, "distributed", None)
     assert "observer-lab[study]" in refused(capsys, "study", str(file), "--scheduler", "tcp://127.0.0.1:1", "-o", str(tmp_path / "out"))
     assert "not both" in refused(capsys, "study", str(file), "--scheduler", "tcp://127.0.0.1:1", "--workers", "2")
+
+
+def test_the_example_of_the_help_is_a_study() -> None:
+    words = FORMAT[FORMAT.index("{"):FORMAT.index("set and vary take")]
+    study = study_of(words)
+    assert study.shape == (41, 2, 5, 7) and study.runs == 20 and study.collect == ("largest_asked", "check.home")
 
 
 # --- plants ------------------------------------------------------------------------------------------------------------------

@@ -16,9 +16,7 @@ from typing import Protocol
 
 from . import exam, export, link, replay, run, serve, status, study, teach, verify
 from . import list as list_
-from .options import CommandError, Parser
-
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
+from .options import THREADS, CommandError, Parser
 
 
 class Command(Protocol):

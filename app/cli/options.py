@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from typing import NoReturn
 
+THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")  # read when numpy is loaded
 PLANT_HELP = "your own plant (.json or .mat), or the name of an example"
 STATE_HELP = "begin with the state of a link, of its token, or of a file that the app saved"
 

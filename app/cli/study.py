@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import os
 import signal
 import sys
 import time
@@ -11,13 +12,30 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .options import CommandError, add_json, add_language, cause, whole
+from .options import THREADS, CommandError, add_json, cause, whole
 
 if TYPE_CHECKING:
     from ..study.ledger import Ledger
     from ..study.plan import Row, Study
 
 HELP = "a lesson at many designs, seeds or plants: Monte-Carlo, maps, sweeps"
+FORMAT = """FILE is JSON; lesson alone is needed:
+
+  {"lesson": "saturation", "set": {"u_max": 0.1}, "plant": "motor",
+   "vary": {"start": {"from": -3, "to": 3, "count": 41}, "fed": ["commanded", "applied"],
+            "A(3,4)": {"from": -2, "to": -0.5, "count": 5},
+            "inertia": {"from": 0.5, "to": 2, "count": 7, "scale": "log", "over": ["A(2,1)", "A(2,2)"]}},
+   "seeds": 20, "seed": 1, "collect": ["largest_asked", "check.home"], "final": false}
+
+set and vary take knobs as `observer-lab list` names them; a value reads as JSON or as --set reads it. What varies is a list of
+values, or a range, whose scale is the knob's own unless given. plant is a file beside this one, the name of an example, or a
+plant as such a file holds it; its entries, counted from 1, vary too, and so does any other name that multiplies the entries
+times and divides the entries over. seeds is how many are drawn for each point, from seed; or a list or a range of them, the
+same at every point. collect names metrics of `observer-lab run --json`, and check. with the id of a check; all of them unless
+given. final does the lesson's long computation at every point.
+
+FOLDER gets runs.csv with every run, study.json with all of it, a figure where at most two things vary, and runs.txt, what is
+done: the same command goes on from there. The results are the same to the last bit, whoever computes them."""
 ADDRESS = "local"
 MOST_WORKERS = 256
 EVERY = 0.2  # s between two looks at how far it is
@@ -25,8 +43,9 @@ EVERY = 0.2  # s between two looks at how far it is
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `study`."""
-    parser.description = ("FILE is JSON: {\"lesson\": \"saturation\", \"vary\": {\"angle0\": {\"from\": -40, \"to\": 40, \"count\": 41}}, "
-                          "\"seeds\": 20, \"collect\": [\"check.home\"]}. All of it is told in app/study/gate.py.")
+    from ..text.languages import languages
+
+    parser.epilog, parser.formatter_class = FORMAT, argparse.RawDescriptionHelpFormatter
     parser.add_argument("file", metavar="FILE")
     parser.add_argument("--scheduler", metavar="ADDRESS", default=ADDRESS, help="a Dask scheduler, such as tcp://127.0.0.1:8786 "
                         "(default: processes of this machine)")
@@ -34,12 +53,14 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                         help="processes of this machine (default: one for each core)")
     parser.add_argument("-o", "--output", metavar="FOLDER", help="where to (default: the file's name, in this folder); what is done "
                         "already is found there")
-    add_language(parser, "the figure")
+    parser.add_argument("--lang", choices=languages(), default="en", help="language of the figure (default: en)")
     add_json(parser)
 
 
 def execute(options: argparse.Namespace) -> int:
     """Read the study, run what is not done yet, write table, record and figure; 130 if it was interrupted."""
+    if "numpy" not in sys.modules:  # sums of several threads are rounded in another order
+        os.environ.update(dict.fromkeys(THREADS, "1"))
     from ..study.ledger import Ledger
     from ..study.plan import StudyError, digest, programs
 
@@ -139,7 +160,7 @@ def _write(study: Study, ledger: Ledger, folder: Path, mark: str, options: argpa
     from .outputs import save_bytes, write
     from .printing import print_json
 
-    rows, language = ledger.rows, options.lang or "en"
+    rows, language = ledger.rows, options.lang
     try:
         token = write_token(LESSONS[study.lesson], Saved(design_of(study)[1], language))
     except KnobError:  # what is set fits none but changed plants

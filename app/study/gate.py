@@ -1,16 +1,6 @@
 """The gate of a study: a small JSON file, written by a stranger, becomes a study or one sentence.
 
-    {"lesson": "saturation", "set": {"u_max": 4}, "plant": "motor",
-     "vary": {"angle0": {"from": -40, "to": 40, "count": 41}, "fed": ["asked", "applied"],
-              "A(2,1)": {"from": 1, "to": 3, "count": 5, "scale": "log"},
-              "mass": {"from": 0.5, "to": 2, "count": 7, "over": ["A(2,1)", "B(2,1)"]}},
-     "seeds": 200, "seed": 1, "collect": ["largest_asked", "check.home"], "final": false}
-
-`lesson` alone is needed. `set` and `vary` take knobs as `observer-lab list` names them; a value reads as JSON or as `--set`
-reads it. What varies is a list of values, or a range, whose `scale` is the knob's own unless given. With a plant of one's
-own an entry, counted from 1, varies too, or a name that multiplies the entries `times` and divides those `over`. `seeds` is
-how many are drawn for each point, by `seed`; or a list or range of them, the same at every point. `collect` names metrics of
-`observer-lab run --json`, and `check.` with the id of a check; all of them unless given. `final` does the long computation.
+`observer-lab study --help` tells how it is written.
 """
 
 from __future__ import annotations

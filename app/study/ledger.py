@@ -23,6 +23,15 @@ class Ledger:
     def __init__(self, path: Path, study: Study, mark: str) -> None:
         """Go on with the file, or begin it. Raises StudyError where it is another study's, OSError where it cannot be used."""
         self.rows: dict[int, Row] = {}
+        self._file: BinaryIO = path.open("ab")
+        try:
+            self._begin(path, study, mark)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def _begin(self, path: Path, study: Study, mark: str) -> None:
+        _alone(self._file, path)
         whole = _whole_lines(path)
         head = _opened(whole[0]) if whole else None
         if whole and not (isinstance(head, dict) and "study" in head):
@@ -33,7 +42,6 @@ class Ledger:
         for line in whole[1:]:
             for row in _rows(_opened(line), study):
                 self.rows[row.index] = row
-        self._file: BinaryIO = path.open("ab")
         self._file.truncate(sum(map(len, whole)))  # a torn line would swallow the next one
         if not whole:
             self._write({"study": mark})
@@ -56,10 +64,21 @@ class Ledger:
         self._file.close()
 
 
+def _alone(file: BinaryIO, path: Path) -> None:
+    """Keep others from writing to the file while it is open, where the system can. Raises StudyError where somebody does."""
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        return
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as problem:
+        raise StudyError(f"Another command is at work in {str(path.parent)[:80]}; wait for it, or choose another folder with "
+                         "-o.") from problem
+
+
 def _whole_lines(path: Path) -> list[bytes]:
     """The lines of a file with their ends, but for a last one that has none."""
-    if not path.exists():
-        return []
     lines = path.read_bytes().splitlines(keepends=True)
     return lines if not lines or lines[-1].endswith(b"\n") else lines[:-1]
 

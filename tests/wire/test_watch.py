@@ -1,47 +1,21 @@
-"""Lessons that exit, loop, hoard or never come back: their tab gets one sentence, the others go on, nothing is left behind."""
+"""Lessons that fail, exit, loop, hoard or never come back: their tab gets one sentence, the others go on, nothing is left behind."""
 
 from __future__ import annotations
 
 import threading
-import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 
 import pytest
 from client import WireTab, empty, eventually
+from sick import BLOCKS, EXITS, GOOD, HOARDS, LABEL, LOOPS, RAISES, Sick
 
-from app.lesson.lesson import Design, Outcome
 from app.tab import watch
 from app.tab.session import WATCH
 from app.tab.watch import ENDED, TOO_LONG, TOO_MUCH
 from app.view.server import LabServer
 from lessons import LESSONS
 
-STIFFNESS, DELAY = "stiffness believed wrong by [%]", "input delay [ms]"
-EXITS, LOOPS, HOARDS, BLOCKS = 11.0, 12.0, 13.0, 14.0
-GOOD = LESSONS["separation"]
-
-
-class Sick:
-    """A lesson that misbehaves at some values of a knob; `at` is the last of these, `back` lets it come back."""
-
-    def __init__(self) -> None:
-        self.at, self.back = 0.0, threading.Event()
-
-    def compute(self, design: Design) -> Outcome:
-        value = design["stiffness_error"]
-        if value in (EXITS, LOOPS, HOARDS, BLOCKS):
-            self.at = value
-        if value == EXITS:
-            raise SystemExit
-        if value == BLOCKS:
-            self.back.wait()  # no instruction of Python comes before it is over
-        hoard: list[bytes] = []
-        while value in (LOOPS, HOARDS):
-            if value == HOARDS:
-                hoard.append(b"x" * 20_000)
-                time.sleep(0.001)  # at most 20 MB a second, whatever else goes on
-        return GOOD.compute(design)
+DELAY = "input delay [ms]"
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +25,7 @@ def sick() -> Sick:
 
 @pytest.fixture(scope="module")
 def ward(sick: Sick) -> Iterator[LabServer]:
-    server = LabServer({**LESSONS, GOOD.id: replace(GOOD, compute=sick.compute)}, port=0, lesson=GOOD.id)
+    server = LabServer({**LESSONS, GOOD.id: sick.lesson}, port=0, lesson=GOOD.id)
     yield server
     sick.back.set()
     server.stop()
@@ -79,22 +53,22 @@ def test_a_sick_lesson_costs_its_own_tab_one_sentence_and_the_others_nothing(ent
                                                                             monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(watch, "LOOK", 0.02)
     mine, other = enter(), enter()
-    for value, name, limit, said in ((EXITS, "longest", 10.0, "SystemExit"), (LOOPS, "longest", 0.05, TOO_LONG("en")),
-                                     (HOARDS, "room", 5e6, TOO_MUCH("en"))):
+    for value, name, limit, said in ((RAISES, "longest", 10.0, "division"), (EXITS, "longest", 10.0, "SystemExit"),
+                                      (LOOPS, "longest", 0.3, TOO_LONG("en")), (HOARDS, "room", 5e6, TOO_MUCH("en"))):
         before, notes = other.value(DELAY), len(mine.notes)
-        mine.update(STIFFNESS, value=value)
+        mine.update(LABEL, value=value)
         eventually(lambda v=value: sick.at == v, "the sick run")
         other.update(DELAY, value=before + 6.0)
         other.settle()  # while it loops: the limit is not yet reached
         with monkeypatch.context() as strict:
             strict.setattr(WATCH, name, limit)
             mine.until(lambda s=said, n=notes: any(s in note for note in mine.notes[n:]), "the sentence")
-        mine.until(lambda: mine.value(STIFFNESS) == 0.0, "the good value")
+        mine.until(lambda: mine.value(LABEL) == 0.0, "the good value")
         mine.settle()
         assert len(mine.notes) == notes + 1 and not other.notes and other.value(DELAY) == before + 6.0
-    mine.update(STIFFNESS, value=7.0)
+    mine.update(LABEL, value=7.0)
     mine.settle()
-    assert mine.value(STIFFNESS) == 7.0
+    assert mine.value(LABEL) == 7.0
 
 
 def test_a_run_that_never_comes_back_ends_its_tab_and_is_counted_until_it_does(enter: Callable[[], WireTab], sick: Sick, ward: LabServer,
@@ -102,7 +76,7 @@ def test_a_run_that_never_comes_back_ends_its_tab_and_is_counted_until_it_does(e
     monkeypatch.setattr(watch, "LOOK", 0.02)
     before = workers()
     other, mine = enter(), enter()
-    mine.update(STIFFNESS, value=BLOCKS)
+    mine.update(LABEL, value=BLOCKS)
     eventually(lambda: sick.at == BLOCKS, "the sick run")
     other.update(DELAY, value=6.0)
     other.settle()
@@ -126,7 +100,7 @@ def test_a_tab_that_leaves_a_loop_behind_takes_it_along(enter: Callable[[], Wire
     monkeypatch.setattr(watch, "LOOK", 0.02)
     monkeypatch.setattr(watch, "LEFT", 0.05)
     before, tab, sick.at = workers(), enter(), 0.0
-    tab.update(STIFFNESS, value=LOOPS)
+    tab.update(LABEL, value=LOOPS)
     eventually(lambda: sick.at == LOOPS, "the loop")
     tab.close()
     eventually(lambda: workers() <= before, "the end of its thread")
