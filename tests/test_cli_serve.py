@@ -10,16 +10,22 @@ import signal
 import socket
 import subprocess
 import sys
+import tomllib
 import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
+from client import WireTab, eventually
 from commands import refused
+from websockets.exceptions import InvalidStatus
 
+from app.cli import jupyter
 from app.cli.entry import main
 from app.cli.logs import RotatingFile
+from app.view.access import VARIABLE
 from app.view.address import url
 
 ROOT = Path(__file__).parents[1]
@@ -69,9 +75,9 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
 
 
 @contextmanager
-def started(*words: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def started(*words: str, **surroundings: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """`serve` in a process of its own and the address that it prints; ended by SIGTERM, and well."""
-    server = subprocess.Popen([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment(),
+    server = subprocess.Popen([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment() | surroundings,
                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         assert server.stdout is not None
@@ -103,17 +109,78 @@ def test_an_address_that_others_reach_says_what_that_means() -> None:
 
 
 @pytest.mark.slow
-def test_status_tells_of_a_running_server_and_is_status_1_where_there_is_none(capsys) -> None:
-    with started("--port", "0", "--max-sessions", "7") as (_, url):
+def test_status_tells_of_a_server_as_jupyter_launches_it_and_is_status_1_where_there_is_none(capsys, monkeypatch) -> None:
+    """jupyter-server-proxy fills in a port that was free, and shows the server's own token in a header."""
+    group = "jupyter_serverproxy_servers"
+    (entry,) = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["entry-points"][group].values()
+    launched = EntryPoint("observer-lab", entry, group).load()()
+    assert "svg" in jupyter.ICON.read_text("utf-8") and launched["launcher_entry"]["icon_path"] == str(jupyter.ICON)
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = str(free.getsockname()[1])
+    python, apart, *words = (word.format(port=port) for word in launched["command"])
+    assert (python, apart, *words[:3]) == (sys.executable, "-P", "-m", "app.cli", "serve")
+    word = launched["environment"][VARIABLE]
+    assert launched["request_headers_override"] == {"Authorization": f"Bearer {word}"}
+    with started(*words[2:], "--max-sessions", "7", **launched["environment"]) as (_, url):
+        assert url == f"http://127.0.0.1:{port}/?token={word}"
         assert main(["status", url]) == 0
         assert re.fullmatch(r"Observer Lab \S+: 0 of 7 tabs open, up \d+ s\n", capsys.readouterr().out)
-        assert main(["status", url + "/", "--json"]) == 0
+        assert main(["status", url.partition("?")[0]]) == 1
+        assert "asks for its access token" in capsys.readouterr().err
+        monkeypatch.setenv(VARIABLE, word)
+        assert main(["status", url.partition("?")[0], "--json"]) == 0
         health = json.loads(capsys.readouterr().out)
         assert health["status"] == "ok" and health["tabs"] == 0 and health["most_tabs"] == 7
+        assert "in use" in refused(capsys, *words[2:])
     assert main(["status", url]) == 1
     out, err = capsys.readouterr()
-    assert out == "" and len(err.splitlines()) == 1
-    assert err.startswith(f"observer-lab: no Observer Lab answers at {url} (")
+    assert out == "" and len(err.splitlines()) == 1 and word not in err
+    assert err.startswith(f"observer-lab: no Observer Lab answers at {url.partition('?')[0]} (")
+
+
+def workers_of(url: str, word: str) -> list[dict[str, int]]:
+    """What /health says of each worker."""
+    question = urllib.request.Request(f"{url}/health", headers={"Authorization": f"Bearer {word}"})
+    with urllib.request.urlopen(question, timeout=20) as answer:
+        health = json.loads(answer.read())
+    assert health["tabs"] == sum(worker["tabs"] for worker in health["workers"]) <= health["most_tabs"] == 2
+    return health["workers"]
+
+
+@pytest.mark.slow
+def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_other() -> None:
+    """One address, printed once; figures and places are those of both; the word of the token reaches no log."""
+    word, knob = "the-word-of-this-test", "stiffness believed wrong by [%]"
+    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--lesson", "separation", "--log-json", **{
+            VARIABLE: word, "OBSERVER_LAB_KERNELS": "off"}) as (server, printed):
+        url = printed.removesuffix(f"/?token={word}")
+        processes = [int(child) for child in Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()]
+        first = WireTab(url, word=word)
+        first.update(knob, value=7.0)
+        first.settle()
+        (home,) = (k for k, worker in enumerate(workers_of(url, word)) if worker["tabs"])
+        os.kill(processes[home], signal.SIGKILL)
+        assert first.closed() is not None
+        again = WireTab(url, word=word, kept=first.kept)
+        again.until(lambda: again.has(knob) and again.value(knob) == 7.0, "what the browser kept")
+        eventually(lambda: workers_of(url, word)[home]["starts"] == 2 and workers_of(url, word)[home]["stands"], "the next worker")
+        assert [worker["tabs"] for worker in workers_of(url, word)] == [int(k != home) for k in range(2)]
+        other = WireTab(url, word=word)
+        eventually(lambda: [worker["tabs"] for worker in workers_of(url, word)] == [1, 1], "a tab at each worker")
+        with pytest.raises(InvalidStatus) as full:
+            WireTab(url, word=word)
+        assert full.value.response.status_code == 503
+        server.send_signal(signal.SIGTERM)
+        for tab in (again, other):
+            tab.until(lambda tab=tab: any("stopped" in note for note in tab.notes), "the last word")
+            tab.close()
+    assert server.stdout is not None and "http" not in server.stdout.read() and server.stderr is not None
+    told = server.stderr.read()
+    assert word not in told
+    said = [(line.get("worker", 0), line["what"]) for line in map(json.loads, told.splitlines())]
+    assert (0, f"serving {url}") in said and {(1, "stopped"), (2, "stopped")} < set(said)
+    assert any(worker == 0 and f"worker {home + 1} has ended" in what for worker, what in said)
 
 
 @pytest.mark.slow

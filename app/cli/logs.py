@@ -16,14 +16,18 @@ PLAIN = "%(asctime)s %(levelname)s %(name)s: %(message)s"
 
 
 class OneLineOfJson(logging.Formatter):
-    """A record as one line: time in UTC, level, where, what, and the traceback if there is one."""
+    """A record as one line: time in UTC, level, the worker if there are several, where, what, and the traceback if there is one."""
 
     converter = staticmethod(time.gmtime)
+
+    def __init__(self, worker: int = 0) -> None:
+        super().__init__()
+        self._worker = {"worker": worker} if worker else {}
 
     def format(self, record: logging.LogRecord) -> str:
         """The line."""
         line = {"time": self.formatTime(record, "%Y-%m-%dT%H:%M:%SZ"), "level": record.levelname.lower(),
-                "where": record.name, "what": record.getMessage()}
+                **self._worker, "where": record.name, "what": record.getMessage()}
         if record.exc_info:
             line["trace"] = self.formatException(record.exc_info)
         return json.dumps(line, ensure_ascii=False)
@@ -47,14 +51,16 @@ class RotatingFile(logging.handlers.RotatingFileHandler):
             print(f"observer-lab: {FILE} cannot be written ({cause(sys.exc_info()[1])}); the server goes on without it.", file=sys.stderr)
 
 
-def set_up(as_json: bool, folder: str | None) -> None:
-    """Write warnings, and what the command itself says, to stderr and to FILE in `folder`. Raises OSError where that
-    fails."""
+def set_up(as_json: bool, folder: str | None, worker: int = 0) -> None:
+    """Write warnings, and what the command itself says, to stderr and to a file in `folder`: FILE or, for a worker of that number, one
+    of its own, because two processes cannot rotate one file. Raises OSError where that fails."""
     handlers: list[logging.Handler] = [logging.StreamHandler()]
     if folder is not None:
         Path(folder).mkdir(parents=True, exist_ok=True)
-        handlers.append(RotatingFile(Path(folder) / FILE, maxBytes=LONGEST, backupCount=KEPT, encoding="utf-8"))
+        name = FILE.replace(".", f"-{worker}.") if worker else FILE
+        handlers.append(RotatingFile(Path(folder) / name, maxBytes=LONGEST, backupCount=KEPT, encoding="utf-8"))
+    plain = PLAIN.replace(" %(name)s", f" worker {worker} %(name)s") if worker else PLAIN
     for handler in handlers:
-        handler.setFormatter(OneLineOfJson() if as_json else logging.Formatter(PLAIN))
+        handler.setFormatter(OneLineOfJson(worker) if as_json else logging.Formatter(plain))
     logging.basicConfig(level=logging.WARNING, handlers=handlers, force=True)
     logging.getLogger("app.cli").setLevel(logging.INFO)

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import argparse
 import logging
+import os
 import signal
+import socket
 import sys
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from ..text.languages import languages
 from .options import PLANT_HELP, STATE_HELP, CommandError, cause, host_name, whole
+
+if TYPE_CHECKING:
+    from ..view.access import Access
+    from ..view.server import LabServer
+    from ..view.tally import Seat
 
 log = logging.getLogger(__name__)
 
@@ -18,7 +27,7 @@ HELP = "serve the lessons to browsers (default)"
 SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
 OPEN_TO_ALL = """\
-observer-lab: {host} can be reached by other machines. Whoever reaches it can open tabs, without a password, and what
+observer-lab: {host} can be reached by other machines. Whoever reaches it {may}, and what
 observer-lab: they send and see is not encrypted. For a course put a proxy with TLS in front, listen on 127.0.0.1 and
 observer-lab: name the proxy with --allow-host NAME."""
 
@@ -39,15 +48,24 @@ class ServeRequest:
     data_dir: str | None = None
     state: str | None = None
     exam: bool = False
+    workers: int = 1
+    exact: bool = False
+    token: str | None = field(default=None, repr=False)
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `serve`."""
     port = whole(0, 65535, "is not a port; give a number from 1 to 65535, or 0 for a free one")
     count = whole(1, 100_000, "is not a number of tabs; give one from 1 to 100000")
+    several = whole(1, 64, "is not a number of workers; give one from 1 to 64")
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
     parser.add_argument("--port", type=port, default=8080,
                         help="port, or the next free one; 0 for any (default %(default)s)")
+    parser.add_argument("--exact-port", action="store_true", help="that port or none, as a proxy in front needs it")
+    parser.add_argument("--workers", type=several, default=1, metavar="N",
+                        help="processes behind the address, as many as there are cores to give (default %(default)s; Linux)")
+    parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (better in the "
+                                                             "environment: OBSERVER_LAB_TOKEN)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
@@ -58,14 +76,15 @@ def arguments(parser: argparse.ArgumentParser) -> None:
                         help="a name that people reach this server by, as that of a proxy; may be repeated")
     parser.add_argument("--log-json", action="store_true", help="write the log as lines of JSON")
     parser.add_argument("--data-dir", metavar="FOLDER", help="folder for what is kept: the log, in files that rotate")
-    parser.add_argument("--max-sessions", type=count, default=200, metavar="N", help="most tabs (default %(default)s)")
+    parser.add_argument("--max-sessions", type=count, default=200, metavar="N",
+                        help="most tabs, of all workers together (default %(default)s)")
 
 
 def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
-                              options.state, options.exam))
+                              options.state, options.exam, options.workers, options.exact_port, options.token))
 
 
 def serve(request: ServeRequest) -> int:
@@ -87,13 +106,8 @@ def _serve(request: ServeRequest) -> None:
     from ..engine.kernels import prepare_kernels
     from ..tab.token import write_token
     from .inputs import find_lesson, fitted, plant_in, saved_of
-    from .logs import set_up
 
-    try:
-        set_up(request.log_json, request.data_dir)
-    except (OSError, ValueError) as problem:
-        raise CommandError(f"{str(request.data_dir)[:80]} cannot hold the log ({cause(problem)}); choose another "
-                           f"folder.") from problem
+    _keep_log(request)
     plant = "" if request.plant is None else plant_in(request.plant)
     if request.state is not None and (request.lesson or request.plant):
         raise CommandError("Give --state without --lesson and --plant: a state brings its own.")
@@ -102,28 +116,84 @@ def _serve(request: ServeRequest) -> None:
     opening = find_lesson(lesson)
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
     fitted(opening, saved.design.plant if saved else plant)
-    from ..view.address import is_public
+    listener, access, url = _door(request)
     from ..view.server import LabServer  # viser is loaded only here
+    from ..view.tally import Seat, Tally
 
+    def server(listener: socket.socket, seat: Seat) -> LabServer:
+        return LabServer(LESSONS, request.host, 0, opening.id, request.language, plant=plant, names=request.names, state=state,
+                         insists=bool(request.lesson or plant), sealed=request.exam, access=access, listener=listener, seat=seat)
+
+    def tell() -> None:
+        log.info("serving %s", url)
+        print(url if access is None else access.at(url), flush=True)
+
+    tally = Tally(request.workers)
+    if request.workers == 1:
+        _run(server(listener, Seat(tally, 0, request.max_sessions)), tell, prepare_kernels)
+        return
+    from ..view.handed import READY, HandedListener
+    from .workers import Crew
+
+    address = listener.getsockname()
+
+    def work(number: int, channel: socket.socket) -> None:
+        _keep_log(request, number + 1)
+        handed = HandedListener(channel, address, lambda: tally.end_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM))
+        _run(server(handed, Seat(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels)
+
+    Crew(listener, tally, work).run(tell)
+
+
+def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object]) -> None:
+    """Serve until interrupted; `tell` is called first."""
     try:
-        public = is_public(request.host)
-        if public and not request.public:
-            raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
-                               "--public as well if that is meant.")
-        server = LabServer(LESSONS, request.host, request.port, opening.id, request.language, request.max_sessions,
-                           plant, request.names, state, bool(request.lesson or plant), request.exam)
-    except OSError as problem:
-        raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); "
-                           "choose a free port of an address of this machine.") from problem
-    try:
-        if public:
-            print(OPEN_TO_ALL.format(host=request.host), file=sys.stderr)
-        log.info("serving %s", server.url)
-        print(server.url, flush=True)
-        prepare_kernels()
+        tell()
+        prepare()
         server.wait()
     finally:
         for ending in ENDINGS:
             signal.signal(ending, signal.SIG_IGN)  # it is ending already
         server.stop()
         log.info("stopped")
+
+
+def _keep_log(request: ServeRequest, worker: int = 0) -> None:
+    from .logs import set_up
+
+    try:
+        set_up(request.log_json, request.data_dir, worker)
+    except (OSError, ValueError) as problem:
+        raise CommandError(f"{str(request.data_dir)[:80]} cannot hold the log ({cause(problem)}); choose another "
+                           f"folder.") from problem
+
+
+def _door(request: ServeRequest) -> tuple[socket.socket, Access | None, str]:
+    """The listening socket, what one must know to come in, and the address."""
+    from ..view.access import VARIABLE, Access, draw_word
+    from ..view.address import is_public, listen, url
+    from .workers import NOT_HERE, may_share
+
+    word = os.environ.get(VARIABLE) if request.token is None else request.token
+    if word == "auto":
+        word = draw_word()
+    if request.workers > 1 and not may_share():
+        raise CommandError(NOT_HERE)
+    try:
+        public = is_public(request.host)
+        if public and not request.public:
+            raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
+                               "--public as well if that is meant.")
+        listener = listen(request.host, request.port, request.exact)
+    except OSError as problem:
+        raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); "
+                           "choose a free port of an address of this machine.") from problem
+    port = listener.getsockname()[1]
+    try:
+        access = Access(word, port) if word else None
+    except ValueError as problem:
+        raise CommandError(f"What --token or {VARIABLE} gives cannot be used: {problem}.") from problem
+    if public:
+        may = "can open tabs, without a password" if access is None else "and knows its token can open tabs"
+        print(OPEN_TO_ALL.format(host=request.host, may=may), file=sys.stderr)
+    return listener, access, url(request.host, port)

@@ -11,11 +11,11 @@ TRIES = 1000  # ports that are tried, the one asked for first
 EVERYWHERE = ("0.0.0.0", "::")
 
 
-def listen(host: str, port: int) -> socket.socket:
-    """A listening socket on that port or the next free one; 0 is any free one. Raises OSError."""
+def listen(host: str, port: int, exact: bool = False) -> socket.socket:
+    """A listening socket on that port or, unless it must be that `exact` one, the next free one; 0 is any free one. Raises OSError."""
     family, address = _resolved(host)
     last: OSError | None = None
-    for attempt in range(port, min(port + TRIES, HIGHEST + 1)) if port else (0,):
+    for attempt in range(port, min(port + (1 if exact else TRIES), HIGHEST + 1)) if port else (0,):
         try:
             return socket.create_server((address, attempt), family=family, backlog=200,
                                         dualstack_ipv6=address == "::" and socket.has_dualstack_ipv6())

@@ -20,6 +20,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from .access import Access
 from .gate import Gate, Refusal, is_socket, policy
 
 PART = 512 * 1024  # bytes of one part of an upload, as viser's page cuts it
@@ -29,6 +30,7 @@ WHERE = ("/", "/index.html")  # the page; a proxy may show us its second name
 HEALTH = "/health"
 AGAIN = 10  # s after which whoever found no place asks again
 STARTING = Refusal(503, "The server is starting; try again.")
+UNKNOWN = Refusal(401, "This server asks for its access token, as ?token=… in the address or as Authorization: Bearer ….")
 
 
 class OneLine(logging.Filter):
@@ -98,25 +100,47 @@ class Connection(ServerConnection):
                     raise
 
 
-def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[Refusal], None],
-            ready: Callable[[], bool], health: Callable[[], Mapping[str, object]], full: Callable[[], str]) -> Callable[..., Any]:
-    """`serve` on a socket that listens already; whom the gate refuses gets an answer and no connection.
+@dataclass(frozen=True)
+class Reception:
+    """Who is let in, and what the others are told: through `gate`, knowing the word of `access` if one is needed.
 
-    Who asks for HEALTH gets what `health` gives, as JSON. Whoever comes while there is no place gets the page that `full` gives
-    then, with status 503; at other times that is empty.
+    `refused` hears of each whom the gate turns away; `health` is what HEALTH answers; `full` is the page for whoever comes while
+    there is no place, else empty; `stranger` is the page for who does not know the word.
     """
-    def ask(connection: ServerConnection, request: Request) -> Response | None:
-        refusal = gate.refusal(request.headers)
+
+    gate: Gate
+    access: Access | None
+    refused: Callable[[Refusal], None]
+    health: Callable[[], Mapping[str, object]]
+    full: Callable[[], str]
+    stranger: str
+
+    def answer(self, request: Request, page: Page, ready: bool) -> Response | None:
+        """The answer to a request, None where it asks for a WebSocket and gets it."""
+        head, access = request.headers, self.access
+        refusal = self.gate.refusal(head, access is not None and access.vouched(head))
         if refusal is not None:
-            refused(refusal)
+            self.refused(refusal)
             return _plain(refusal.status, refusal.words)
-        if not ready():
+        if access is not None and not access.admits(head, request.path):
+            return _with(_html(UNKNOWN.status, self.stranger, request) if not is_socket(head) else _plain(UNKNOWN.status, UNKNOWN.words),
+                         ("WWW-Authenticate", "Bearer"))
+        if not ready:
             return _plain(STARTING.status, STARTING.words)
-        if request.path.partition("?")[0] == HEALTH and not is_socket(request.headers):
-            return _answer(200, json.dumps(health()), "application/json")
-        if busy := full():
-            return _no_place(busy, request)
-        return None if is_socket(request.headers) else page.answer(request)
+        if request.path.partition("?")[0] == HEALTH and not is_socket(head):
+            return _answer(200, json.dumps(self.health()), "application/json")
+        if busy := self.full():
+            return _with(_html(503, busy, request), ("Retry-After", str(AGAIN)))
+        if is_socket(head):
+            return None
+        answer = page.answer(request)
+        return _with(answer, ("Set-Cookie", access.cookie)) if access is not None and access.shown(request.path) else answer
+
+
+def guarded(listener: socket.socket, page: Page, reception: Reception, ready: Callable[[], bool]) -> Callable[..., Any]:
+    """`serve` on a socket that listens already; whom the reception does not let in gets an answer and no connection."""
+    def ask(connection: ServerConnection, request: Request) -> Response | None:
+        return reception.answer(request, page, ready())
 
     def server(handler: Any, host: str, port: int, **options: Any) -> Any:
         options |= {"max_size": LARGEST, "create_connection": Connection, "process_request": ask, "logger": log}
@@ -124,11 +148,14 @@ def guarded(listener: socket.socket, page: Page, gate: Gate, refused: Callable[[
     return server
 
 
-def _no_place(busy: str, request: Request) -> Response:
-    answer = _answer(503, busy, "text/html; charset=utf-8")
-    answer.headers["Retry-After"] = str(AGAIN)
-    answer.headers["Content-Security-Policy"] = policy(request.headers["Host"])
+def _with(answer: Response, field: tuple[str, str]) -> Response:
+    name, value = field
+    answer.headers[name] = value
     return answer
+
+
+def _html(status: int, words: str, request: Request) -> Response:
+    return _with(_answer(status, words, "text/html; charset=utf-8"), ("Content-Security-Policy", policy(request.headers["Host"])))
 
 
 def _plain(status: int, words: str) -> Response:

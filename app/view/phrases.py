@@ -141,6 +141,7 @@ STOPPED = text("The server has stopped. This tab keeps your designs.")
 LOADING = text("The lesson is being set up …")
 LOST = text("The server does not answer. This tab keeps your designs and goes on by itself when the server is back.")
 FULL = text("All {places} places on this server are taken. This page asks again every {seconds} seconds; you can leave it open.")
+ASKS_FOR_TOKEN = text("This server asks for an access token: open the address that you were given, with ?token=… in it.")
 NONSENSE = text("The browser sent a value that this widget cannot take; nothing was changed.")
 TOO_LARGE = text("The file is larger than 1 MB, or is not for this button; a plant with 30 states needs far less.")
 # what viser itself writes on the page: the heads of panels, and what its two buttons at the top open

@@ -6,7 +6,7 @@ import asyncio
 import secrets
 import socket
 import threading
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from types import MappingProxyType
@@ -18,8 +18,7 @@ import websockets.asyncio.server
 from viser import _assignable_props_api, _messages, infra
 
 from . import page, phrases
-from .gate import Gate, Refusal
-from .handshake import LARGEST, Page, guarded
+from .handshake import LARGEST, Page, Reception, guarded
 from .kept import kept
 from .moves import Frame, wire
 from .shell import NAME, SPOKEN, page_of_our_own, web_code
@@ -33,16 +32,15 @@ _assignable_props_api.AssignablePropsBase._prop_hints = property(lambda handle: 
 MOVES = MappingProxyType({"SetPositionMessage": "position", "SetOrientationMessage": "wxyz", "SetSceneNodeVisibilityMessage": "visible"})
 
 
-def open_server(listener: socket.socket, gate: Gate, refused: Callable[[Refusal], None],
-                health: Callable[[], Mapping[str, object]], full: Callable[[], str], language: str = "en") -> viser.ViserServer:
-    """viser's server on a socket that listens, behind a gate, with our own page.
+def open_server(listener: socket.socket, reception: Reception, language: str = "en") -> viser.ViserServer:
+    """viser's server on a socket that listens, behind a reception, with our own page.
 
     viser itself opens a port of its own, asks nobody who comes, takes messages of 50 MB, serves the page that it is
     shipped with and prints a table. Here nobody is let in until every door that all tabs share is closed.
     """
     ready = threading.Event()
     host, port = listener.getsockname()[:2]
-    serve = guarded(listener, Page.of(page_of_our_own(language)), gate, refused, ready.is_set, health, full)
+    serve = guarded(listener, Page.of(page_of_our_own(language)), reception, ready.is_set)
     with OPENING, mock.patch.object(websockets.asyncio.server, "serve", serve), mock.patch("rich.print"):
         server = viser.ViserServer(host=host, port=port, label=NAME, verbose=False)
     close_shared_doors(server)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import socket
 import sys
 import threading
 import time
@@ -14,12 +15,14 @@ from ..lesson.lesson import Lesson
 from ..tab.commands import Refuse
 from ..tab.session import WATCH, Session
 from . import phrases, quirks
+from .access import Access
 from .address import is_public, listen, url
 from .gate import Gate, Refusal
-from .handshake import AGAIN
+from .handshake import AGAIN, Reception
 from .plants import MOST_BYTES
 from .screen import Screen
-from .shell import page_without_a_place
+from .shell import page_for_a_stranger, page_without_a_place
+from .tally import Seat, Tally
 from .version import version
 
 log = logging.getLogger(__name__)
@@ -27,6 +30,7 @@ log = logging.getLogger(__name__)
 STOPPING = 5.0  # s within which a server has stopped, whatever its tabs are doing
 SWITCH = 5e-4  # s that a computing thread keeps the interpreter for, while the one that talks to all browsers waits
 FAREWELL = 0.5  # s in which the last word goes out
+NOTED = 5.0  # s between two times that other workers are told how this one is
 TOLD = 20  # different refusals that are written down: a name is enough to help, and a flood is none
 
 
@@ -35,22 +39,27 @@ class LabServer:
 
     def __init__(self, lessons: Mapping[str, Lesson], host: str = "127.0.0.1", port: int = 8080,
                  lesson: str = "separation", language: str = "en", max_sessions: int = 200, plant: str = "",
-                 names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False) -> None:
+                 names: Iterable[str] = (), state: str = "", insists: bool = False, sealed: bool = False, access: Access | None = None,
+                 listener: socket.socket | None = None, seat: Seat | None = None) -> None:
         """`state` is what a tab opens with that brings none, as a token or the words of a file. A new tab goes on where the last one
         of its browser was, unless the server `insists` on its lesson or has a state. `sealed` offers no practice of exams.
+
+        `listener` stands in the place of host and port where one listens already, `seat` in that of `max_sessions` where several
+        processes count together.
 
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
         sys.setswitchinterval(SWITCH)
         self._lessons = lessons
-        self._lesson, self._language, self._max, self._plant, self._state = lesson, language, max_sessions, plant, state
+        self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
         self._insists, self._sealed = insists, sealed
         self._sessions: dict[int, Session] = {}
         self._screens: dict[int, Screen] = {}
-        self._born = time.monotonic()
+        self._seat = seat or Seat(Tally(), 0, max_sessions)
         self._host, self._refused = host, set[Refusal]()
-        gate = Gate.of(host, is_public(host), names)
-        self._server = quirks.open_server(listen(host, port), gate, self._write_down, self.health, self._full, language)
+        reception = Reception(Gate.of(host, is_public(host), names), access, self._write_down, self.health, self._full,
+                              page_for_a_stranger(language))
+        self._server = quirks.open_server(listener or listen(host, port), reception, language)
         self._server.on_client_connect(self._enter)
         self._server.on_client_disconnect(self._leave)
 
@@ -66,12 +75,12 @@ class LabServer:
 
     def health(self) -> Mapping[str, object]:
         """What `GET /health` answers: nothing of any person."""
-        return {"status": "ok", "version": version(), "tabs": len(self._sessions), "most_tabs": self._max,
-                "stuck": WATCH.stuck, "seconds": round(time.monotonic() - self._born, 1)}
+        self._seat.note(WATCH.stuck)
+        return {"status": "ok", "version": version(), **self._seat.health()}
 
     def _full(self) -> str:
         """The page for whoever comes while all places are taken, else nothing."""
-        return page_without_a_place(self._language, self._max, AGAIN) if len(self._sessions) >= self._max else ""
+        return page_without_a_place(self._language, self._seat.most, AGAIN) if self._seat.full else ""
 
     def _write_down(self, refusal: Refusal) -> None:
         if refusal not in self._refused and len(self._refused) < TOLD:
@@ -79,10 +88,17 @@ class LabServer:
             log.warning("refused: %s", refusal.words)
 
     async def _enter(self, client: viser.ClientHandle) -> None:
-        if len(self._sessions) >= self._max:
-            client.add_notification("Observer Lab", f"This server is full ({self._max} tabs). Close one and reload.",
+        if not self._seat.enter():
+            client.add_notification("Observer Lab", f"This server is full ({self._seat.most} tabs). Close one and reload.",
                                     color="red")
             return
+        try:
+            self._open(client)
+        except BaseException:
+            self._seat.leave()
+            raise
+
+    def _open(self, client: viser.ClientHandle) -> None:
         screen = Screen(client)
         session = Session(self._lessons, screen, self._lesson, self._language, plant=self._plant,
                           state=self._state, insists=self._insists, sealed=self._sealed)
@@ -97,11 +113,14 @@ class LabServer:
         self._screens.pop(client.client_id, None)
         session = self._sessions.pop(client.client_id, None)
         if session is not None:
+            self._seat.leave()
             session.close()
 
     def wait(self) -> None:
         """Serve until interrupted."""
-        self._server.sleep_forever()
+        while True:
+            self._seat.note(WATCH.stuck)
+            time.sleep(NOTED)
 
     def stop(self) -> None:
         """Tell the tabs, close every session and the server; at most STOPPING seconds."""

@@ -10,7 +10,7 @@ from urllib.parse import quote
 
 import viser
 
-from ..text import languages
+from ..text import Text, languages
 from . import page, phrases
 
 NAME = "Observer Lab"
@@ -34,11 +34,23 @@ def page_of_our_own(language: str) -> str:
 
 def page_without_a_place(language: str, places: int, seconds: int) -> str:
     """What a browser gets while a server has no place for it: one sentence in every language, its own first; it asks again by itself."""
+    return _page_that_says(phrases.FULL.format(places=places, seconds=seconds), language,
+                           f'<meta http-equiv="refresh" content="{seconds}">')
+
+
+def page_for_a_stranger(language: str) -> str:
+    """What a browser gets that has not shown the access token: one sentence in every language.
+
+    It asks once more by itself: who comes by a link on another site's page brings no cookie, though the browser may have it.
+    """
+    return _page_that_says(phrases.ASKS_FOR_TOKEN, language, f"<script>{page.call('again')}</script>")
+
+
+def _page_that_says(words: Text, language: str, head: str) -> str:
     codes = sorted(languages(), key=lambda code: code != language)
-    said = "".join(f'<span lang="{web_code(code)}">{html.escape(phrases.FULL.format(places=places, seconds=seconds)(code))}</span>'
-                   for code in codes)
+    said = "".join(f'<span lang="{web_code(code)}">{html.escape(words(code))}</span>' for code in codes)
     return (f'<!doctype html><html lang="{web_code(language)}"><head><meta charset="utf-8"><title>{NAME}</title>'
-            f'<meta name="viewport" content="width=device-width"><meta http-equiv="refresh" content="{seconds}">'
+            f'<meta name="viewport" content="width=device-width">{head}'
             f'<style>{page.source("link.css")}</style></head><body><main class="ol-cover"><b>{NAME}</b>{said}</main></body></html>')
 
 

@@ -15,7 +15,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -44,6 +44,7 @@ PARTS = (small.triangle, small.times, small.product, small.put, small.turn, smal
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
 SWITCH = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it
+LOCK = "lock"  # a file in the cache that one process at a time holds, to compile
 
 
 class Shelf:
@@ -106,14 +107,31 @@ def _prepare() -> None:
         return
     folder = cache_folder()
     if folder is not None and not (folder / DONE).exists():
-        package = Path(__file__).parents[3]
-        there = os.pathsep.join(filter(None, [str(package), os.environ.get("PYTHONPATH", "")]))
-        subprocess.run([sys.executable, "-m", "app.engine.kernels"], check=False, env={**os.environ, "PYTHONPATH": there},
-                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        with _alone(folder):
+            if not (folder / DONE).exists():
+                _compile_beside()
     try:
         SHELF.fill()
     except Exception as problem:  # whatever a compiler of another version may say: all goes on the plain way
         log.warning("no kernels, so that some runs take longer: %s", problem)
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """While this lasts no other process of this machine compiles into that folder; they wait. Where nothing can be locked all go on."""
+    with ExitStack() as held:
+        with suppress(ImportError, OSError):  # Windows; a full disk, a network's folder
+            import fcntl
+
+            fcntl.flock(held.enter_context((folder / LOCK).open("w")), fcntl.LOCK_EX)
+        yield
+
+
+def _compile_beside() -> None:
+    package = Path(__file__).parents[3]
+    there = os.pathsep.join(filter(None, [str(package), os.environ.get("PYTHONPATH", "")]))
+    subprocess.run([sys.executable, "-m", "app.engine.kernels"], check=False, env={**os.environ, "PYTHONPATH": there},
+                   stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def cache_folder() -> Path | None:

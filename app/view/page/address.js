@@ -1,8 +1,14 @@
 // Runs before viser's page: what stands behind # in the address bar is a state. It never leaves the browser by itself.
+// What stands behind ? does not stay: an access token, or a server that viser's page would connect to instead of ours.
 ({kept}) => {
   const store = () => { try { return sessionStorage.getItem(kept) ?? ''; } catch (error) { return ''; } };
   const lab = window.observerLabAddress = {shown: store(), asked: 0, widget: '', carried: location.hash};
-  const plain = () => location.pathname + location.search;
+  const plain = () => {
+    const asked = new URLSearchParams(location.search);
+    for (const name of ['token', 'again', 'websocket']) asked.delete(name);
+    return location.pathname + (asked.size ? '?' + asked : '');
+  };
+  const server = () => new URL(location.pathname.replace(/[^/]*$/, ''), location.origin.replace(/^http/, 'ws')).href;
   lab.token = () => (lab.carried || location.hash).slice(1);
   lab.say = what => window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: lab.widget, updates: {value: JSON.stringify(what)}});
   lab.show = (token, lesson, asked) => {
@@ -16,14 +22,15 @@
     const token = location.hash.slice(1);
     if (token && token !== lab.shown && lab.widget) lab.say({open: token, asked: ++lab.asked});
   });
-  if (!location.hash) return;
-  history.replaceState(history.state, '', plain());  // viser's page would take it for a part of the server's address
+  history.replaceState(history.state, '', plain());  // viser's page would take the rest for a part of the server's address
   window.Worker = class extends Worker {
     constructor(...how) {
       super(...how);
-      if (!lab.carried) return;
-      history.replaceState(history.state, '', plain() + lab.carried);
+      history.replaceState(history.state, '', plain() + lab.carried);  // under a proxy's path viser's page has put a server there
       lab.carried = '';
+    }
+    postMessage(said, ...more) {  // viser's page leaves the last / out, at which proxies turn away
+      super.postMessage(said?.type === 'set_server' ? {...said, server: server()} : said, ...more);
     }
   };
 }

@@ -1,0 +1,72 @@
+"""The access token of a server: whoever knows it comes in, by an address that holds it once, by a cookie then, or by a header."""
+
+from __future__ import annotations
+
+import hmac
+import re
+import secrets
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from urllib.parse import parse_qs, quote
+
+from .gate import Head
+
+VARIABLE = "OBSERVER_LAB_TOKEN"  # of the environment, which the list of processes does not show
+FIELD = "token"  # of an address
+SHAPE = re.compile(r"[A-Za-z0-9._~-]{8,200}", re.ASCII)
+BYTES = 24  # of a word that is drawn
+
+
+def draw_word() -> str:
+    """A token that nobody can guess."""
+    return secrets.token_urlsafe(BYTES)
+
+
+@dataclass(frozen=True)
+class Access:
+    """What one must know of the server on a port. The word stands in no text of this record."""
+
+    word: str = field(repr=False)
+    port: int
+
+    def __post_init__(self) -> None:
+        """Raises ValueError at a word that an address cannot hold, or that is soon guessed."""
+        if SHAPE.fullmatch(self.word) is None:
+            raise ValueError("an access token is 8 to 200 letters, digits, dots, dashes, underscores or tildes")
+
+    def vouched(self, head: Head) -> bool:
+        """Whether a header holds the word: no page can put it there, so a program sent it, as a proxy that asks who comes does."""
+        return self._knows(value[7:].strip() for value in head.get_all("Authorization") if value[:7].lower() == "bearer ")
+
+    def shown(self, path: str) -> bool:
+        """Whether the address holds the word."""
+        return self._knows(parse_qs(path.partition("?")[2]).get(FIELD, []))
+
+    def admits(self, head: Head, path: str) -> bool:
+        """Whether whoever sends this knows the word."""
+        return self.vouched(head) or self.shown(path) or self._knows(self._cookies(head))
+
+    @property
+    def cookie(self) -> str:
+        """The field Set-Cookie by which a browser keeps the word. It names no path: a browser takes the one that it asked for,
+        which a proxy may have shortened on its way to us."""
+        return f"{self._name}={self.word}; HttpOnly; SameSite=Strict"
+
+    def at(self, url: str) -> str:
+        """An address with the word in it."""
+        return f"{url.rstrip('/')}/?{FIELD}={quote(self.word)}"
+
+    @property
+    def _name(self) -> str:
+        return f"observer-lab-{self.port}"  # the servers of one machine share the cookies of its name
+
+    def _cookies(self, head: Head) -> Iterator[str]:
+        for value in head.get_all("Cookie"):
+            for part in value.split(";"):
+                name, _, word = part.strip().partition("=")
+                if name == self._name:
+                    yield word
+
+    def _knows(self, words: Iterator[str] | list[str]) -> bool:
+        ours = self.word.encode()
+        return any([hmac.compare_digest(word.encode("utf-8", "surrogateescape"), ours) for word in words])

@@ -1,0 +1,142 @@
+"""Who knows the access token comes in, and nobody else; places and connections are counted right by several together."""
+
+from __future__ import annotations
+
+import socket
+import threading
+from collections.abc import Callable
+from http import HTTPStatus
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from laws import each
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+from app.engine.kernels import shelf
+from app.text import languages
+from app.view.access import BYTES, Access, draw_word
+from app.view.gate import Gate
+from app.view.handed import HandedListener, Taken, hand
+from app.view.handshake import Page, Reception
+from app.view.phrases import ASKS_FOR_TOKEN
+from app.view.shell import page_for_a_stranger
+from app.view.tally import Seat, Tally
+
+WORD, PORT = "s3cret.Word_of~this-test", 8080
+ACCESS = Access(WORD, PORT)
+RECEPTION = Reception(Gate.of("127.0.0.1", False), ACCESS, lambda refusal: None, dict, str, page_for_a_stranger("zh"))
+WAYS: dict[str, Callable[[str], tuple[str, list[tuple[str, str]]]]] = {
+    "address": lambda word: (f"/?token={word}", []),
+    "address among others": lambda word: (f"/index.html?darkMode=1&token={word}", []),
+    "cookie": lambda word: ("/", [("Cookie", f"other=1; observer-lab-{PORT}={word}")]),
+    "header": lambda word: ("/", [("Authorization", f"Bearer {word}")]),
+}
+WRONG = ["", WORD[:-1], WORD + "x", WORD.upper(), f"x{WORD}", "é" * 8, "\xff", WORD.replace("s", "%73", 1)]
+
+
+def asked(path: str, fields: list[tuple[str, str]], upgrade: bool = False, host: str = "127.0.0.1:8080") -> Response | None:
+    """What is answered to a request; None where it gets its WebSocket."""
+    head = [("Host", host), *fields, *([("Upgrade", "websocket")] if upgrade else [])]
+    return RECEPTION.answer(Request(path, Headers(head)), Page.of("<html>"), True)
+
+
+@each("way", list(WAYS))
+def test_the_word_lets_in_and_a_page_that_was_opened_by_it_is_kept_in(way: str) -> None:
+    path, fields = WAYS[way](WORD)
+    page = asked(path, fields)
+    assert page is not None and page.status_code == 200 and asked(path, fields, upgrade=True) is None
+    kept = page.headers.get("Set-Cookie")
+    assert kept == (f"observer-lab-{PORT}={WORD}; HttpOnly; SameSite=Strict" if way.startswith("address") else None)
+    if kept is not None:
+        assert asked("/", [("Cookie", kept.partition(";")[0])], upgrade=True) is None
+
+
+@each(("way", "wrong"), [(way, wrong) for way in WAYS for wrong in WRONG if (way, wrong) != ("address", WRONG[-1])
+                         and (way, wrong) != ("address among others", WRONG[-1])])
+def test_another_word_is_turned_away_everywhere_with_a_sentence_in_every_language(way: str, wrong: str) -> None:
+    path, fields = WAYS[way](wrong)
+    for where in (path, path.replace("/", "/health", 1)):
+        page, socket_ = asked(where, fields), asked(where, fields, upgrade=True)
+        assert page is not None and socket_ is not None and page.status_code == socket_.status_code == HTTPStatus.UNAUTHORIZED
+        told = page.body.decode("utf-8")
+        assert all(ASKS_FOR_TOKEN(code) in told for code in languages()) and "Set-Cookie" not in page.headers
+        assert WORD not in f"{told}{page.headers}{socket_.body!r}{socket_.headers}"
+
+
+def test_a_foreign_name_is_refused_to_whoever_a_page_could_be_and_open_to_a_proxy_that_vouches() -> None:
+    for way, ask in WAYS.items():
+        path, fields = ask(WORD)
+        for upgrade in (False, True):
+            answer = asked(path, fields, upgrade, "hub.example")
+            assert (answer is None or answer.status_code == 200) if way == "header" else answer is not None and answer.status_code == 403
+        strange = asked(path, [*fields, ("Origin", "http://evil.example")], True)
+        assert strange is not None and strange.status_code == 403, "the pages of others are refused whoever brings them"
+
+
+def test_no_text_of_the_record_holds_the_word_and_words_are_long_enough() -> None:
+    assert WORD not in repr(ACCESS) + str(RECEPTION)
+    assert ACCESS.at("http://[::1]:8080") == f"http://[::1]:8080/?token={WORD}"
+    assert len({draw_word() for _ in range(100)}) == 100 and all(len(draw_word()) >= BYTES for _ in range(9))
+    for bad in ("", "short", "x" * 201, "a b c d e", "semi;colon", "new\nline-x", "ünïcödé-wörd"):
+        with pytest.raises(ValueError, match="8 to 200"):
+            Access(bad, PORT)
+
+
+@given(st.lists(st.tuples(st.integers(0, 2), st.booleans()), max_size=60), st.integers(1, 5))
+def test_several_together_hold_no_more_tabs_than_there_are_places(moves: list[tuple[int, bool]], most: int) -> None:
+    tally, open_ = Tally(3), [0, 0, 0]
+    seats = [Seat(tally, worker, most) for worker in range(3)]
+    for worker, comes in moves:
+        if comes:
+            free = sum(open_) < most
+            assert seats[worker].enter() == free == (not seats[worker].full or free)
+            open_[worker] += free
+        elif open_[worker]:
+            seats[worker].leave()
+            open_[worker] -= 1
+        assert [tally.of(k).tabs for k in range(3)] == open_ and tally.tabs == sum(open_) <= most
+    tally.stand(1, False)  # its process has died
+    assert tally.tabs == open_[0] + open_[2]
+    health = seats[0].health()
+    assert isinstance(health["workers"], list) and health["tabs"] == sum(worker["tabs"] for worker in health["workers"])
+
+
+def test_a_connection_is_handed_over_whole_and_its_end_is_heard_once() -> None:
+    ours, theirs = socket.socketpair()
+    over: list[int] = []
+    with socket.create_server(("127.0.0.1", 0)) as door, ours, HandedListener(theirs, ("127.0.0.1", 1), lambda: over.append(1),
+                                                                               lambda: None) as listener:
+        with pytest.raises(BlockingIOError):
+            listener.accept()
+        with socket.create_connection(door.getsockname()) as browser:
+            connection, address = door.accept()
+            assert hand(ours, connection)
+            connection.close()
+            taken, peer = listener.accept()
+            assert isinstance(taken, Taken) and peer == address == browser.getsockname() and listener.getsockname() == ("127.0.0.1", 1)
+            browser.sendall(b"?")
+            assert taken.recv(9) == b"?" and not over
+            taken.close()
+            taken.close()
+            assert over == [1] and browser.recv(9) == b""
+
+
+def test_kernels_are_compiled_by_one_of_all_who_want_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    compiled: list[int] = []
+
+    def compile_beside() -> None:
+        compiled.append(1)
+        (tmp_path / shelf.DONE).touch()
+    monkeypatch.delenv(shelf.SWITCH, raising=False)
+    monkeypatch.setattr(shelf, "cache_folder", lambda: tmp_path)
+    monkeypatch.setattr(shelf, "_compile_beside", compile_beside)
+    monkeypatch.setattr(shelf.Shelf, "fill", lambda shelf: True)
+    threads = [threading.Thread(target=shelf._prepare) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert compiled == [1]
