@@ -1,9 +1,9 @@
-"""Many tabs on one process: how soon each hand is answered while others play, open and rest.
+"""Many tabs on one process or several: how soon each hand is answered while others play, open and rest.
 
-    python tests/benchmarks/bench_many.py [--tabs 100] [--playing 30] [--dragging 10] [--seconds 10] [--scripts]
+    python tests/benchmarks/bench_many.py [--tabs 100] [--playing 30] [--dragging 10] [--seconds 10] [--workers 1] [--scripts]
 
-The server is a process of its own, on loopback; the tabs are protocol clients in this one, without a browser. They open one
-after another, rest, and then work at once: players play the run again and again; hands move a slider 20 times a second, as
+The server is a process of its own, or as many as there are workers and one, on loopback; the tabs are protocol clients in this
+one, without a browser. They open one after another, rest, and then work at once: players play the run again and again; hands move a slider 20 times a second, as
 often as a page lets them, whether the last move has been answered or not. While they work, two more tabs open.
 
 A picture is known by the data of its first chart, which one tab learns beforehand for every value that a hand may give; so
@@ -154,10 +154,10 @@ class Hand:
 class Server:
     """`observer-lab serve` on a free port, and what the operating system says of it."""
 
-    def __init__(self, most: int) -> None:
+    def __init__(self, most: int, workers: int) -> None:
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--max-sessions", str(most)], cwd=HERE, text=True,
-            stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off", "PYTHONUNBUFFERED": "1"})
+            [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--max-sessions", str(most), "--workers", str(workers)],
+            cwd=HERE, text=True, stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off", "PYTHONUNBUFFERED": "1"})
         assert self._process.stdout is not None
         found = None
         while found is None:
@@ -171,15 +171,21 @@ class Server:
         self._process.terminate()
         self._process.wait(20)
 
+    def _processes(self) -> list[Path]:
+        """Its process and those that it has started."""
+        mine = Path(f"/proc/{self._process.pid}")
+        children = (mine / "task" / mine.name / "children").read_text(encoding="ascii").split()
+        return [mine, *(Path(f"/proc/{child}") for child in children)]
+
     def megabytes(self) -> float:
-        """Memory that it holds now."""
-        status = Path(f"/proc/{self._process.pid}/status").read_text(encoding="ascii")
-        return int(re.findall(r"VmRSS:\s+(\d+)", status)[0]) / 1024
+        """Memory that it holds now, what processes share counted once."""
+        texts = [(process / "smaps_rollup").read_text(encoding="ascii") for process in self._processes()]
+        return sum(int(re.findall(r"\nPss:\s+(\d+)", text)[0]) for text in texts) / 1024
 
     def busy(self) -> dict[str, float]:
         """Seconds of the processor that each of its threads has used."""
         found = {}
-        for task in Path(f"/proc/{self._process.pid}/task").iterdir():
+        for task in (task for process in self._processes() for task in (process / "task").iterdir()):
             values = (task / "stat").read_text(encoding="ascii").rpartition(")")[2].split()
             found[task.name] = (int(values[11]) + int(values[12])) / TICK
         return found
@@ -299,14 +305,14 @@ async def measure(server: Server, tabs: int, playing: int, dragging: int, second
 def main() -> None:
     """Run the benchmark and print its table."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    for name, usual in (("--tabs", 100), ("--playing", 30), ("--dragging", 10)):
+    for name, usual in (("--tabs", 100), ("--playing", 30), ("--dragging", 10), ("--workers", 1)):
         parser.add_argument(name, type=int, default=usual)
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--scripts", action="store_true", help="the tabs are scripts, which are sent every pose")
     asked = parser.parse_args()
     if asked.playing + asked.dragging > asked.tabs:
         parser.error("more tabs work than there are")
-    server = Server(asked.tabs + LATER)
+    server = Server(asked.tabs + LATER, asked.workers)
     try:
         rows = asyncio.run(measure(server, asked.tabs, asked.playing, asked.dragging, asked.seconds, asked.scripts))
     finally:
