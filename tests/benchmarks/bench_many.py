@@ -3,8 +3,9 @@
     python tests/benchmarks/bench_many.py [--tabs 100] [--playing 30] [--dragging 10] [--seconds 10] [--workers 1] [--scripts]
 
 The server is a process of its own, or as many as there are workers and one, on loopback; the tabs are protocol clients in this
-one, without a browser. They open one after another, rest, and then work at once: players play the run again and again; hands move a slider 20 times a second, as
-often as a page lets them, whether the last move has been answered or not. While they work, two more tabs open.
+one, without a browser. They open one after another, rest, and then work at once: players play the run again and again; hands move
+a slider 20 times a second, as often as a page lets them, whether the last move has been answered or not. While they work, two
+more tabs open.
 
 A picture is known by the data of its first chart, which one tab learns beforehand for every value that a hand may give; so
 every answer is told from every other, and data that belong to no value of this tab's own, or come in another order, are
@@ -157,7 +158,8 @@ class Server:
     def __init__(self, most: int, workers: int) -> None:
         self._process = subprocess.Popen(
             [sys.executable, "-m", "app.cli", "serve", "--port", "0", "--max-sessions", str(most), "--workers", str(workers)],
-            cwd=HERE, text=True, stdout=subprocess.PIPE, env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off", "PYTHONUNBUFFERED": "1"})
+            cwd=HERE, text=True, stdout=subprocess.PIPE,
+            env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off", "PYTHONUNBUFFERED": "1"})
         assert self._process.stdout is not None
         found = None
         while found is None:

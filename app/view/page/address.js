@@ -1,14 +1,16 @@
 // Runs before viser's page: what stands behind # in the address bar is a state. It never leaves the browser by itself.
 // What stands behind ? does not stay: an access token, or a server that viser's page would connect to instead of ours.
 ({kept}) => {
-  const store = () => { try { return sessionStorage.getItem(kept) ?? ''; } catch (error) { return ''; } };
-  const lab = window.observerLabAddress = {shown: store(), asked: 0, widget: '', carried: location.hash};
+  const folder = location.pathname.replace(/[^/]*$/, '');
+  const own = key => key + (folder === '/' ? '' : folder);  // labs under other paths of this host are other people's, as on a hub
+  const store = () => { try { return sessionStorage.getItem(own(kept)) ?? ''; } catch (error) { return ''; } };
+  const lab = window.observerLabAddress = {own, shown: store(), asked: 0, widget: '', carried: location.hash};
   const plain = () => {
     const asked = new URLSearchParams(location.search);
     for (const name of ['token', 'again', 'websocket']) asked.delete(name);
     return location.pathname + (asked.size ? '?' + asked : '');
   };
-  const server = () => new URL(location.pathname.replace(/[^/]*$/, ''), location.origin.replace(/^http/, 'ws')).href;
+  const server = location.origin.replace(/^http/, 'ws') + folder;
   lab.token = () => (lab.carried || location.hash).slice(1);
   lab.say = what => window.__viserMutable.sendMessage({type: 'GuiUpdateMessage', uuid: lab.widget, updates: {value: JSON.stringify(what)}});
   lab.show = (token, lesson, asked) => {
@@ -16,7 +18,7 @@
     const old = history.state?.observerLab, other = old !== undefined && old !== lesson;
     history[other ? 'pushState' : 'replaceState']({observerLab: lesson}, '', plain() + (token && '#' + token));
     lab.shown = token;
-    try { sessionStorage.setItem(kept, token); } catch (error) { console.warn('not kept', error); }
+    try { sessionStorage.setItem(own(kept), token); } catch (error) { console.warn('not kept', error); }
   };
   addEventListener('hashchange', () => {
     const token = location.hash.slice(1);
@@ -30,7 +32,7 @@
       lab.carried = '';
     }
     postMessage(said, ...more) {  // viser's page leaves the last / out, at which proxies turn away
-      super.postMessage(said?.type === 'set_server' ? {...said, server: server()} : said, ...more);
+      super.postMessage(said?.type === 'set_server' ? {...said, server} : said, ...more);
     }
   };
 }

@@ -3,13 +3,14 @@
 ({key, shelf, most, request}) => {
   const lab = window.observerLabAddress, token = lab?.token() ?? '';
   const read = (store, name) => { try { return window[store].getItem(name); } catch (error) { console.warn('no storage', error); return null; } };
-  const kept = read('sessionStorage', key), earlier = read('localStorage', key);
+  const own = name => lab?.own(name) ?? name;
+  const kept = read('sessionStorage', own(key)), earlier = read('localStorage', own(key));
   try {
     window.observerLabKept = Object.fromEntries(Object.entries(JSON.parse(kept ?? earlier ?? '{}').desks ?? {})
       .map(([name, written]) => [name, JSON.stringify(written)]));
   } catch (error) { window.observerLabKept = {}; }
   const home = location.origin + location.pathname;
-  const told = [kept, token, token === lab?.shown, home, kept === null ? earlier : null, read('localStorage', shelf)];
+  const told = [kept, token, token === lab?.shown, home, kept === null ? earlier : null, read('localStorage', own(shelf))];
   const heavy = () => new Blob([JSON.stringify(told)]).size > most;  // a larger message would cost the connection
   for (const less of [5, 4, 0]) if (heavy()) told[less] = null;
   const value = JSON.stringify(told);
