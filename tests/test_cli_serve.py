@@ -97,6 +97,12 @@ def test_the_last_port_when_taken_is_refused_and_does_not_hang(capsys) -> None:
         assert "in use" in refused(capsys, "serve", "--port", "65535")
 
 
+def test_a_token_that_is_soon_guessed_and_workers_where_there_can_be_none_are_refused(capsys, monkeypatch) -> None:
+    assert "8 to 200 letters" in refused(capsys, "serve", "--port", "0", "--token", "guess")
+    monkeypatch.setattr(sys, "platform", "darwin")
+    assert "leave out --workers" in refused(capsys, "serve", "--port", "0", "--workers", "2")
+
+
 @pytest.mark.slow
 def test_an_address_that_others_reach_says_what_that_means() -> None:
     with started("--host", "0.0.0.0", "--public", "--port", "0") as (server, url):

@@ -22,6 +22,12 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 PYTHONS = [version.rpartition(" ")[2] for version in PROJECT["classifiers"] if re.search(r":: 3\.\d+$", version)]
 OTHERS = [version for version in PYTHONS if version != f"{sys.version_info.major}.{sys.version_info.minor}"]
+LAUNCHED = """
+from importlib.metadata import entry_points
+from pathlib import Path
+(entry,) = entry_points(group="jupyter_serverproxy_servers", name="observer-lab")
+print(Path(entry.load()()["launcher_entry"]["icon_path"]).read_text())
+"""
 pytestmark = pytest.mark.slow  # minutes: everything is installed anew
 
 
@@ -76,6 +82,7 @@ def test_every_command_runs_where_nothing_but_the_wheel_is_installed(bin: Path, 
     assert record["lesson"] == "duality" and (tmp_path / "page.png").stat().st_size > 5000
     assert (tmp_path / "data.csv").read_text(encoding="utf-8").startswith("# Observer Lab, state ")
     assert "agrees" in told(lab, "verify", cwd=tmp_path)
+    assert "<svg" in told(bin / "python", "-c", LAUNCHED, cwd=tmp_path), "what a JupyterHub finds"
 
 
 def test_the_page_is_served_where_nothing_but_the_wheel_is_installed(bin: Path, tmp_path: Path) -> None:

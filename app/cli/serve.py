@@ -180,6 +180,10 @@ def _door(request: ServeRequest) -> tuple[socket.socket, Access | None, str]:
     if request.workers > 1 and not may_share():
         raise CommandError(NOT_HERE)
     try:
+        access = Access(word, request.port) if word else None
+    except ValueError as problem:
+        raise CommandError(f"What --token or {VARIABLE} gives cannot be used: {problem}.") from problem
+    try:
         public = is_public(request.host)
         if public and not request.public:
             raise CommandError(f"{request.host[:80]} can be reached by other machines, without a password; say "
@@ -189,10 +193,7 @@ def _door(request: ServeRequest) -> tuple[socket.socket, Access | None, str]:
         raise CommandError(f"The server cannot listen on {request.host[:80]}, port {request.port} ({cause(problem)}); "
                            "choose a free port of an address of this machine.") from problem
     port = listener.getsockname()[1]
-    try:
-        access = Access(word, port) if word else None
-    except ValueError as problem:
-        raise CommandError(f"What --token or {VARIABLE} gives cannot be used: {problem}.") from problem
+    access = None if access is None else replace(access, port=port)
     if public:
         may = "can open tabs, without a password" if access is None else "and knows its token can open tabs"
         print(OPEN_TO_ALL.format(host=request.host, may=may), file=sys.stderr)

@@ -48,6 +48,7 @@ c.JupyterHub.authenticator_class = "dummy"
 c.DummyAuthenticator.password = "walk"
 c.Authenticator.allow_all = True
 c.JupyterHub.spawner_class = "simple"
+c.SimpleLocalProcessSpawner.home_dir_template = {homes!r}
 c.Spawner.args = ["--allow-root", "--ServerApp.log_level=WARN"]
 c.Spawner.environment = {{**c.Spawner.environment, "OBSERVER_LAB_KERNELS": "off"}}
 """
@@ -107,7 +108,8 @@ def hub(folder: Path, commands: Path, proxy: Path) -> Iterator[tuple[str, Path]]
     port, inner, api = free_ports(3)
     place = Path(tempfile.mkdtemp(dir=folder))
     recipe = HERE / "assets" / "deploy" / "jupyterhub_config.py"
-    (place / "jupyterhub_config.py").write_text(CONFIG.format(recipe=str(recipe), port=port, hub=inner, api=api, proxy=str(proxy)))
+    (place / "jupyterhub_config.py").write_text(CONFIG.format(
+        recipe=str(recipe), port=port, hub=inner, api=api, proxy=str(proxy), homes=f"{place}/{{username}}"))
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
     environment["PATH"] = f"{commands}{os.pathsep}{environment['PATH']}"
     with (place / "log").open("w") as log:

@@ -28,7 +28,7 @@
   window.Worker = class extends Worker {
     constructor(...how) {
       super(...how);
-      history.replaceState(history.state, '', plain() + lab.carried);  // under a proxy's path viser's page has put a server there
+      history.replaceState(history.state, '', plain() + (lab.carried || location.hash));  // where viser's page has put its server
       lab.carried = '';
     }
     postMessage(said, ...more) {  // viser's page leaves the last / out, at which proxies turn away
