@@ -125,7 +125,7 @@ class Crew:
         return 0
 
     def _take(self) -> None:
-        """Hand the next connection to who has fewest, and of those to who has waited longest."""
+        """Hand the next connection to who has fewest, of those to who has fewest tabs, and of those to who has waited longest."""
         standing = [worker for worker in self._workers if worker.stands]
         if not standing:
             return
@@ -138,10 +138,14 @@ class Crew:
             return
         with connection:
             self._count += 1
-            for worker in sorted(standing, key=lambda one: (one.handed - self._tally.of(one.number).ended, one.last)):
+            for worker in sorted(standing, key=self._load):
                 if worker.channel is not None and hand(worker.channel, connection):
                     worker.handed, worker.last = worker.handed + 1, self._count
                     return
+
+    def _load(self, worker: Worker) -> tuple[int, int, int]:
+        figures = self._tally.of(worker.number)
+        return worker.handed - figures.ended, figures.tabs, worker.last
 
     def _hear(self, worker: Worker) -> None:
         assert worker.channel is not None
