@@ -22,7 +22,7 @@ SHARE = 0.25  # of the progress bar, for each norm
 
 def key(design: Design) -> Hashable:
     """What the search rests on; poles, norm, W and the start are not among it."""
-    names = ("example", "alpha", "beta", "gamma", "region_low", "region_high", *CASES[design["example"]].deltas)
+    names = ("example", "alpha", "second", "beta", "gamma", "region_low", "region_high", *CASES[design["example"]].deltas)
     return tuple(design[name] for name in names)
 
 

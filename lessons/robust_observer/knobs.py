@@ -57,6 +57,9 @@ KNOBS = (
     _delta("b1", r"\delta_a^1", TWO, text("δ of a₁"), 0.5, 0.01),
     _delta("b2", r"\delta_a^2", TWO, text("δ of a₂"), 0.5, 0.05),
     _delta("d", r"\delta_c", TWO, text("δ of the sensor"), 0.1, 0.03),
+    Number("input", r"\delta_b", text("δ of the input"), low=-0.5, high=0.5, default=0.0, step=0.01, group=ERRORS,
+           hint=text("By what share the input acts more strongly on the true plant than on the model. J does not see it, and no sign "
+                     "pattern has it.")),
     Number("w12", r"w_{12}", text("coordinates W = [1 w; 0 1]"), low=-2.0, high=2.0, default=1.2,
            step=0.1, when=("example", (TWO,)),
            hint=text("The observer's coordinates: F = W diag(s₁, s₂) W⁻¹.")),
@@ -66,6 +69,8 @@ KNOBS = (
            options=tuple((name, same("∞" if name == "inf" else name)) for name in NORMS),
            hint=text("Column sum, spectral or row sum norm; in Example 1 all three agree.")),
     *weight_knobs(),
+    Number("second", r"\alpha_2/\alpha_1", text("weight of the second direction of A"), low=0.0, high=3.0, default=1.0, step=0.1,
+           group=SEARCH, hint=text("How much ‖TA₂‖ counts in J, over ‖TA₁‖: the paper has a weight for each direction.")),
     Number("region_low", "a", text("region for RLO, left end"), "rad/s", low=-12.0, high=-4.0, default=-10.0,
            step=0.5, group=SEARCH, hint=text("RLO keeps every pole right of this.")),
     Number("region_high", "b", text("region for RLO, right end"), "rad/s", low=-3.5, high=-0.2, default=-0.5,

@@ -61,9 +61,9 @@ CASES: MappingProxyType[str, Case] = MappingProxyType({
 
 
 def weighted(design: Design) -> Perturbations:
-    """The directions of the model error with the design's weights, the same α for all of A."""
+    """The directions of the model error with the design's weights: α₁ and α₂ of A, one β and one γ of C."""
     w = CASES[design["example"]].example.wrong
-    return replace(w, alpha=np.full(len(w.A), design["alpha"]), beta=np.full(len(w.C), design["beta"]),
+    return replace(w, alpha=design["alpha"] * np.array([1.0, design["second"]]), beta=np.full(len(w.C), design["beta"]),
                    gamma=np.full(len(w.C), design["gamma"]))
 
 
@@ -77,6 +77,11 @@ def errors(design: Design) -> tuple[np.ndarray, np.ndarray]:
     """ΔA, ΔC of the true plant."""
     w, (a, c) = CASES[design["example"]].example.wrong, deltas(design)
     return np.tensordot(a, w.A, 1), np.tensordot(c, w.C, 1)
+
+
+def input_error(design: Design) -> np.ndarray:
+    """ΔB = δ_b B of the true plant."""
+    return design["input"] * CASES[design["example"]].example.plant.B
 
 
 def turn(design: Design) -> np.ndarray:
@@ -110,15 +115,15 @@ def start_of(design: Design) -> np.ndarray:
 
 
 def criterion_1(s: np.ndarray, design: Design) -> np.ndarray:
-    """The three parts of J of example 1 over s (3, n): 2α|s|, β|s² + 4s + 3|, γ|50 + 30s|; equal in all norms."""
-    return np.array([2 * design["alpha"] * np.abs(s), design["beta"] * np.abs(s * s + 4 * s + 3),
+    """The three parts of J of example 1 over s (3, n): (α₁ + α₂)|s|, β|s² + 4s + 3|, γ|50 + 30s|; equal in all norms."""
+    return np.array([(1 + design["second"]) * design["alpha"] * np.abs(s), design["beta"] * np.abs(s * s + 4 * s + 3),
                      design["gamma"] * np.abs(50 + 30 * s)])
 
 
 def criterion_2(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
     """The three parts of J of example 2 over s1, s2 (3, …): both real, or conjugate (Re and Im are then the rows).
 
-    Every matrix in J has one column that is not zero: J = 2α‖W 1‖ + β‖W l′‖ + γ|1 + s1 + s2 − s1 s2|.
+    Every matrix in J has one column that is not zero: J = (α₁ + α₂)‖W 1‖ + β‖W l′‖ + γ|1 + s1 + s2 − s1 s2|.
     """
     pair = np.iscomplexobj(s1)
     l1, l2 = (-s * (s + 1) * (s + 2) for s in (s1, s2))
@@ -126,7 +131,7 @@ def criterion_2(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
     rows = np.array([np.real(l1), -np.imag(l2) if pair else l2])
     order = {1: 1, 2: 2, "inf": np.inf}[norm_of(design)]
     W = turn(design)
-    known = np.full(np.shape(s1), 2 * design["alpha"] * np.linalg.norm(W @ ones, order))
+    known = np.full(np.shape(s1), (1 + design["second"]) * design["alpha"] * np.linalg.norm(W @ ones, order))
     seen = design["beta"] * np.linalg.norm(np.tensordot(W, rows, 1), order, axis=0)
     return np.array([known, seen, design["gamma"] * np.abs(np.real(1 + s1 + s2 - s1 * s2))])
 
@@ -147,12 +152,15 @@ def shown(run: FunctionalRun) -> FunctionalRun:
                    u=run.u[index], e_u=run.e_u[index])
 
 
-def gains_over_frequency(observer: FunctionalObserver, pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, float]:
+def gains_over_frequency(observer: FunctionalObserver, dB: np.ndarray,
+                         pairs: Sequence[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, float]:
     """|v → e_u| of the loop for each (ΔA, ΔC), over FREQUENCIES (len(pairs), n_f), and the peak of all but the first.
+
+    The first has ΔB as well.
 
     MOST where a loop is unstable. The peak is exact for the pair that is highest on the grid.
     """
-    loops = [perturbed_loop(observer, dA=dA, dB=None, dC=dC) for dA, dC in pairs]
+    loops = [perturbed_loop(observer, dA=dA, dB=dB if k == 0 else None, dC=dC) for k, (dA, dC) in enumerate(pairs)]
     A, B, C = (np.stack([getattr(loop, name) for loop in loops]) for name in "ABC")
     s = 2j * np.pi * np.append(FREQUENCIES, 1e-7)  # and all but a constant
     solved = np.linalg.solve(s[None, :, None, None] * np.eye(A.shape[1]) - A[:, None], B[:, None] + 0j)
@@ -209,12 +217,12 @@ class Story:
 def compute(design: Design) -> Outcome[Story]:
     """The observer in house sign, one run on the model and one on the true plant, the worst of eight vertices."""
     case = CASES[design["example"]]
-    example, observer, (dA, dC) = case.example, observer_of(design), errors(design)
+    example, observer, (dA, dC), dB = case.example, observer_of(design), errors(design), input_error(design)
     z0 = start_of(design)
     model = simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT)
-    true = shown(simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dC=dC))
-    gains, peak = gains_over_frequency(observer, ((dA, dC), *vertices_of(design)))
-    loop = perturbed_loop(observer, dA=dA, dB=None, dC=dC)
+    true = shown(simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dB=dB, dC=dC))
+    gains, peak = gains_over_frequency(observer, dB, ((dA, dC), *vertices_of(design)))
+    loop = perturbed_loop(observer, dA=dA, dB=dB, dC=dC)
     story = Story(observer, model, true, gains[0], gains[1:].max(axis=0), steady_error(loop))
     late = true.t > 0.75 * HORIZON
     metrics = {
@@ -270,7 +278,7 @@ def _formulas(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
            r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}")
     return (
         Formula("law", law),
-        Formula("J", rf"J = \textstyle\sum_i \alpha\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),
+        Formula("J", rf"J = \textstyle\sum_i \alpha_i\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),
         Formula("F", rf"F = {matrix(o.F)}, \quad L = {matrix(o.L)}"),
         Formula("T", rf"T = {matrix(o.T)}"),
         Formula("house", rf"u = -(Nz + My) + v: \; N = {matrix(o.N)}, \; M = {number(float(o.M[0, 0]))}"),

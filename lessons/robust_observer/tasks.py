@@ -18,7 +18,7 @@ SLOWEST, DIRECT, NEAR, STEERS = -1.1, 3.5, 0.2, 2.2  # of the two roads: Re s, |
 
 def _kink(outcome: Outcome[Story]) -> Verdict:
     d, J = outcome.design, outcome.metrics["J"]
-    if d["example"] != ONE or any(d[name] != 1.0 for name in ("alpha", "beta", "gamma")):
+    if d["example"] != ONE or any(d[name] != 1.0 for name in ("alpha", "second", "beta", "gamma")):
         return Verdict(False, text("This task is about Example 1 with all weights at 1."))
     if J > FLOOR_J + 0.05:
         return Verdict(False, text("J is {j:.3g}; it can be brought below {floor_j:.3g}.",

@@ -318,3 +318,27 @@ def test_two_roads_are_open_to_a_pair_only():
     s1, s2 = np.meshgrid(np.linspace(-12, -1.1, 400), np.linspace(-12, -1.1, 400))
     small = (np.abs(1 + s1 + s2 - s1 * s2) <= 3.7) & (np.abs(s1 - s2) > 1e-3)
     assert steering(s1, s2)[small].min() > 4
+
+
+@pytest.mark.parametrize("example", ["1", "2"])
+def test_an_error_of_the_input_drives_the_estimate_while_J_stays(example: str) -> None:
+    """With A and C right the error obeys ε̇ = Fε − T ΔB u alone; from v to e_u that is a transfer function written out here."""
+    right = {name: 0.0 for name in ("a1", "a2", "c", "b1", "b2", "d")}
+    plain, wrong = (LESSON.compute(LESSON.apply(LESSON.start(), {"example": example, **right, "input": share})) for share in (0.0, 0.3))
+    assert plain.metrics["J"] == wrong.metrics["J"] and plain.metrics["late_error"] < 0.1 * wrong.metrics["late_error"]
+    o = wrong.study.observer
+    A, B, C, n, q = o.plant.A, o.plant.B, o.plant.C, o.plant.n, o.order
+    # (x, ε) with u = −Kx − e + v and e = û's error: û = N z + M y = K x + N ε
+    K, N = o.K, o.N
+    loop = np.block([[A - 1.3 * B @ K, -1.3 * B @ N], [0.3 * o.T @ B @ K, o.F + 0.3 * o.T @ B @ N]])
+    drive = np.vstack([1.3 * B, -0.3 * o.T @ B])
+    gain = np.abs(np.hstack([np.zeros((1, n)), N]) @ np.linalg.solve(5j * np.eye(n + q) - loop, drive + 0j))[0, 0]
+    assert np.isclose(4 * gain, wrong.study.steady, rtol=1e-9) and wrong.study.steady > 0
+    assert np.allclose(np.sort_complex(np.linalg.eigvals(loop)), np.sort_complex(wrong.poles["loop"]))
+
+
+def test_each_direction_of_A_has_its_own_weight() -> None:
+    """Example 1: T A₁ and T A₂ have both the size |s|, so α₂ = 0 leaves half of that part."""
+    for second, size in ((1.0, 10.0), (0.0, 5.0), (3.0, 20.0)):
+        out = LESSON.compute(LESSON.apply(LESSON.start(), {"second": second}))
+        assert np.isclose(out.metrics["J"], size + 8 + 100) and np.isclose(criterion_1(np.array([-5.0]), out.design).sum(), size + 108)
