@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, TableFigure, nice
-from app.lesson.lesson import Outcome
+from app.lesson.lesson import Design, Outcome
 from app.text import NO_WORDS, Text, joined, same, symbol, text
 
 from ..toolkit.figures import error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
+from .horizon import horizon_figure
 from .study import Setting, Twins, weights_of
 
 TWINS_TAB, ELLIPSES_TAB = text("Twins"), text("Ellipses")
@@ -23,6 +24,7 @@ def all_figures(here: Setting, outcome: Outcome[Twins]) -> tuple[Figure, ...]:
     assert run is not None
     return (*state_figures(here.model, run, 2), error_figure(run), input_figure(run, here.model), _gain_table(outcome, twins),
             _riccati_table(here, outcome, twins), _pairing(twins, outcome.metrics["pairing_gap"]),
+            _horizon(here, outcome.design, twins),
             *_ellipses(here, outcome.design["window"], twins, outcome.metrics["mirror_gap"]))
 
 
@@ -67,6 +69,12 @@ def _pairing(twins: Twins, relative: float) -> LineFigure:
         "‖e‖, ‖x_d‖, x_dᵀe", window=(-0.5, 1.5), tab=TWINS_TAB,
         caption=text("The product stays at {value} to {relative:.0e} of the size of its factors.",
                      value=value, relative=relative))
+
+
+def _horizon(here: Setting, design: Design, twins: Twins) -> LineFigure:
+    """In weights: the gain of placed poles solves no Riccati equation."""
+    R = weights_of(here, design)[1]
+    return horizon_figure(twins.horizon, twins.S, twins.P, np.linalg.solve(R, here.plant(design).B.T @ twins.S))
 
 
 def _ellipse(W: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:

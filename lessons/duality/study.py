@@ -20,6 +20,7 @@ from app.text import Text, same, text
 from ..toolkit.boards import listed, stage
 from ..toolkit.knobs import BY_POLES, kicks
 from ..toolkit.latex import gain_words
+from .horizon import Horizon, horizon_of
 from .knobs import MODEL
 
 EXACT = 1e-8  # agreement asked of the two sides, relative to their size
@@ -60,6 +61,8 @@ class Twins:
     reach_twin: np.ndarray
     seen: np.ndarray  # output energies of (A, C) and the Gramian of its dual
     seen_twin: np.ndarray
+    S: np.ndarray  # regulator Riccati of (A, B)
+    horizon: Horizon  # both equations in time, over the window
     t: np.ndarray  # the pairing, over the window of its own
     e: np.ndarray
     z: np.ndarray  # state of the dual loop, time reversed
@@ -119,11 +122,12 @@ def twins_of(here: Setting, design: Design, plant: Plant, own: np.ndarray, K_dua
     """Each pair worked out on both sides, with L and K_d given."""
     A, B, C = plant.A, plant.B, plant.C
     Q, R, W, V = weights_of(here, design)
-    regulator, twin = lqr(A, B, Q, R), lqr(A.T, C.T, W, V)
+    regulator, twin, P = lqr(A, B, Q, R), lqr(A.T, C.T, W, V), filter_riccati(A, C, W, V)
     return Twins(
-        own, K_dual, filter_riccati(A, C, W, V), twin.solution,
+        own, K_dual, P, twin.solution,
         (float(max(regulator.poles.real)), float(max(twin.poles.real))),
-        *_gramians(plant, design["window"]), *run_pair(here.model, plant, own, K_dual))
+        *_gramians(plant, design["window"]), regulator.solution, horizon_of(plant, (Q, R, W, V), regulator.solution, P, design["window"]),
+        *run_pair(here.model, plant, own, K_dual))
 
 
 @lru_cache(maxsize=128)

@@ -112,3 +112,22 @@ def test_a_gain_task_judges_the_gain() -> None:
             base = {"method": "weights", "mirror": False, "sensor": sensor, "q": q, "r": r}
             right, wrong = (LESSON.compute(LESSON.apply(LESSON.start(), {**base, "w": 40 * q, "v": v})) for v in (40 * r, 4 * r))
             assert task.check(right).solved and not task.check(wrong).solved
+
+
+@pytest.mark.parametrize("window", [0.5, 4.0, 12.0])
+def test_the_riccati_equations_in_time_are_those_of_an_integrator_and_settle_on_the_algebraic_ones(window: float) -> None:
+    o = outcome(sensor=37.0, window=window, q=2.0, mirror=False, w=3.0, v=0.5)
+    p, found = turned(37.0), o.study.horizon
+    Q, R, W, V = 2.0 * np.eye(2), np.eye(1), 3.0 * np.eye(2), 0.5 * np.eye(1)
+
+    def path(A, B, weight, price):
+        def slope(_, flat):
+            S = flat.reshape(2, 2)
+            return (A.T @ S + S @ A - S @ B @ np.linalg.solve(price, B.T @ S) + weight).ravel()
+        return solve_ivp(slope, (0, window), np.zeros(4), t_eval=found.t, rtol=1e-10, atol=1e-12).y.T.reshape(-1, 2, 2)
+    np.testing.assert_allclose(found.S[::-1], path(p.A, p.B, Q, R), rtol=1e-6, atol=1e-8)
+    np.testing.assert_allclose(found.P, path(p.A.T, p.C.T, W, V), rtol=1e-6, atol=1e-8)
+    assert np.abs(found.S[-1]).max() == np.abs(found.P[0]).max() == 0 == np.abs(found.K[-1]).max()
+    if window == 12.0:
+        np.testing.assert_allclose(found.S[0], solve_continuous_are(p.A, p.B, Q, R), rtol=1e-5)
+        np.testing.assert_allclose(found.P[-1], o.study.P, rtol=1e-5)

@@ -327,7 +327,7 @@ def test_an_error_of_the_input_drives_the_estimate_while_J_stays(example: str) -
     plain, wrong = (LESSON.compute(LESSON.apply(LESSON.start(), {"example": example, **right, "input": share})) for share in (0.0, 0.3))
     assert plain.metrics["J"] == wrong.metrics["J"] and plain.metrics["late_error"] < 0.1 * wrong.metrics["late_error"]
     o = wrong.study.observer
-    A, B, C, n, q = o.plant.A, o.plant.B, o.plant.C, o.plant.n, o.order
+    A, B, n, q = o.plant.A, o.plant.B, o.plant.n, o.order
     # (x, ε) with u = −Kx − e + v and e = û's error: û = N z + M y = K x + N ε
     K, N = o.K, o.N
     loop = np.block([[A - 1.3 * B @ K, -1.3 * B @ N], [0.3 * o.T @ B @ K, o.F + 0.3 * o.T @ B @ N]])
