@@ -198,9 +198,11 @@ class Tab:
 
     def predict(self, letter: str = "A") -> None:
         """Choose a prediction by pressing its sentence."""
-        self.page.locator(f'.ol-option[data-value="{letter}"]').click()
+        option = self.page.locator(f'.ol-option[data-value="{letter}"]').first
+        group = f'.ol-option[data-to="{option.get_attribute("data-to")}"]:enabled'
+        option.click()
         self.answered(rests=True)
-        eventually(lambda: self.page.locator(".ol-option:enabled").count(), lambda n: n == 0, "the prediction is taken")
+        eventually(lambda: self.page.locator(group).count(), lambda n: n == 0, "the prediction is taken")
 
     def row(self, label: str) -> Locator:
         """The row of a widget by its label, the smallest element that holds label and widget; one that is aside is opened."""

@@ -111,7 +111,7 @@ def test_what_a_browser_keeps_is_there_in_a_new_tab_after_the_server_was_restart
         assert again == address
         tab = Tab(context.new_page(), address, drawn=False)
         assert tab.page.locator(".ol-pin").all_text_contents() == before and len(before) == 2
-        assert tab.value(STIFFNESS["en"]) == 6 and tab.page.locator(".ol-option:enabled").count() == 0
+        assert tab.value(STIFFNESS["en"]) == 6 and tab.page.locator(".ol-option.ol-chosen").count() == 1
         tab.page.evaluate("""document.querySelector('[data-value="kept mine"]').click()""")
         tab.answered(rests=True)
         assert tab.value(STIFFNESS["en"]) == 3 and not tab.complaints
