@@ -82,9 +82,18 @@ ALMOST_TWINS = Typed("(a-b)^2/(4*a*b*(a+b)^2)", ("a", "b"), slips=(
     ("1/(4*a*b)", text("That is without what stands off the diagonal: the lags share their input.")),
     ("((a-b)^2/(4*a*b*(a+b)^2))^2", text("That is the square of the product; take its root."))))
 
+def _overstated(outcome: Outcome[Study]) -> float:
+    return outcome.metrics["bound"] / outcome.metrics["error"]
+
+
+def _fall(outcome: Outcome[Study]) -> float:
+    values, order = outcome.study.system.hankel, outcome.study.cut.order
+    return float(values[order - 1] / values[order])
+
+
 TASKS = (
-    Task("face", _face, {"pair": "5", "order": 8}),
-    Task("wider", _wider, {"order": 6}),
+    Task("face", _face, {"pair": "5", "order": 8}, Typed(_overstated)),
+    Task("wider", _wider, {"order": 6}, Typed(_fall)),
     Task("clock", _clock, {"clock": 5e-3, "tolerance": 1e-6}),
     Task("geometry", _geometry, {"s": 0.1, "h": 0.052}),
     pencil("one-lag", ONE_LAG),

@@ -18,6 +18,7 @@ from app.lesson.figures import Figure, LineFigure
 from app.lesson.lesson import Lesson, Outcome
 from app.text import Text
 from lessons.noise.knobs import PLANT as BLOCK
+from lessons.robust_observer.study import errors
 
 LONGER = 3.0  # times the horizon: a claim about what is to come is tried there
 
@@ -376,6 +377,43 @@ def _at_rest(shown: Shown, _: Text) -> None:
     assert abs(np.degrees(longer.x[-1, 2] - tail[2])) < 0.05, "it goes on from there"
 
 
+def _obeys(clipped: bool) -> Callable[[Shown, Text], None]:
+    def witness(shown: Shown, words: Text) -> None:
+        run, limit = shown.run, shown["u_max"]
+        assert bool(np.any(np.abs(run.u_asked) > limit * (1 + 1e-9))) == clipped, "clipped, or not, otherwise than said"
+        _meter_zero(shown, words)
+    return witness
+
+
+def missed(shown: Shown) -> np.ndarray:
+    """û − Kx of a robust observer on the true plant (n_t,): the loop written out and joined to the oscillator that makes v."""
+    d, o = shown.outcome.design, shown.outcome.study.observer
+    A, B, C = o.plant.A, o.plant.B, o.plant.C
+    dA, dC = errors(d)
+    true_A, true_B, true_C = A + dA, (1 + d["input"]) * B, C + dC
+    steer, turns = -np.hstack([o.M @ true_C, o.N]), np.array([[0.0, 5.0], [-5.0, 0.0]])
+    n, q = len(A), o.order
+    open_loop = np.block([[true_A, np.zeros((n, q))], [o.L @ true_C, o.F]])
+    drive = np.vstack([true_B, o.T @ B])
+    whole = np.block([[open_loop + drive @ steer, drive @ np.array([[-4.0, 0.0]])], [np.zeros((2, n + q)), turns]])
+    state = np.concatenate([shown.outcome.study.true.x[0], shown.outcome.study.true.z[0], [1.0, 0.0]])  # sin, cos of 5t + π/2
+    step, out = expm(whole * 0.015), []
+    for _ in range(401):
+        out.append(float((steer @ state[:-2] + o.K @ state[:n])[0]))
+        state = step @ state
+    return np.abs(np.array(out))
+
+
+def _misses(shown: Shown, words: Text) -> None:
+    far = missed(shown)
+    near(value(words, "late_error"), min(float(far[301:].max()), 1e3), 1e-4)
+
+
+def _settles(shown: Shown, words: Text) -> None:
+    late = float(missed(shown)[301:].max())
+    assert late < 1.21 * value(words, "steady") + 1e-6, f"at the end it is still {late:.3g}"
+
+
 WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
     "The error stays below 2 % of its peak after {small:.2f} s.": _stays,
     "The estimate has caught up with the truth.": _caught,
@@ -414,6 +452,13 @@ WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
     "The trace has gone flat: as far as the sensor can tell, all is at rest.": _flat,
     "|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.": _law,
     "With the true plant the loop is unstable.": _unstable_loop,
+    "On the true plant û misses the wanted input by up to {late_error:.2g} at the end.": _misses,
+    "With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.": _settles,
+    "Nothing is clipped, so the error keeps its promise.": _obeys(False),
+    "So the error obeys A − LC, whatever the observer is told.": _obeys(False),
+    "The error obeys A − LC all the same.": _obeys(True),
+    "The force is clipped, and the error keeps its promise.": _obeys(True),
+    "White is zero: the error drives the state, never the other way round.": _meter_zero,
     "The error keeps its promise: the load enters it once, at {at:g} s, and it dies out from there.": _meter_zero,
     "The load enters the error at {at:g} s and stays there: nothing in this observer takes it in.": _meter_zero,
     "The load is found to 5 % after {found:.3f} s.": _load_found,
