@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
+from functools import cache
 from importlib.resources import files
 
 import numpy as np
@@ -13,8 +15,18 @@ PARTS = files("app.export") / "parts"
 
 
 def part_text(name: str) -> str:
-    """A part of the scripts as it stands in its file."""
+    """A part of the scripts as it stands in its file, with the functions of the library that it asks for (`#: name`)."""
+    return re.sub(r"^#: (\w+)$", lambda asked: _library()[asked[1]], _file(name), flags=re.M)
+
+
+def _file(name: str) -> str:
     return (PARTS / f"{name}.txt").read_text(encoding="utf-8").rstrip()
+
+
+@cache
+def _library() -> dict[str, str]:
+    """What several parts call, by name."""
+    return {block.split("(", 1)[0].split()[-1]: block.rstrip() for block in re.split(r"\n(?=def )", _file("library"))}
 
 
 def array_text(name: str, value: object, note: str = "") -> str:

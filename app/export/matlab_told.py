@@ -8,7 +8,7 @@ import numpy as np
 
 from ..lesson.code import Code, Given, Shown
 from .matlab_words import array, body_of, complex_row, formula, functions_for, number
-from .told import INSTANTS, LONG
+from .told import check_of
 
 __all__ = ["told_lines"]
 
@@ -54,16 +54,14 @@ def _asserted(code: Code) -> Iterator[str]:
 
 
 def _assertion(shown: Shown) -> str:
-    name, said = formula(shown.name), formula(shown.name)
+    name = formula(shown.name)
     if shown.poles:
-        return f"same_poles('{said}', {name}, {complex_row(np.asarray(shown.value).ravel())});"
-    values = np.asarray(shown.value, dtype=float)
-    largest = float(np.abs(values).max(initial=0.0))
-    size = number(largest if shown.size is None else shown.size)
-    if values.ndim == 0:
-        return f"agree('{said}', {name}, {number(float(values))}, {size});"
-    if len(values) < LONG:
-        return f"{array('page', values)}\nagree('{said}', {name}, page, {size});"
-    at = np.unique(np.linspace(0, len(values) - 1, INSTANTS).astype(int))
-    places = " ".join(str(k + 1) for k in at)
-    return f"{array('page', values[at])}\nagree_at('{said}', {name}, {len(values)}, [{places}], page, {number(largest)}, {size});"
+        return f"same_poles('{name}', {name}, {complex_row(np.asarray(shown.value).ravel())});"
+    check = check_of(shown)
+    size = number(check.size)
+    if check.values.ndim == 0:
+        return f"agree('{name}', {name}, {number(float(check.values))}, {size});"
+    if check.at is None:
+        return f"{array('page', check.values)}\nagree('{name}', {name}, page, {size});"
+    places = " ".join(str(k + 1) for k in check.at)
+    return f"{array('page', check.values)}\nagree_at('{name}', {name}, {check.length}, [{places}], page, {number(check.largest)}, {size});"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ..lesson.lesson import Lesson
 from .literals import array_text, complex_text, part_text
 from .spoken import made_by
 
-__all__ = ["told_parts"]
+__all__ = ["check_of", "told_parts"]
 
 LONG, INSTANTS = 40, 6  # rows from which on only some moments are asserted, and how many
 
@@ -44,6 +45,31 @@ def _number(value: float) -> str:
     return repr(float(value)) if np.isfinite(value) else f"np.{'nan' if np.isnan(value) else 'inf' if value > 0 else 'inf * -1'}"
 
 
+@dataclass(frozen=True, eq=False)
+class Check:
+    """A number of the page as a script compares it: all of its rows, or those `at` some moments of a long one's `length`.
+
+    `size` is what 1e-6 is counted in, `largest` the largest entry.
+    """
+
+    values: np.ndarray
+    at: list[int] | None
+    length: int
+    largest: float
+    size: float
+
+
+def check_of(shown: Shown) -> Check:
+    """What is compared of a number that is no set of poles."""
+    values = np.asarray(shown.value, dtype=float)
+    largest = float(np.abs(values).max(initial=0.0))
+    size = largest if shown.size is None else shown.size
+    if values.ndim == 0 or len(values) < LONG:
+        return Check(values, None, values.size, largest, size)
+    at = np.unique(np.linspace(0, len(values) - 1, INSTANTS).astype(int))
+    return Check(values[at], at.tolist(), len(values), largest, size)
+
+
 def _asserted(code: Code) -> Iterator[str]:
     if code.unsaid:
         yield f"# {code.unsaid}: the page shows them too, and they are not computed here."
@@ -53,18 +79,14 @@ def _asserted(code: Code) -> Iterator[str]:
 
 
 def _assertion(shown: Shown) -> str:
-    name, value = shown.name, shown.value
+    name = shown.name
     if shown.poles:
-        return f"assert same_poles({name}, {complex_text(np.asarray(value).ravel())}), {name!r}"
-    array = np.asarray(value, dtype=float)
-    if array.ndim == 0:
-        size = "" if shown.size is None else f", {shown.size!r}"
-        return f"assert agree({name}, {_number(float(array))}{size}), {name!r}"
-    largest = float(np.abs(array).max(initial=0.0))
-    size = largest if shown.size is None else shown.size
-    if len(array) < LONG:
-        return f"{array_text('page', array)}\nassert agree({name}, page, {size!r}), {name!r}"
-    at = np.unique(np.linspace(0, len(array) - 1, INSTANTS).astype(int))
-    return (f"assert len({name}) == {len(array)}, {name!r}\n{array_text('page', array[at])}\n"
-            f"assert agree({name}[{at.tolist()}], page, {size!r}), {name!r}\n"
-            f"assert agree(np.abs({name}).max(), {largest!r}, {size!r}), {f'the largest of {name}'!r}")
+        return f"assert same_poles({name}, {complex_text(np.asarray(shown.value).ravel())}), {name!r}"
+    check = check_of(shown)
+    if check.values.ndim == 0:
+        return f"assert agree({name}, {_number(float(check.values))}, {_number(check.size)}), {name!r}"
+    if check.at is None:
+        return f"{array_text('page', check.values)}\nassert agree({name}, page, {_number(check.size)}), {name!r}"
+    return (f"assert len({name}) == {check.length}, {name!r}\n{array_text('page', check.values)}\n"
+            f"assert agree({name}[{check.at}], page, {_number(check.size)}), {name!r}\n"
+            f"assert agree(np.abs({name}).max(), {_number(check.largest)}, {_number(check.size)}), {f'the largest of {name}'!r}")

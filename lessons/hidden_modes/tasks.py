@@ -9,6 +9,7 @@ from app.lesson.typed import Typed
 from app.text import text
 
 from ..toolkit.figures import settle_time
+from ..toolkit.tasks import at_rest_gently
 from .knobs import KNOBS, Case
 
 HOME, PUSH = (3.8, 4.0), 1.1  # s and N
@@ -80,10 +81,7 @@ def _gentle_cure(outcome: Outcome[Case]) -> Verdict:
         return Verdict(False, text("The blocks are not home by the end of the run."))
     found = text("Both blocks are home, below 2 % of their largest excursion, after {settled:.2f} s, with a force of up to {force:.3g} N",
                  settled=settled, force=force)
-    if not HOME[0] <= settled <= HOME[1] or force > PUSH:
-        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} N.", found=found, low=HOME[0],
-                                   high=HOME[1], most=PUSH))
-    return Verdict(True, text("{found}.", found=found))
+    return at_rest_gently(found, settled, HOME, force, PUSH)
 
 
 UNLIKE = Typed("k*n/m", ("m", "n", "k"), slips=(

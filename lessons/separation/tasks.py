@@ -11,6 +11,7 @@ from app.lesson.typed import Typed
 from app.text import text
 
 from ..toolkit.figures import settle_time
+from ..toolkit.tasks import at_rest_gently
 from .knobs import KNOBS, MODEL
 from .study import Study
 
@@ -78,10 +79,7 @@ def _gentle(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("The deck is not at rest by the end of the run."))
     found = text("All three motions are below 2 % after {late:.2f} s, and the largest force asked for is {peak:.3g} N",
                  late=late, peak=peak)
-    if not REST[0] <= late <= REST[1] or peak > PUSH:
-        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} N.", found=found, low=REST[0],
-                                   high=REST[1], most=PUSH))
-    return Verdict(True, text("{found}.", found=found))
+    return at_rest_gently(found, late, REST, peak, PUSH)
 
 
 SPRING = Typed("c^2*o^2/(c^2+o^2+4*c*o)", ("c", "o"), slips=(

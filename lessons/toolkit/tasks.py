@@ -1,4 +1,4 @@
-"""Which tasks of a lesson are fair on a person's own plant."""
+"""What tasks of several lessons share: two-sided targets, and which tasks are fair on a person's own plant."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from app.engine import EngineError
 from app.lesson.knobs import KnobError
-from app.lesson.lesson import Lesson, Task
+from app.lesson.lesson import Lesson, Task, Verdict
+from app.text import Text, text
 
 
 def fair(lesson: Lesson) -> Lesson:
@@ -21,3 +22,11 @@ def fair(lesson: Lesson) -> Lesson:
         except (EngineError, KnobError):
             return False
     return replace(lesson, tasks=tuple(t for t in lesson.tasks if not t.judge(opened).solved and passes(t)))
+
+
+def at_rest_gently(found: Text, settled: float, band: tuple[float, float], force: float, most: float) -> Verdict:
+    """Whether something comes to rest within a band of time, neither sooner nor later, with a force of at most so much."""
+    if not band[0] <= settled <= band[1] or force > most:
+        return Verdict(False, text("{found}; wanted are {low:g} to {high:g} s and at most {most:g} N.", found=found, low=band[0],
+                                   high=band[1], most=most))
+    return Verdict(True, text("{found}.", found=found))

@@ -10,6 +10,7 @@ import re
 import socket
 import struct
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from importlib.metadata import version
 from types import TracebackType
@@ -55,7 +56,7 @@ def unpack(data: bytes) -> tuple[list[dict[str, Any]], list[bytes]]:
     return content["messages"], arrays
 
 
-class WirePage:
+class WirePage(ABC):
     """What a page holds: `widgets` and `nodes` are kept up to date by the messages that are taken; a subclass sends."""
 
     def __init__(self, kept: str | None = None, answers: bool = True, plays: bool = False) -> None:
@@ -67,9 +68,9 @@ class WirePage:
         self.answers = answers  # whether it says what it holds
         self.plays = plays  # whether it says that it moves between poses by itself
 
+    @abstractmethod
     def send_raw(self, data: bytes | str) -> None:
         """Send anything at all."""
-        raise NotImplementedError
 
     def send(self, kind: str, **fields: Any) -> None:
         """Send one message of a kind."""
