@@ -202,19 +202,24 @@ def test_the_log_is_lines_of_json_on_stderr_and_in_the_data_folder(tmp_path: Pat
     assert all(set(record) == {"time", "level", "where", "what"} and record["level"] == "info" for record in records)
 
 
-def test_a_full_disk_costs_the_log_and_one_sentence_until_there_is_room_again(capsys, tmp_path: Path) -> None:
+def test_a_full_disk_costs_the_log_and_one_sentence_until_there_is_room_again(capsys, tmp_path: Path,
+                                                                              monkeypatch: pytest.MonkeyPatch) -> None:
     class Full(io.StringIO):
         def flush(self) -> None:
             raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     log = RotatingFile(tmp_path / "log", encoding="utf-8")
     room = log.stream
-    for k in range(9):
+    for k in range(8):
         log.stream = room if k % 4 == 3 else Full()
         log.emit(logging.LogRecord("lab", logging.WARNING, "", 0, f"event{k}", (), None))
+    with monkeypatch.context() as worse:  # stderr is a file on that disk as well
+        worse.setattr(sys, "stderr", Full())
+        log.stream = Full()
+        log.emit(logging.LogRecord("lab", logging.WARNING, "", 0, "event", (), None))
     log.stream = room
     log.close()
     told = capsys.readouterr().err.splitlines()
-    assert len(told) == 3 and all("cannot be written (no space left on device); the server goes on" in line for line in told)
+    assert len(told) == 2 and all("cannot be written (no space left on device); the server goes on" in line for line in told)
     assert (tmp_path / "log").read_text().split() == ["event3", "event7"]
 
 

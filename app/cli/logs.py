@@ -7,6 +7,7 @@ import logging
 import logging.handlers
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 from .options import cause
@@ -48,7 +49,9 @@ class RotatingFile(logging.handlers.RotatingFileHandler):
         """Say once that nothing is written down any more."""
         self._failed = True
         if not self._told and sys.stderr is not None:
-            print(f"observer-lab: {FILE} cannot be written ({cause(sys.exc_info()[1])}); the server goes on without it.", file=sys.stderr)
+            with suppress(OSError, ValueError):  # stderr may be a file on the same disk
+                print(f"observer-lab: {FILE} cannot be written ({cause(sys.exc_info()[1])}); the server goes on without it.",
+                      file=sys.stderr, flush=True)
 
 
 def set_up(as_json: bool, folder: str | None, worker: int = 0) -> None:

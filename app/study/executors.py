@@ -101,7 +101,8 @@ def on_dask(study: Study, missing: Sequence[int], address: str) -> Iterator[list
         if not workers:
             raise StudyError(f"The scheduler at {address[:80]} has no workers; start some with dask worker {address[:80]}.")
         parts = iter(parts_of(missing, workers))
-        going = as_completed([client.submit(run_chunk, study, part, pure=False) for part in islice(parts, AHEAD * workers)])
+        going = as_completed([client.submit(run_chunk, study, part, pure=False) for part in islice(parts, AHEAD * workers)],
+                             loop=client.loop)
         for future in going:
             made_by, rows = future.result()
             if made_by != programs():

@@ -22,13 +22,13 @@ from typing import Any
 
 HERE = Path(__file__).parents[2]
 STUDIES = {
-    "recovery map, 41×41": {"lesson": "saturation", "collect": ["check.home", "stopped_at"],
-                            "vary": {"angle0": {"from": -16, "to": 16, "count": 41}, "error0": {"from": -8, "to": 8, "count": 41}}},
-    "Monte-Carlo, 5×300": {"lesson": "kalman", "seeds": 300, "collect": ["nis_mean", "nees_mean", "check.nis"],
+    "recovery map, 21×21": {"lesson": "saturation", "collect": ["check.home", "stopped_at"],
+                            "vary": {"angle0": {"from": -16, "to": 16, "count": 21}, "error0": {"from": -8, "to": 8, "count": 21}}},
+    "Monte-Carlo, 5×60": {"lesson": "kalman", "seeds": 60, "collect": ["nis_mean", "nees_mean", "check.nis"],
                            "vary": {"q": {"from": 0.1, "to": 10, "count": 5}}},
-    "own plant, 15×15": {"lesson": "noise", "plant": "motor", "collect": ["floor", "kalman_speed"],
-                         "vary": {"A(3,4)": {"from": -2, "to": -0.5, "count": 15},
-                                  "inertia": {"from": 0.5, "to": 2, "count": 15, "scale": "log",
+    "own plant, 9×9": {"lesson": "noise", "plant": "motor", "collect": ["floor", "rms"],
+                         "vary": {"A(3,4)": {"from": -2, "to": -0.5, "count": 9},
+                                  "inertia": {"from": 0.5, "to": 2, "count": 9, "scale": "log",
                                               "over": ["A(2,1)", "A(2,2)", "A(2,3)", "A(2,4)"]}}},
 }
 ENVIRONMENT = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [str(HERE), os.environ.get("PYTHONPATH", "")])),

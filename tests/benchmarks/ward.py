@@ -15,6 +15,7 @@ import resource
 import signal
 import subprocess
 import sys
+import threading
 import time
 import urllib.request
 from pathlib import Path
@@ -27,7 +28,7 @@ from sick import Sick  # type: ignore[import-not-found]
 
 FILES = 2_000  # bytes that a file of the server may hold
 HOARD = 300_000  # bytes in a thousandth of a second
-ASLEEP, BLOCKED = 8.0, 30.0  # s after which a step that waits is given up, and that it waits for
+ASLEEP, BLOCKED = 12.0, 45.0  # s after which a step that waits is given up, and that it waits for
 
 
 def serve(port: int, folder: str) -> None:
@@ -53,12 +54,12 @@ class Ward:
     """The server's process and what the operating system says of it."""
 
     def __init__(self, folder: str, port: int = 0) -> None:
-        self.said = Path(folder) / "stderr"
-        with self.said.open("ab") as out:
-            self.process = subprocess.Popen([sys.executable, str(Path(__file__)), str(port), folder], cwd=HERE, text=True,
-                                            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=out,
-                                            env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off"})
-        assert self.process.stdout is not None
+        self.process = subprocess.Popen([sys.executable, str(Path(__file__)), str(port), folder], cwd=HERE, text=True,
+                                        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                        env={**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_KERNELS": "off"})
+        self.said: list[str] = []  # lines on stderr
+        assert self.process.stdout is not None and self.process.stderr is not None
+        threading.Thread(target=self.said.extend, args=(self.process.stderr,), daemon=True).start()
         self.url = self.process.stdout.readline().strip()
         assert self.url, "the server did not start"
 
