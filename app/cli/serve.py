@@ -64,8 +64,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--exact-port", action="store_true", help="that port or none, as a proxy in front needs it")
     parser.add_argument("--workers", type=several, default=1, metavar="N",
                         help="processes behind the address, as many as there are cores to give (default %(default)s; Linux)")
-    parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (better in the "
-                                                             "environment: OBSERVER_LAB_TOKEN)")
+    parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (or in the "
+                                                             "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
     parser.add_argument("--lang", choices=languages(), default="en", help="language that a page opens in")
     parser.add_argument("--plant", metavar="FILE", help=PLANT_HELP)
@@ -116,7 +116,7 @@ def _serve(request: ServeRequest) -> None:
     opening = find_lesson(lesson)
     state = "" if saved is None else write_token(opening, replace(saved, notes=()))
     fitted(opening, saved.design.plant if saved else plant)
-    listener, access, url = _door(request)
+    listener, access, url, printed = _door(request)
     from ..view.server import LabServer  # viser is loaded only here
     from ..view.tally import Seat, Tally
 
@@ -126,7 +126,7 @@ def _serve(request: ServeRequest) -> None:
 
     def tell() -> None:
         log.info("serving %s", url)
-        print(url if access is None else access.at(url), flush=True)
+        print(printed, flush=True)
 
     tally = Tally(request.workers)
     if request.workers == 1:
@@ -168,15 +168,17 @@ def _keep_log(request: ServeRequest, worker: int = 0) -> None:
                            f"folder.") from problem
 
 
-def _door(request: ServeRequest) -> tuple[socket.socket, Access | None, str]:
-    """The listening socket, what one must know to come in, and the address."""
+def _door(request: ServeRequest) -> tuple[socket.socket, Access | None, str, str]:
+    """The listening socket, what one must know to come in, the address, and what of it is printed.
+
+    That holds the token, but for a word of the environment: who put it there knows it, and what a service prints is a log.
+    """
     from ..view.access import VARIABLE, Access, draw_word
     from ..view.address import is_public, listen, url
     from .workers import NOT_HERE, may_share
 
-    word = os.environ.get(VARIABLE) if request.token is None else request.token
-    if word == "auto":
-        word = draw_word()
+    given = os.environ.get(VARIABLE) if request.token is None else request.token
+    word = draw_word() if given == "auto" else given
     if request.workers > 1 and not may_share():
         raise CommandError(NOT_HERE)
     try:
@@ -197,4 +199,5 @@ def _door(request: ServeRequest) -> tuple[socket.socket, Access | None, str]:
     if public:
         may = "can open tabs, without a password" if access is None else "and knows its token can open tabs"
         print(OPEN_TO_ALL.format(host=request.host, may=may), file=sys.stderr)
-    return listener, access, url(request.host, port)
+    address, hidden = url(request.host, port), request.token is None and word == given
+    return listener, access, address, address if access is None or hidden else access.at(address)

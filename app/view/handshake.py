@@ -11,6 +11,7 @@ import hashlib
 import json
 import logging
 import socket
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from http import HTTPStatus
@@ -29,6 +30,7 @@ STALLED = 30.0  # s in which a connection must take something of what waits for 
 WHERE = ("/", "/index.html")  # the page; a proxy may show us its second name
 HEALTH = "/health"
 AGAIN = 10  # s after which whoever found no place asks again
+SOON = 5.0  # s in which a server that is starting stands
 STARTING = Refusal(503, "The server is starting; try again.")
 UNKNOWN = Refusal(401, "This server asks for its access token, as ?token=… in the address or as Authorization: Bearer ….")
 
@@ -139,7 +141,10 @@ class Reception:
 
 def guarded(listener: socket.socket, page: Page, reception: Reception, ready: Callable[[], bool]) -> Callable[..., Any]:
     """`serve` on a socket that listens already; whom the reception does not let in gets an answer and no connection."""
-    def ask(connection: ServerConnection, request: Request) -> Response | None:
+    async def ask(connection: ServerConnection, request: Request) -> Response | None:
+        end = time.monotonic() + SOON
+        while not ready() and time.monotonic() < end:  # who comes first waits: a proxy would show a refusal to a person
+            await asyncio.sleep(SOON / 100)
         return reception.answer(request, page, ready())
 
     def server(handler: Any, host: str, port: int, **options: Any) -> Any:
