@@ -11,7 +11,8 @@ from scipy.stats import binom, chi2
 
 from app.engine import chi2_band
 from lessons.kalman.figures import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
-from lessons.kalman.filters import ADC, SIGMA, compare, truth, tuned, watch, watcher
+from lessons.kalman.filters import ADC, SIGMA, SKIP, compare, truth, tuned, watch, watcher
+from lessons.kalman.identify import fitted
 from lessons.kalman.job import RUNS
 from lessons.kalman.knobs import DT, MODEL
 from lessons.kalman.lesson import LESSON
@@ -271,3 +272,18 @@ def test_the_first_decoy_cancels_over_all_records_and_not_in_one() -> None:
     start = LESSON.start()
     e = expected(start["noise"], start["q"], start["r"])
     assert e.nis == pytest.approx(4.0, abs=0.02) and e.flagged > 0.99
+
+
+def test_the_likelihood_of_a_record_is_that_of_its_filter_and_finds_the_truth() -> None:
+    """Each level is that of the lesson's own filter with the q and r found; the truth is left open by nearly every record."""
+    kept = []
+    for seed in range(1, 9):
+        found = fitted(truth(seed, False, 1.0, -1.0))
+        assert 0.5 < found.q < 2 and 0.8 < found.r < 1.25
+        kept.append(found.low <= 1 <= found.high)
+    assert sum(kept) >= 6, kept
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"seed": 8, "q": found.q, "r": found.r}))
+    nu, S = outcome.study.track.innovations[SKIP:], outcome.study.track.S[SKIP:]
+    level = np.mean([np.log(np.linalg.det(s)) + n @ np.linalg.inv(s) @ n for n, s in zip(nu, S, strict=True)])
+    assert abs(level - found.least) < 5e-3  # its gain is still on the way at the start
+    assert found.excess.min() == 0.0 and abs(found.low - found.high) > 0
