@@ -145,11 +145,13 @@ def _problems(chosen: str) -> TableFigure:
                 else text("a family of L"))
         pole = (same("—") if o.case == 1 else text("any") if o.case == 3 and o.controllable
                 else same(words(o.reached.real, 2)))
-        rows.append((name, str(o.case), fate, pole))
+        known, needed = 3 * len(p.plant.C) + o.canonical_K1.rank, 2 * p.plant.n
+        rows.append((name, str(o.case), fate, pole, f"{known} {'≥' if o.advised else '<'} {needed}"))
     return TableFigure("problems", text("four problems on one plant"),
-                       (text("problem"), text_in("bilinear-observer", "case"), text("solutions"), text("pole")),
-                       tuple(rows), tab=CASES_TAB, caption=text("Fewer sensors, or others, and the same number "
-                                                                "may no longer be watched."))
+                       (text("problem"), text_in("bilinear-observer", "case"), text("solutions"), text("pole"), same("3m + r ≥ 2n")),
+                       tuple(rows), tab=CASES_TAB, caption=text(
+                           "Fewer sensors, or others, and the same number may no longer be watched. Where 3m + r ≥ 2n an L is to be "
+                           "expected; the third problem has one without it."))
 
 
 def _forms(run: Watch) -> LineFigure:

@@ -24,4 +24,5 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     rate = L - a
     return {
         "W": W, "V": V, "a": a, "rho": rho, "best": best, "least": least, "L": L, "P": W / (2 * rate) + L**2 * V / (2 * rate),
-        "slope": L * V / rate - (W + L**2 * V) / (2 * rate**2), "product": float(np.prod(outcome.study.kalman.poles).real)}
+        "slope": L * V / rate - (W + L**2 * V) / (2 * rate**2), "still": 0.0,
+        "product": float(np.prod(outcome.study.kalman.poles).real)}
