@@ -168,7 +168,8 @@ class Job(Generic[S, R]):
 
     `run(outcome)` yields (fraction, result so far), None while there is none. `key(design)` is what of a design the result rests on:
     the frame keeps results by key and shows one in every design of that key by `shown(outcome, result)`. `figure` is the id
-    of the figure that shows what was found.
+    of the figure that shows what was found. One that `follows` is started by the frame wherever the knobs rest, once a person has
+    started it; until it is through, `rough(outcome)` is shown, a coarse result that comes at once, None where none does.
     """
 
     label: Text
@@ -176,6 +177,8 @@ class Job(Generic[S, R]):
     key: Callable[[Design], Hashable]
     shown: Callable[[Outcome[S], R], Outcome[S]]
     figure: str = ""
+    follows: bool = False
+    rough: Callable[[Outcome[S]], R | None] | None = None
 
     def outcomes(self, outcome: Outcome[S]) -> Iterator[tuple[float, Outcome[S]]]:
         """Run it from an outcome to its end: (fraction, the outcome that shows what is found so far)."""

@@ -21,6 +21,7 @@ class Desk:
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
     exams: Mapping[str, ExamState] = field(default_factory=dict)
     pins: tuple[Pin, ...] = ()
+    follows: bool = False  # whether the lesson's long computation is wanted wherever the knobs rest
     text: str = ""  # as it was last written down, for a reload
 
     def keep(self, state: State) -> None:

@@ -36,12 +36,19 @@ class Drafts:
     def __init__(self) -> None:
         self._known: OrderedDict[Design, Draft] = OrderedDict()
         self._found: OrderedDict[Key, Any] = OrderedDict()
+        self._through: OrderedDict[Key, bool] = OrderedDict()
 
-    def draw(self, lesson: Lesson, design: Design) -> Drawn:
-        """The draft of a design with what a job has found for its key. Raises what the lesson raises."""
+    def draw(self, lesson: Lesson, design: Design, rough: bool = False) -> Drawn:
+        """The draft of a design with what a job has found for its key, or with a `rough` result where there is one and nothing found.
+
+        Raises what the lesson raises.
+        """
         known, found = self._known.get(design), self._found.get(_key(lesson, design))
         if known is None or known.found is not found:
-            known = self._draft(lesson, lesson.compute(design) if known is None else known.computed, found)
+            computed = lesson.compute(design) if known is None else known.computed
+            coarse = lesson.job.rough if rough and found is None and lesson.job is not None else None
+            drawn = self._draft(lesson, computed, found if coarse is None else coarse(computed)).drawn
+            known = Draft(computed, found, drawn)
         _put(self._known, design, known)
         return known.drawn
 
@@ -53,6 +60,15 @@ class Drafts:
     def keep_found(self, lesson: Lesson, design: Design, found: Any) -> None:
         """Remember what a job has found for this design and all others of its key."""
         _put(self._found, _key(lesson, design), found)
+
+    def end(self, lesson: Lesson, design: Design) -> None:
+        """The job of this design, and of all others of its key, is through."""
+        _put(self._through, _key(lesson, design), True)
+
+    def ended(self, lesson: Lesson, design: Design) -> bool:
+        """Whether it is, and what it found is still kept."""
+        key = _key(lesson, design)
+        return key in self._through and key in self._found
 
     def _draft(self, lesson: Lesson, computed: Outcome, found: Any) -> Draft:
         outcome = computed if found is None or lesson.job is None else lesson.job.shown(computed, found)
@@ -77,6 +93,7 @@ class LongJob:
         self._clock = clock
         self._steps: Iterator[tuple[float, Any]] | None = None
         self._last: Any = None
+        self.quiet = False  # whether it goes on beside the hand: without a bar, and shown when it is through
         self._ended = -1e9
 
     @property
@@ -88,9 +105,14 @@ class LongJob:
         """Whether a job came to its end by itself just now."""
         return self._clock() - self._ended < seconds
 
-    def start(self, steps: Iterator[tuple[float, Any]]) -> None:
+    @property
+    def found(self) -> Any:
+        """What it has found so far, None if nothing."""
+        return self._last
+
+    def start(self, steps: Iterator[tuple[float, Any]], quiet: bool = False) -> None:
         """Begin with these steps instead of any others."""
-        self._steps, self._last = steps, None
+        self._steps, self._last, self.quiet = steps, None, quiet
 
     def drop(self) -> None:
         """Forget what is left of it."""

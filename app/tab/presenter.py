@@ -204,7 +204,7 @@ class Presenter:
         self.last_edit = self.clock()
 
     def _draw(self, design: Design) -> Drawn:
-        return self._drafts.draw(self.lesson, design)
+        return self._drafts.draw(self.lesson, design, rough=self.desk.follows)
 
     # --- pictures --------------------------------------------------------------------------------------------------
     def change(self, state: State) -> None:
@@ -248,6 +248,15 @@ class Presenter:
         self.view.show(picture)
         self._shown = picture
         self._drafts.keep_found(self.lesson, design, found)
+
+    def end_job(self) -> None:
+        """The long computation is through."""
+        self._drafts.end(self.lesson, self.picture.design)
+
+    @property
+    def job_ended(self) -> bool:
+        """Whether the long computation of the picture's design is through, and what it found is known."""
+        return self._drafts.ended(self.lesson, self.picture.design)
 
     def tell(self, words: Text, bad: bool) -> None:
         """Say a sentence now, or when the page stands."""

@@ -124,6 +124,7 @@ class Session:
         now = self._show.clock()
         if not self._show.resting and now - self._show.last_edit >= REST:
             self._show.rest()
+            studying.follow(self._show)
         self._recall.go_on(now)
         studying.go_on(self._show, self._mailbox.empty)
         playing.tick(self._show, now)

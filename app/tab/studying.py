@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import assert_never
 
+from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Task
 from ..lesson.typed import LONGEST
@@ -130,29 +131,54 @@ def _solve(show: Presenter, task: Task) -> None:
 
 # --- the long computation ------------------------------------------------------------------------------------------
 def _start_or_cancel(show: Presenter) -> None:
-    if show.lesson.job is None:
+    job = show.lesson.job
+    if job is None:
         return
-    if show.job.running:
+    if show.job.running and show.job.quiet:  # it was not known that it goes on already
+        show.job.quiet = False
+        show.view.progress(0.0, job.label)
+    elif show.job.running:
+        show.desk.follows = False
         show.drop_job()
         show.view.say(CANCELLED, False)
     elif not show.job.ended_within(JUST_ENDED):
-        show.job.start(show.lesson.job.run(show.picture.outcome))
-        show.view.progress(0.0, show.lesson.job.label)
+        show.desk.follows = job.follows
+        show.job.start(job.run(show.picture.outcome))
+        show.view.progress(0.0, job.label)
+
+
+def follow(show: Presenter) -> None:
+    """Start the long computation without a word where the knobs have come to rest, if it is wanted there and not done yet."""
+    job = show.lesson.job
+    if job is not None and job.follows and show.desk.follows and not show.job.running and not show.job_ended:
+        show.job.start(job.run(show.picture.outcome), quiet=True)
 
 
 def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
-    """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays."""
-    if not show.job.running or show.lesson.job is None:
+    """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays.
+
+    A quiet one shows what it found when it is through, and has nothing to say where this design gives it nothing to do.
+    """
+    job, quiet = show.lesson.job, show.job.quiet
+    if not show.job.running or job is None:
         return
     try:
         fraction, found = show.job.go_on(undisturbed)
+        if quiet:
+            found = None if show.job.running else show.job.found
         if found is not None:
             show.keep(found)
     except BaseException as problem:
-        log.exception("the job of lesson %s failed", show.lesson.id)
+        expected = quiet and isinstance(problem, (KnobError, EngineError))
+        if not expected:
+            log.exception("the job of lesson %s failed", show.lesson.id)
         show.drop_job()
-        show.refuse(problem)
+        if not expected:
+            show.refuse(problem)
         return
-    show.view.progress(fraction if show.job.running else None, show.lesson.job.label)
     if not show.job.running:
-        show.view.open_figure(show.lesson.job.figure)
+        show.end_job()
+    if not quiet:
+        show.view.progress(fraction if show.job.running else None, job.label)
+        if not show.job.running:
+            show.view.open_figure(job.figure)

@@ -41,4 +41,4 @@ def key(design: Design) -> Hashable:
     return design.values
 
 
-JOB = Job(text("Try slower and faster observers"), try_speeds, key, shown, figure="speeds")
+JOB = Job(text("Try slower and faster observers"), try_speeds, key, shown, figure="speeds", follows=True)

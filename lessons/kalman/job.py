@@ -47,4 +47,4 @@ def key(design: Design) -> Design:
     return design.with_values(**VIEWS)
 
 
-JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, key, shown, figure="nees")
+JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, key, shown, figure="nees", follows=True)

@@ -138,4 +138,4 @@ def key(design: Design) -> Design:
     return design.with_values(**VIEWS)
 
 
-JOB = Job(text("Run it {records} times on a computer", records=RECORDS), try_often, key, shown, figure="spectrum0")
+JOB = Job(text("Run it {records} times on a computer", records=RECORDS), try_often, key, shown, figure="spectrum0", follows=True)

@@ -63,4 +63,4 @@ def with_trials(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=replace(outcome.study, trials=found), metrics={**outcome.metrics, **more})
 
 
-JOB = Job(text("Average {runs} runs", runs=RUNS), average, depends, with_trials, figure="means")
+JOB = Job(text("Average {runs} runs", runs=RUNS), average, depends, with_trials, figure="means", follows=True)

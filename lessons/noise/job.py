@@ -42,4 +42,4 @@ def key(design: Design) -> Design:
     return design.with_values(watch=POSITION)
 
 
-JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, key, shown, figure="variance")
+JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, key, shown, figure="variance", follows=True)

@@ -76,4 +76,4 @@ def key(design: Design) -> Design:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where a Kalman filter for it exists; the tasks stay with the block."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(text("Try {runs} runs", runs=RUNS), partial(try_often, model), key, shown, figure="variance"))
+                   job=Job(text("Try {runs} runs", runs=RUNS), partial(try_often, model), key, shown, figure="variance", follows=True))

@@ -35,4 +35,4 @@ def shown(outcome: Outcome[Study], found: Study) -> Outcome[Study]:
     return outcome_of(outcome.design, found)
 
 
-JOB = Job(text("Try {many} runs", many=MANY), try_often, depends, shown, figure="nees")
+JOB = Job(text("Try {many} runs", many=MANY), try_often, depends, shown, figure="nees", follows=True)

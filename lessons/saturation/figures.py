@@ -76,6 +76,8 @@ def starts_figure(starts: Starts | None, limit: float, angle: float, error: floa
 def _caption(starts: Starts | None, limit: float, kicked: bool) -> Text:
     if starts is None:
         return text("Not computed for this design yet: press the button under the knobs.")
+    if starts.rough:
+        return text("A rough map while you drag, from every third start; let go for the whole.")
     share, part = 100 * starts.home, 100 * starts.done
     known = (text("{share:.1f} % of these starts come home.", share=share) if starts.done == 1 else
              text("{part:.0f} % of the map is known; blank starts have not been run.", part=part))

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.engine import Scenario
+from app.engine.kernels import ready
 from app.engine.simulation import simulate_recovery
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Job, Outcome
@@ -34,6 +35,7 @@ from .study import (
 
 STEP = 0.01  # s, grid of the map's runs
 STRIDE = 2  # the map is found in STRIDE² interlaced passes
+COARSE = np.arange(2, len(GRID), 3)  # places on the grid of the starts that a rough map runs: every third, as many on either side of zero
 SLICE = 0.004  # s of work between two yields
 
 
@@ -76,14 +78,33 @@ def find_starts(outcome: Outcome[Study]) -> Iterator[tuple[float, Starts | None]
         raise KnobError(text("A pole is not in the left half plane, so no start comes home; drag it to the left "
                              "first."))
     scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
-    for fraction, starts in survey(scenario, outcome.study.starts):
+    before = outcome.study.starts
+    for fraction, starts in survey(scenario, None if before is None or before.rough else before):
         yield fraction, starts if starts.done > 0 else None
 
 
+def rough_starts(outcome: Outcome[Study]) -> Starts | None:
+    """The map from every third angle and error, at once; None where no start comes home, or where runs are not compiled."""
+    if not ready() or max(slowest(outcome, name) for name in ("controller", "observer")) >= 0:
+        return None
+    scenario = map_scenario(scenario_of(outcome.design, outcome.gains["K"], outcome.gains["L"]))
+    limit = ceiling(scenario.plant, float(scenario.u_max[0]))
+    values = np.full((len(COARSE), len(COARSE)), HOPELESS)
+    angles, errors = np.flatnonzero(np.abs(GRID[COARSE]) < limit), np.flatnonzero(GRID[COARSE] >= 0)
+    *_, (_, found) = simulate_recovery(scenario, ANGLE, np.radians(GRID[COARSE[angles]]), ANGLE, np.radians(GRID[COARSE[errors]]),
+                                       threshold=NEAR, bound=FAR)
+    values[np.ix_(errors, angles)] = np.where(found.recovered.T, HOME, LOST)
+    values[np.ix_(len(COARSE) - 1 - errors, len(COARSE) - 1 - angles)] = values[np.ix_(errors, angles)]
+    near = np.abs(np.arange(len(GRID))[:, None] - COARSE).argmin(axis=1)
+    values = values[np.ix_(near, near)]
+    values[:, np.abs(GRID) >= limit] = HOPELESS
+    return Starts(values, rough=True)
+
+
 def with_starts(outcome: Outcome[Study], starts: Starts) -> Outcome[Study]:
-    """The outcome with the map in it."""
-    return replace(outcome, study=replace(outcome.study, starts=starts),
-                   metrics={**outcome.metrics, "map_done": starts.done, "map_home": starts.home})
+    """The outcome with the map in it; a rough one gives no numbers."""
+    numbers = {} if starts.rough else {"map_done": starts.done, "map_home": starts.home}
+    return replace(outcome, study=replace(outcome.study, starts=starts), metrics={**outcome.metrics, **numbers})
 
 
 def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:
@@ -93,4 +114,5 @@ def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:
     return {"angle0": float(GRID[nearest(x)]), "error0": float(GRID[nearest(y)]), "kick": -1.0}
 
 
-JOB = Job(text("Map the starts that come home"), find_starts, key=depends, shown=with_starts, figure="starts")
+JOB = Job(text("Map the starts that come home"), find_starts, key=depends, shown=with_starts, figure="starts", follows=True,
+          rough=rough_starts)

@@ -196,5 +196,6 @@ def pick(outcome: Outcome[OwnStudy], x: float, y: float) -> Mapping[str, float]:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, which fits whatever it is; the tasks speak of the pole and stay with it."""
     return replace(lesson, knobs=own_knobs(model), compute=partial(compute, model), figures=partial(figures, model), tasks=(),
-                   job=Job(text("Map the starts that come home"), partial(find_starts, model), depends, with_map, figure="starts"),
+                   job=Job(text("Map the starts that come home"), partial(find_starts, model), depends, with_map, figure="starts",
+                           follows=True),
                    pick=pick, derived=partial(derived_own, model))

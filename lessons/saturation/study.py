@@ -35,9 +35,10 @@ UNKNOWN, HOME, LOST, HOPELESS = -1, 0, 1, 2
 
 @dataclass(frozen=True, eq=False)
 class Starts:
-    """Categories (n_error, n_angle) of the starts on GRID × GRID."""
+    """Categories (n_error, n_angle) of the starts on GRID × GRID; of a rough map each is that of the nearest start that was run."""
 
     values: np.ndarray
+    rough: bool = False
 
     @property
     def done(self) -> float:

@@ -12,6 +12,7 @@ from scipy.linalg import expm
 from app.engine import Plant, Scenario, autonomous_error, observer_gain, place, simulate
 from app.engine.simulation import simulate_recovery
 from app.lesson.lesson import Design, Outcome
+from lessons.saturation import job
 from lessons.saturation.job import JOB, map_scenario
 from lessons.saturation.lesson import LESSON
 from lessons.saturation.study import (
@@ -210,6 +211,28 @@ def test_a_dropped_job_goes_on_where_it_was(told_wish: Outcome) -> None:
     first, *_ = rest = list(JOB.outcomes(moved))
     assert first[0] > 0.5 and first[1].study.starts.done >= moved.study.starts.done
     assert np.array_equal(rest[-1][1].study.starts.values, told_wish.study.starts.values)
+
+
+@pytest.mark.slow
+def test_a_rough_map_is_right_wherever_it_was_run_and_gives_no_numbers(
+        monkeypatch: pytest.MonkeyPatch, told_wish: Outcome, told_truth: Outcome, fast_observer: Outcome) -> None:
+    monkeypatch.setattr(job, "ready", lambda: True)
+    for whole in (told_wish, told_truth, fast_observer):
+        rough, full = job.rough_starts(LESSON.compute(whole.design)), whole.study.starts.values
+        at = np.ix_(job.COARSE, job.COARSE)
+        assert np.array_equal(rough.values[at], full[at]) and np.array_equal(rough.values == HOPELESS, full == HOPELESS)
+        assert np.mean(rough.values == full) > 0.95
+        drawn = JOB.shown(LESSON.compute(whole.design), rough)
+        assert "map_home" not in drawn.metrics
+        *_, (_, after) = JOB.outcomes(drawn)
+        assert np.array_equal(after.study.starts.values, full), "the whole map begins anew"
+
+
+def test_there_is_no_rough_map_where_no_start_comes_home_or_runs_are_not_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(job, "ready", lambda: True)
+    assert job.rough_starts(LESSON.compute(design(observer_poles=(1, -8, -9, -10)))) is None
+    monkeypatch.setattr(job, "ready", lambda: False)
+    assert job.rough_starts(LESSON.compute(design())) is None
 
 
 def test_unstable_poles_have_no_map_but_a_sentence() -> None:

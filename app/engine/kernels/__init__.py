@@ -4,6 +4,6 @@ Nothing here is needed for an answer: each has a plain way beside it, in the roo
 """
 
 from .shares import in_shares
-from .shelf import SHELF, given, kernel, prepare_kernels
+from .shelf import SHELF, given, kernel, prepare_kernels, ready
 
-__all__ = ["SHELF", "given", "in_shares", "kernel", "prepare_kernels"]
+__all__ = ["SHELF", "given", "in_shares", "kernel", "prepare_kernels", "ready"]

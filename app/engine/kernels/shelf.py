@@ -24,7 +24,7 @@ import numpy as np
 
 from . import clipped, exits, held, recursion, small
 
-__all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels"]
+__all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
@@ -84,6 +84,11 @@ SHELF = Shelf()
 def kernel(function: Kernel) -> Kernel | None:
     """The compiled form of a kernel if it is ready, else None."""
     return SHELF.made.get(function)
+
+
+def ready() -> bool:
+    """Whether the kernels are compiled, so that runs by the thousand come at once."""
+    return bool(SHELF.made)
 
 
 def given(array: np.ndarray) -> np.ndarray:
