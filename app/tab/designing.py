@@ -59,6 +59,8 @@ def set_knobs(show: Presenter, edits: list[SetKnobs]) -> None:
         show.adopt(design, (frozenset(keys), grip), grip is not None)
         if show.picture.asks_again and not asked:
             show.view.say(ASKS_AGAIN, False)
+            show.change(replace(show.state, playing=False, loop=None, stopped=False, t=0.0))  # the stage would answer
+            show.view.pose(0.0)
     if refused is not None:
         raise refused
 

@@ -111,10 +111,10 @@ def hold_up(show: Presenter, waited: float) -> None:
 def under_the_hand(show: Presenter) -> None:
     """A knob has been moved: the part of the run in which the error lives plays, until a round after the last move.
 
-    Not before the prediction, not where the person has stopped the run at a moment, and not where the browser asks for calm.
+    Not before a prediction, not where the person has stopped the run at a moment, and not where the browser asks for calm.
     """
     state = show.state
-    if state.predicted is None or state.stopped or state.calm or not show.estimates:
+    if state.predicted is None or show.picture.asks_again or state.stopped or state.calm or not show.estimates:
         return
     if state.loop is not None:
         show.state = replace(state, loop=replace(state.loop, rounds=HAND_ROUNDS, rest=state.loop.part.end))

@@ -78,7 +78,9 @@ def _predict(show: Presenter, choice: int) -> None:
 def _predict_again(show: Presenter, choice: int) -> None:
     asked = show.lesson.words[show.state.language].again
     if not locked(show):
-        show.change(replace(show.state, again=_one_of(choice, () if asked is None else asked.options)))
+        runs = show.picture.horizon > 0 and not show.state.calm
+        show.change(replace(show.state, again=_one_of(choice, () if asked is None else asked.options), playing=runs, loop=None,
+                            stopped=False, t=0.0))
 
 
 def _show_again(show: Presenter) -> None:

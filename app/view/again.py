@@ -53,7 +53,8 @@ class PredictionAgain:
         if self._folder.visible != stands:
             self._folder.visible = stands
         folded = "" if chosen is None else why_not(self._asked.refutations, chosen, self._lang)
-        for handle, content in ((self._options, sentences(self._asked.options, chosen, quirks.id_of(self._letters), self._lang)),
+        options = sentences(self._asked.options, chosen, quirks.id_of(self._letters), self._lang)
+        for handle, content in ((self._options, f'<div class="ol-again">{options}</div>' if chosen is None else options),
                                 (self._answer, answered_again(picture)), (self._others, folded)):
             if handle.content != content:
                 handle.content = content

@@ -17,6 +17,7 @@ ONCE = (
     "folders",  # let Tab reach the heads of folders and Enter or Space open them: viser opens folders by the mouse alone
     "keys",  # keep from viser's camera the keys that mean something else here: the arrows of a widget, the letters of commands
     "options",  # let a button of our own HTML, with mathematics in it, answer for a widget
+    "again",  # bring a second question into view when it comes under the knobs
     "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could
     "names",  # write the names of a chart's curves beside them; viser has a key below the chart and nothing else
     "snapshot",  # let the dialog keep the stage as a picture, drawn with all its pixels on the ground that the page gives it

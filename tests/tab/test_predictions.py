@@ -59,7 +59,10 @@ def test_a_second_prediction_waits_once_its_knob_has_moved_and_can_be_chosen_ski
     assert tab.picture.asks_again and ":response:" in sheet_of(tab.picture) and not answered_again(tab.picture)
     tab.do(Undo())
     assert not tab.picture.asks_again and ":response:" not in sheet_of(tab.picture)
+    tab.run_for(0.5)
+    assert tab.picture.state.t > 0
     tab.set(gain=2.0)
+    assert tab.picture.state.t == 0 and not tab.picture.state.moving, "the stage would answer"
     assert tab.view.sentences()[-1] == ASKS_AGAIN
     tab.do(PredictAgain(7))
     tab.do(ShowAgain())
@@ -67,7 +70,7 @@ def test_a_second_prediction_waits_once_its_knob_has_moved_and_can_be_chosen_ski
     tab.do(PredictAgain(2))
     verdict, *told = answered_again(tab.picture).split("\n\n")
     assert "✗" in verdict and told == [REFUTED[2], "so it is"]
-    assert not tab.picture.asks_again and ":response:" not in sheet_of(tab.picture)
+    assert not tab.picture.asks_again and ":response:" not in sheet_of(tab.picture) and tab.picture.state.playing
     tab.do(ShowAgain())
     assert tab.picture.design["gain"] == 6.0 and not tab.picture.asks_again
     tab.rest()
