@@ -20,6 +20,7 @@ from .tasks import TASKS
 LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answering="error_parts", tasks=TASKS, exams=EXAMS,
                 source="Tutorial (000), section on the limits of the theory: detectable and stabilizable; PBH test",
                 place=PLACES["hidden-modes"],
-                again=Again(("centre",), 3, {"centre": 0.0}, ("error_parts", "centre", "state_parts")),
+                again=Again(("controller_all",), 3, {"controller_all": (-4 - 1j, -4 + 1j, -4.5 - 3j, -4.5 + 3j)},
+                ("centre", "state_parts", "input")),
     words=read_prose(Path(__file__).parent), adapt=adapted,
     derived=derived)
