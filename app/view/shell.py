@@ -43,7 +43,7 @@ def page_for_a_stranger(language: str) -> str:
 
     It asks once more by itself: who comes by a link on another site's page brings no cookie, though the browser may have it.
     """
-    return _page_that_says(phrases.ASKS_FOR_TOKEN, language, f"<script>{page.call('again')}</script>")
+    return _page_that_says(phrases.ASKS_FOR_TOKEN, language, f"<script>{page.call('knock')}</script>")
 
 
 def _page_that_says(words: Text, language: str, head: str) -> str:
