@@ -22,11 +22,12 @@ from .derivation import Value, no_numbers
 from .design import Design as Design
 from .exam import Exam
 from .figures import Figure
-from .knobs import Knob, KnobError
+from .knobs import Knob, KnobError, Poles
 from .typed import Typed
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own
 R = TypeVar("R")  # what a lesson's job finds
+KEYS = 3  # knobs that large print keeps in sight
 NO_STUDY: Any = None  # of a lesson that computes nothing of its own
 
 
@@ -195,7 +196,8 @@ class Lesson(Generic[S]):
     `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
     on the lesson's map into changed knob values. `adapt(lesson, model)` makes the lesson for a person's own plant;
     `origin` is the lesson that it was made from. `answer` is the index of the right prediction, `answering` the id of
-    the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more".
+    the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more". `key` names
+    those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
     `derived` gives the numbers that stand now in the places of the derivation. `place` is its place in the course.
     `again` is its second prediction, about the lesson's own plant.
@@ -214,6 +216,7 @@ class Lesson(Generic[S]):
     answering: str = ""
     kick: bool = True
     aside: tuple[str, ...] = ()
+    key: tuple[str, ...] = ()
     job: Job[S, Any] | None = None
     pick: Callable[[Outcome[S], float, float], Mapping[str, Any]] | None = None
     adapt: Callable[[Lesson, Model], Lesson] | None = None
@@ -251,6 +254,13 @@ class Lesson(Generic[S]):
     def apply(self, design: Design, changes: Mapping[str, Any]) -> Design:
         """The design with validated changes: the only gate to a design. Raises KnobError."""
         return design.with_values(**{name: self.knob(name).check(value) for name, value in changes.items()})
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The knobs that large print keeps in sight: the `key` ones, on a person's own plant those it still has, else the first three."""
+        start, own = self.start(), {knob.name for knob in self.knobs if not knob.hidden}
+        first = [k.name for k in self.knobs if self.shown(k, start) and not isinstance(k, Poles) and k.name not in self.aside][:KEYS]
+        return tuple(name for name in self.key if name in own) or tuple(first)
 
     def shown(self, knob: Knob, design: Design) -> bool:
         """Whether the knob matters now and its widget is shown: its condition holds, and that of the knob it names."""

@@ -1,4 +1,4 @@
-"""The knobs of a lesson on the page: those that are turned often, the rest behind "more", and poles to type."""
+"""The knobs of a lesson on the page: those that are turned often, or in large print the key ones, the rest behind "more", poles to type."""
 
 from __future__ import annotations
 
@@ -28,13 +28,14 @@ class KnobRows:
         self._bar: Any = None
         self._job: viser.GuiButtonHandle | None = None
         rows = [knob for knob in self._lesson.knobs if not knob.hidden and not isinstance(knob, Poles)]
-        often = [knob for knob in rows if knob.name not in self._lesson.aside]
-        self._aside = [knob for knob in rows if knob.name in self._lesson.aside]
+        large, keys = picture.state.lecture, self._lesson.keys
+        self._aside = [knob for knob in rows if (knob.name not in keys if large else knob.name in self._lesson.aside)]
+        often = [knob for knob in rows if knob not in self._aside]
         with gui.add_folder(phrases.KNOBS(self._lang)):
             self._add_all(often, False)
             self._make_job()
             if self._aside:
-                self._more = gui.add_folder(phrases.MORE(self._lang), expand_by_default=False)
+                self._more = gui.add_folder((phrases.MORE_KNOBS if large else phrases.MORE)(self._lang), expand_by_default=False)
                 with self._more:
                     self._add_all(self._aside, True)
         self._make_poles()
@@ -84,7 +85,7 @@ class KnobRows:
             widget.show(picture.design[name], seen, picture)
             if name in self._folders:
                 _reveal(self._folders[name], seen)
-        standing = {(knob.group("en"), name in self._lesson.aside) for name, (knob, _) in self._widgets.items()
+        standing = {(knob.group("en"), knob in self._aside) for knob, _ in self._widgets.values()
                     if knob.group is not None and self._lesson.shown(knob, picture.design)}
         for place, heading in self._groups.items():
             _reveal(heading, place in standing)

@@ -81,11 +81,15 @@ class Panel:
         theme = phrases.LIGHT if picture.state.darkness else phrases.DARK
         pages: dict[str, Edit] = {phrases.LECTURE(lang): ToggleLecture(), theme(lang): ToggleTheme()}
         keys = {title: lesson_id for lesson_id, title in titles.items()}
+        question = f'<div class="ol-question">{self._words.question}</div>'
+        if picture.state.lecture:
+            gui.add_html(question)
         self._choice = gui.add_dropdown(phrases.LESSON(lang), tuple(titles.values()),
                                         initial_value=titles[self._lesson.id])
         self._tongue = gui.add_button_group("", (*tongues, *pages))
         self._guide = Guide(gui, picture, self._post)
-        gui.add_html(f'<div class="ol-question">{self._words.question}</div>')
+        if not picture.state.lecture:
+            gui.add_html(question)
         self._introduce(picture.state.lecture)
         self._catalogue = ReadBack(self._choice, lambda title: self._post(OpenLesson(keys.get(title, ""))))
 
@@ -112,7 +116,7 @@ class Panel:
     def _numbers(self, picture: Picture) -> None:
         if not picture.outcome.formulas and not picture.outcome.live(self._lang):
             return
-        with self._gui.add_folder(phrases.NUMBERS(self._lang)):
+        with self._gui.add_folder(phrases.NUMBERS(self._lang), expand_by_default=not picture.state.lecture):
             self._live = self._gui.add_html("")
             for formula in picture.outcome.formulas:
                 self._formulas[formula.id] = self._gui.add_html("")

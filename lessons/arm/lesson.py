@@ -24,4 +24,5 @@ LESSON = Lesson(
            "order number 148867, gear GP 42 C, 203116, encoder HEDL 5540, 110514",
     place=PLACES["arm"],
     again=Again(("cancel",), 3, {"cancel": False}, ("angle", "load", "error")),
-    words=read_prose(Path(__file__).parent), aside=("target", "counts"), derived=derived, code=code, job=JOB)
+    words=read_prose(Path(__file__).parent), key=("load_state", "load", "gap"),
+    aside=("target", "counts"), derived=derived, code=code, job=JOB)

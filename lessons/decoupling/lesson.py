@@ -21,5 +21,6 @@ LESSON = Lesson("decoupling", 11, KNOBS, compute, figures, answer=2, answering="
                 source="Platform report (003), chapter 2: equations (2)–(38), figures 3–6; section 5.3.3",
                 place=PLACES["decoupling"],
                 again=Again(("mix",), 3, {"mix": "best"}, ("spectrum-rotation", "velocity-rotation")),
-    words=read_prose(Path(__file__).parent), aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
+    words=read_prose(Path(__file__).parent), key=("vertical", "horizontal", "pitch"),
+    aside=("f_low", "f_high", "lower", "ground", "noise"), pick=pick,
     derived=derived, code=code)

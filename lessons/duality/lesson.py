@@ -23,5 +23,5 @@ LESSON = Lesson(
     source="Tutorial (000), duality section: L = K_dᵀ; observer notes (001), spring-damper example",
     place=PLACES["duality"],
     again=Again(("sensor",), 2, {"sensor": 90.0}, ("gains",), numbers=True),
-    words=read_prose(Path(__file__).parent), aside=("window",), adapt=adapted,
+    words=read_prose(Path(__file__).parent), key=("sensor", "q", "mirror"), aside=("window",), adapt=adapted,
     derived=partial(derived, BLOCK))

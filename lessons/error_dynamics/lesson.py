@@ -23,5 +23,6 @@ LESSON = Lesson(
     source="Observer notes (001), equations (1)–(7) and the spring-damper example; tutorial (000)",
     place=PLACES["error-dynamics"],
     again=Again(("guess_q",), 2, {"guess_q": -1.0}, ("error", "components")),
-    words=read_prose(Path(__file__).parent), aside=("amplitude", "frequency", "seed", "line"), adapt=adapted,
+    words=read_prose(Path(__file__).parent), key=("input", "hand", "guess_q"),
+    aside=("amplitude", "frequency", "seed", "line"), adapt=adapted,
     derived=partial(derived, BLOCK))

@@ -23,5 +23,6 @@ LESSON = Lesson(
     source="Chen and Patton, Robust Model-Based Fault Diagnosis for Dynamic Systems (1999), chapter 3; platform report (003), section 3.1",
     place=PLACES["fault-diagnosis"],
     again=Again(("window",), 0, {"bias": 1.5, "window": 100}, ("sensors", "isolation", "members")),
-    words=read_prose(Path(__file__).parent), aside=("force", "tone", "stiffer"), job=JOB, code=code,
+    words=read_prose(Path(__file__).parent), key=("place", "bias", "drift", "loss", "rate"),
+    aside=("force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived)

@@ -22,5 +22,5 @@ LESSON = Lesson("hidden-modes", 6, KNOBS, compute, all_figures, answer=0, answer
                 place=PLACES["hidden-modes"],
                 again=Again(("controller_all",), 3, {"controller_all": (-4 - 1j, -4 + 1j, -4.5 - 3j, -4.5 + 3j)},
                 ("centre", "state_parts", "input")),
-    words=read_prose(Path(__file__).parent), adapt=adapted,
+    words=read_prose(Path(__file__).parent), key=("plant", "centre"), adapt=adapted,
     derived=derived)

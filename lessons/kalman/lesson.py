@@ -38,5 +38,6 @@ LESSON = Lesson(
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
     place=PLACES["kalman"],
     again=Again(("q",), 0, {"q": 100.0}, ("nees", "nis", "tests"), numbers=True),
-    words=read_prose(Path(__file__).parent), aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
+    words=read_prose(Path(__file__).parent), key=("q", "r", "p0"),
+    aside=("force", "arithmetic", "line"), job=JOB, adapt=_adapted, code=code,
     derived=derived)

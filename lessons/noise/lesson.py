@@ -23,6 +23,6 @@ LESSON = Lesson(
     source="Observer notes (001) on fast poles; platform report (003), section 4.1, equations (43)–(50)",
     place=PLACES["noise"],
     again=Again(("v",), 2, {"v": 0.0064}, ("valley", "peaks", "shares"), numbers=True),
-    words=read_prose(Path(__file__).parent),
+    words=read_prose(Path(__file__).parent), key=("speed", "w", "v"),
     job=JOB, adapt=adapted,
     derived=derived)

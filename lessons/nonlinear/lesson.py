@@ -24,5 +24,6 @@ LESSON = Lesson(
            "Durrant-Whyte (2000)",
     place=PLACES["nonlinear"],
     again=Again(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
-    words=read_prose(Path(__file__).parent), aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
+    words=read_prose(Path(__file__).parent), key=("case", "filter", "size"),
+    aside=("alpha", "beta", "kappa", "redraw", "line"), job=JOB, code=code,
     derived=derived)

@@ -23,5 +23,6 @@ LESSON = Lesson(
     source="Observer notes (001), section 2: observability matrix, rank criterion; PBH test; Gramian",
     place=PLACES["observability"],
     again=Again(("noise",), 0, {"noise": 0.003}, ("ellipses", "halves", "energy")),
-    words=read_prose(Path(__file__).parent), aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
+    words=read_prose(Path(__file__).parent), key=("plant", "left", "right_on", "angle", "gap", "count"),
+    aside=("tolerance", "reading", "noise"), adapt=adapted, code=code,
     derived=derived)

@@ -23,6 +23,7 @@ LESSON = Lesson("robust-observer", 15, KNOBS, compute, all_figures, answer=2, an
                 source="Duan, Li, Zhou (002): robust Luenberger observer design, 1993; there u = +K x",
                 place=PLACES["robust-observer"],
                 again=Again(("c",), 0, {"c": 0.0}, ("e_u", "gain", "sweep")),
-    words=read_prose(Path(__file__).parent), aside=("norm", "alpha", "second", "beta", "gamma", "remark", "line", "columns"), kick=False,
+    words=read_prose(Path(__file__).parent), key=("example", "a1", "a2", "b1", "w12"),
+    aside=("norm", "alpha", "second", "beta", "gamma", "remark", "line", "columns"), kick=False,
                 job=JOB, adapt=adapted, code=code,
     derived=derived)

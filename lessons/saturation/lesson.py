@@ -23,5 +23,5 @@ LESSON = Lesson(
     source="Tutorial (000), section on the limits of the separation principle",
     place=PLACES["saturation"],
     again=Again(("error0",), 1, {"error0": 0.0}, ("state1", "state0", "error", "input")),
-    words=read_prose(Path(__file__).parent), job=JOB, pick=pick, adapt=adapted,
+    words=read_prose(Path(__file__).parent), key=("fed", "u_max", "error0"), job=JOB, pick=pick, adapt=adapted,
     derived=derived)

@@ -23,4 +23,4 @@ LESSON = Lesson(
     source="Tutorial (000), separation section, equations of the augmented loop",
     place=PLACES["separation"],
     again=Again(("stiffness_error",), 3, {"stiffness_error": 10.0}, ("spectrum", "blocks"), numbers=True),
-    words=read_prose(Path(__file__).parent), adapt=adapted, derived=partial(derived, DECK))
+    words=read_prose(Path(__file__).parent), key=("stiffness_error", "delay", "noise"), adapt=adapted, derived=partial(derived, DECK))

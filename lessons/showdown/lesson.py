@@ -23,6 +23,6 @@ LESSON = Lesson(
     source="Platform report (003), chapters 2.3, 5.3 and 6, figures 3–25; limits of section 6.2",
     place=PLACES["showdown"],
     again=Again(("damping",), 1, {"damping": -90.0}, ("suppression", "sizes", "channel_rotation")),
-    words=read_prose(Path(__file__).parent), aside=(
+    words=read_prose(Path(__file__).parent), key=("play", "sensor", "test"), aside=(
         "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,
     derived=derived, code=code)

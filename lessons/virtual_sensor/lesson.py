@@ -22,5 +22,5 @@ LESSON = Lesson(
     source="Tutorial (000), sections on the virtual sensor and on the error's own life",
     place=PLACES["virtual-sensor"],
     again=Again(("observer_poles",), 1, {"observer_poles": (-3.2 - 1j, -3.2 + 1j)}, ("core", "error", "innovation")),
-    words=read_prose(Path(__file__).parent), aside=("power",), adapt=adapted,
+    words=read_prose(Path(__file__).parent), key=("plant", "trust", "guess_core"), aside=("power",), adapt=adapted,
     derived=derived)

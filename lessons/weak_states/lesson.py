@@ -21,5 +21,6 @@ LESSON = Lesson("weak-states", 12, KNOBS, compute, figures, answer=1, answering=
                 source="Platform report (003), chapter 3: rank, Hankel values (39), truncation, section 3.3",
                 place=PLACES["weak-states"],
                 again=Again(("order",), 0, {"order": 9}, ("error",)),
-    words=read_prose(Path(__file__).parent), aside=("ground", "measure", "h", "a", "mu", "kp", "v0", "pressed"), code=code,
+    words=read_prose(Path(__file__).parent), key=("pair", "order", "clock"),
+    aside=("ground", "measure", "h", "a", "mu", "kp", "v0", "pressed"), code=code,
     derived=derived)

@@ -60,7 +60,7 @@ UNDRAWN = """() => {  // the scene is built, moved and picked as ever, but its f
     pen[name] = function (...how) { if (window.observerLabDraws) draw.apply(this, how); };
   }
 }"""
-MORE = re.compile("^(more|更多)$")
+MORE = re.compile("^(more|更多)( knobs|旋钮)?$")
 HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import partial
+from itertools import product
 
 import numpy as np
 import pytest
@@ -14,8 +16,9 @@ from strategies import designs
 
 from app.engine import EngineError
 from app.lesson.figures import COLOURS
-from app.lesson.knobs import Knob, KnobError, Number, Poles
-from app.lesson.lesson import Lesson
+from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch
+from app.lesson.lesson import KEYS, Design, Lesson
+from app.plants.examples import example
 from lessons import LESSONS
 
 EXAMPLES, VALUES = 15, 3  # random designs of each lesson; other values of each number, its extremes among them
@@ -107,3 +110,31 @@ def test_what_is_aside_is_a_knob_with_a_widget_and_something_is_left_in_sight(le
     for name in lesson.aside:
         assert not named[name].hidden and not isinstance(named[name], Poles), name
     assert any(lesson.shown(knob, start) and name not in lesson.aside for name, knob in named.items()), "no knob in sight"
+
+
+def ways_to_hide(lesson: Lesson) -> Iterator[Design]:
+    """The start with every combination of what its key knobs wait for."""
+    asked: dict[str, tuple[object, ...]] = {}
+    waiting = [lesson.knob(name) for name in lesson.keys]
+    while waiting:
+        knob = waiting.pop()
+        if knob.when is None or knob.when[0] in asked:
+            continue
+        other = lesson.knob(knob.when[0])
+        asked[other.name] = (tuple(name for name, _ in other.options) if isinstance(other, Choice) else (False, True)
+                             if isinstance(other, Switch) else (other.default, *knob.when[1]))
+        waiting.append(other)
+    for values in product(*asked.values()):
+        yield lesson.apply(lesson.start(), dict(zip(asked, values, strict=True)))
+
+
+@each("lesson", [LESSONS["lqg"].fit(example("aircraft")), *LESSONS.values()])
+def test_a_hall_has_at_most_three_knobs_in_sight_in_every_design_and_never_none(lesson: Lesson) -> None:
+    named = {knob.name: knob for knob in lesson.knobs}
+    offered = [name for name, knob in named.items() if lesson.shown(knob, lesson.start()) and not isinstance(knob, Poles)]
+    for name in lesson.keys:
+        assert not named[name].hidden and not isinstance(named[name], Poles), name
+        assert name not in lesson.aside, f"{name} is a key knob and turned rarely"
+    for design in ways_to_hide(lesson):
+        seen = [name for name in lesson.keys if lesson.shown(named[name], design)]
+        assert min(2, len(offered)) <= len(seen) <= KEYS, f"{seen} in {dict(design.values)}"
