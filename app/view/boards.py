@@ -25,6 +25,7 @@ from .pane import DARK, LIGHT, pane
 from .pinmarks import PinMarks
 from .solids import rgb
 from .ticks import ticks
+from .trails import PoleTrail
 
 WIDTH, HEIGHT, FOOT = 3.2, 2.5, 2.0
 PLACES = MappingProxyType({"left": ((-1.98, 1.5), 0.13), "right": ((1.98, 1.5), -0.13), "middle": ((0.0, 1.5), 0.0)})
@@ -64,6 +65,7 @@ class BoardView:
         self._grabbed: tuple[int, tuple[complex, ...], complex] | None = None  # which pole, all poles, from hand to pole
         self._grips = Grips(client, self._root, COLOURS[board.role], self._origin, self._pulled)
         self._surface: viser.MeshHandle | None = None
+        self._trail = PoleTrail(self._scene, f"{self._root}/trail", rgb(COLOURS[board.role]), self._ink.glass, self.local)
         self._pins = PinMarks(self._scene, self._root, rgb(COLOURS[board.role]), lambda pole: self.local(pole, 0.02))
         self._draw(language)
 
@@ -120,8 +122,11 @@ class BoardView:
                 x, y, z = self.local(complex(b.re_high, im))
                 self._label(f"im{im:g}", f"{im:g}j".replace("-", "−"), (x + 0.04, y, z), "center-left", depth_test=True)
 
-    def show(self, board: Board, veiled: bool) -> None:
-        """Move the poles to where the design has them; while they are veiled, none is seen and no hand can take hold of one."""
+    def show(self, board: Board, veiled: bool, calm: bool = True, rests: bool = True) -> None:
+        """Move the poles to where the design has them; while they are veiled, none is seen and no hand can take hold of one.
+
+        Unless the tab is `calm`, the way of one that is dragged is drawn until the knobs rest.
+        """
         before, self._board, self._held = self._shown, board, veiled or board.knob is None
         self._grips.show([] if self._held else [self.local(pole) for pole in board.poles])
         if board.zeros != self._zeros:
@@ -135,6 +140,9 @@ class BoardView:
         self._shown = board.poles
         if before != board.poles:  # else nothing moved: no message, and no frame of the scene
             self._move(board)
+        if calm or (rests and self._grabbed is None):
+            self._trail.end()
+        self._trail.draw()
         self._cover(veiled)
 
     def _cover(self, veiled: bool) -> None:
@@ -221,10 +229,12 @@ class BoardView:
         if event.phase == "start" or self._grabbed is None:
             self._grabbed = self._taken(event.start_position)
             self._grip += 1
+            self._trail.begin(self._grabbed[1][self._grabbed[0]])
         index, origin, offset = self._grabbed
         to = board.hold(self.s_at(event.end_position) + offset)
         if not (math.isfinite(to.real) and math.isfinite(to.imag)):
             return  # a camera or a pointer of nonsense
+        self._trail.reach(to if abs(to.imag) > SNAP * board.im_high else complex(to.real))
         self._drag({board.knob: move_pole(origin, index, to, axis_snap=SNAP * board.im_high), **dict(board.also)}, self._grip)
         if event.phase == "end":
             self._grabbed = None

@@ -90,12 +90,14 @@ def what_is_shared(figure: Figure, under: Figure | None) -> str:
 class Chart:
     """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change.
 
-    What the figure `under` it says as well, its axis, its key and its caption, is written there alone.
+    What the figure `under` it says as well, its axis, its key and its caption, is written there alone; in large print, where one
+    figure fills the column, each says all of it.
     """
 
     def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, sizes: Sizes, horizon: float, under: Figure | None) -> None:
         self._language, self._figure = language, figure
-        self._shared = what_is_shared(figure, under)
+        self._alone = sizes.state.lecture
+        self._shared = what_is_shared(figure, self._under(under))
         self._cursor = on_the_clock(figure, horizon)
         self._bold = 1.5 if sizes.state.lecture else 1.0
         self._letter, self._aspect = sizes.chart_letter, (sizes.right - FRAME) / sizes.chart
@@ -109,8 +111,12 @@ class Chart:
             self._html = gui.add_html(draw(figure, language))
         self._caption = gui.add_html(self._words(figure, under))
 
+    def _under(self, under: Figure | None) -> Figure | None:
+        return None if self._alone else under
+
     def _words(self, figure: Figure, under: Figure | None) -> str:
-        said = "" if under is not None and under.caption == figure.caption else with_minus(figure.caption(self._language))
+        other = self._under(under)
+        said = "" if other is not None and other.caption == figure.caption else with_minus(figure.caption(self._language))
         return f'<p class="ol-caption" data-figure="{figure.id}">{said}</p>'
 
     def _all_series(self, figure: LineFigure) -> tuple[Any, ...]:
@@ -152,7 +158,7 @@ class Chart:
         """Draw present data over time or frequency; `show_words` draws the rest."""
         before, self._figure = self._figure, figure
         if isinstance(figure, LineFigure):
-            shared, self._shared = self._shared, what_is_shared(figure, under)
+            shared, self._shared = self._shared, what_is_shared(figure, self._under(under))
             self._show_plot(figure, before, resting, on_the_clock(figure, horizon), shared != self._shared)
 
     def show_words(self, figure: Figure, under: Figure | None) -> None:

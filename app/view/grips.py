@@ -20,6 +20,7 @@ SAME = 0.06  # a radius that differs by less is not sent
 FAINT = 0.16  # how much of the colour a disc has
 LAYER = 0.003  # stage units between two discs, so that where they overlap none cuts into another
 GRIPS = "/grips"  # how the name of such a node ends
+BEST = "/board/observer/"  # how that of the one begins whose poles move the ghost most
 Vector = tuple[float, float, float]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import viser
 
 from . import quirks
-from .grips import FAINT, GRIPS
+from .grips import BEST, FAINT, GRIPS
 
 ONCE = (
     # Draw each answer of the server in one frame; where frames come slowly, with fewer pixels while things move. viser takes
@@ -30,4 +30,4 @@ def teach(client: viser.ClientHandle) -> None:
     """Run every script that a page keeps until it is closed."""
     for name in ONCE:
         quirks.run(client, name)
-    quirks.pulse_once(client, GRIPS, FAINT)
+    quirks.pulse_once(client, GRIPS, BEST, FAINT)

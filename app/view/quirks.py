@@ -193,9 +193,10 @@ def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
     run(client, "tab", title=title, figure=figure)
 
 
-def pulse_once(client: viser.ClientHandle, ending: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
-    """Let the nodes whose name ends so swell in colour when a pointer first comes over the stage: they can be dragged."""
-    run(client, "pulse", ending=ending, faint=faint, full=full, lasts=1e3 * seconds)
+def pulse_once(client: viser.ClientHandle, ending: str, best: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
+    """Let the nodes whose name ends so, of them those that begin as in `best` if there are, swell in colour when a pointer first
+    comes over the stage: they can be dragged."""
+    run(client, "pulse", ending=ending, best=best, faint=faint, full=full, lasts=1e3 * seconds)
 
 
 def ask_whether_seen(client: viser.ClientHandle, widget: Any) -> None:

@@ -43,7 +43,7 @@ class Screen(Browser):
     def __init__(self, client: viser.ClientHandle) -> None:
         super().__init__(client)
         self._post: Post = lambda edit: 0
-        self._stage = StageView(client)
+        self._stage = StageView(client, trails=True)
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
@@ -70,6 +70,7 @@ class Screen(Browser):
         gui, language, sizes = self._client.gui, picture.state.language, Sizes(picture.state)
         with self._client.atomic():
             self._halt()
+            quirks.run(self._client, "keep", lesson=picture.lesson.id, large=picture.state.lecture)
             gui.reset()
             self._client.scene.reset()
             self._boards, self._charts, self._map, self._help, self._columns = {}, {}, None, Help(self._client), Columns()
@@ -124,10 +125,11 @@ class Screen(Browser):
                 self._stage.show(picture.outcome.stage, picture.state.language, letters(self._client.camera, picture.state.lecture))
             for board in picture.boards:
                 view = self._board(board, picture)
-                view.show(board, veiled=picture.state.predicted is None)
+                view.show(board, picture.state.predicted is None, picture.state.calm, picture.resting)
                 if board.landscape is not None:
                     view.show_landscape(picture.state.landscape)
             self._show_map(picture)
+            self._stage.calm(picture.state.calm)
             self._stage.haunt(picture.ghosts)
             self._stage.pose(picture.state.t)
         self._client.flush()

@@ -52,7 +52,7 @@ class Sizes:
     @property
     def chart(self) -> int:
         """px of a chart's height: one figure is what a hall looks at."""
-        return round(0.42 * self.state.window[1]) if self.state.lecture else 180
+        return round(0.5 * self.state.window[1]) if self.state.lecture else 180
 
 
 def listen_to_the_window(client: viser.ClientHandle, post: Callable[[Edit], int]) -> None:

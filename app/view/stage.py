@@ -20,6 +20,7 @@ from .letters import Letters
 from .moves import Frame, Value, changed, flat
 from .pinghosts import PinGhosts
 from .solids import Solids, rgb
+from .trails import ErrorLines
 
 PHONE = 0.62  # width over height below which the panels lie over the lower half
 NARROW = 0.90  # width over height of a canvas that just shows both boards
@@ -63,17 +64,20 @@ def retreat(aspect: float) -> float:
 
 
 class StageView:
-    """One tab's stage. Sends only what changed since the last pose."""
+    """One tab's stage. Sends only what changed since the last pose. With `trails` its ghost leaves some while the tab is not `calm`."""
 
-    def __init__(self, client: viser.ClientHandle) -> None:
-        self._client = client
+    def __init__(self, client: viser.ClientHandle, trails: bool = False) -> None:
+        self._client, self._trails = client, trails
+        self._calm, self._dark = False, False
         self._scene = client.scene
         self._body: Body | None = None
         self._solid, self._ghost = self._parts()
         self._clouds: list[viser.IcosphereHandle] = []
         self._names: list[viser.LabelHandle] = []
+        self._note: viser.LabelHandle | None = None
         self._letters = Letters(self._scene, 1.0)
         self._pins = PinGhosts(self._scene, self._letters)
+        self._errors: ErrorLines | None = None
         self._stage: Stage | None = None
         self._frame: Frame = {}  # where everything was sent to last
         self._posed: tuple[Place, Stage | None] | None = None
@@ -83,7 +87,7 @@ class StageView:
 
     def furnish(self, dark: bool) -> None:
         """Floor, light, background and the default camera of an empty stage."""
-        scene = self._scene
+        scene, self._dark = self._scene, dark
         scene.set_up_direction("+z")
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)
@@ -165,12 +169,14 @@ class StageView:
         none = np.array(_segments([]), np.float32).reshape(-1, 2, 3)
         self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                head_radius=0.09, head_length=0.16)
-        self._scene.add_line_segments("/errors", none, rgb(COLOURS["error"]), thickness=0.028)
+        self._errors = ErrorLines(self._scene, stage, self._trails, self._dark)
         self._clouds = [] if stage.spread is None or stage.xhat is None else [
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.16, cast_shadow=False,
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         self._factor(body, language)
+        self._note = self._letters.write("/note", "", (0.0, -1.7, 0.03), "top-center")
+        self._say(stage.note(language))
         self._names = [self._letters.write(f"/name/{i}", wording(words, language), place, "top-center")
                        for i, (words, place) in enumerate(body.labels)]
 
@@ -184,6 +190,13 @@ class StageView:
         words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
         self._letters.write("/factor", words, (2.9, -0.6, 0.12), "center-right", visible=bool(words))
 
+    def _say(self, words: str) -> None:
+        """What would surprise in this run, in front of the plant."""
+        if self._note is not None and self._note.text != words:
+            self._note.text = words
+        if self._note is not None and self._note.visible != bool(words):
+            self._note.visible = bool(words)
+
     def _parts(self) -> tuple[Solids, Solids]:
         """The plant's parts and its ghost's, none yet."""
         return Solids(self._scene, "/plant"), Solids(self._scene, "/ghost", INSIDE, coloured=False)
@@ -195,7 +208,16 @@ class StageView:
                 part.remove()
             self._pins.clear()
             self.build(stage, language, em)
+        elif stage is not None and self._errors is not None and stage is not self._stage:
+            self._errors.take(stage)
+            self._say(stage.note(language))
         self._stage, self.built = stage, object()
+
+    def calm(self, calm: bool) -> None:
+        """Whether nothing is to move by itself; then a ghost leaves no trail."""
+        if calm != self._calm:
+            self._calm, self.built = calm, object()
+            self.forget()
 
     def haunt(self, ghosts: Sequence[Ghost]) -> None:
         """The ghosts of pinned designs that are wanted beside the present one."""
@@ -233,8 +255,8 @@ class StageView:
             xhat = stage.xhat[index].tolist()
             self._ghost.place(body.pose(xhat, body.gain), frame)
             believed = body.anchors(xhat, body.gain)
-            pairs = zip(body.anchors(x, body.gain), believed, strict=True)
-            frame["/errors", "points"] = _segments([pair for pair in pairs if math.dist(*pair) > 0.3 * SHORTEST])
+            if self._errors is not None:
+                self._errors.place(index, body.anchors(x, body.gain), believed, self._calm, frame)
             if stage.spread is not None:
                 self._cloud(believed, float(stage.spread[index]), frame)
         if stage.u is not None:

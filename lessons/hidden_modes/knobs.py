@@ -21,6 +21,8 @@ from ..toolkit.knobs import run_knobs
 COMMON = np.kron(np.eye(2), np.array([[1.0, 1.0]])) / np.sqrt(2)  # both blocks alike: position and velocity, 2×4
 RELATIVE = np.kron(np.eye(2), np.array([[-1.0, 1.0]])) / np.sqrt(2)  # one against the other, 2×4
 
+GAIN = 6.0  # times that the stage exaggerates motion: what the sensor sees is a tenth of a metre
+
 
 @dataclass(frozen=True, eq=False)
 class Case:
@@ -45,7 +47,7 @@ class Case:
 
 
 def _case(name: str, label: Text, model: Model) -> Case:
-    plant = model.plant
+    plant, model = model.plant, replace(model, body=replace(model.body, gain=GAIN))
     return Case(name, label, model, observability(plant), controllability(plant), kalman_decomposition(plant))
 
 

@@ -11,7 +11,7 @@ from app.engine.design import Optimal
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.doyle import gains as gains_of_paper
 from app.plants.model import Window
-from app.text import Text, text
+from app.text import NO_WORDS, Text, text
 
 from ..toolkit.latex import number
 from .cases import DOYLE, Case
@@ -31,6 +31,9 @@ from .loops import (
     setting_of,
     trace,
 )
+
+STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
+STANDS = text("the ghost hardly moves: a steady gain corrects a wrong start only slowly")
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,8 +98,15 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
     metrics = _metrics(study, setting, design, reg, est)
     return Outcome(design, {"K": reg.gain, "L": est.gain}, {"regulator": reg.poles, "filter": est.poles, "loop": z.poles}, metrics,
                    _checks(study, metrics), None, _boards(case, reg, est),
-                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u), _formulas(study, setting),
+                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u, note=_note(study.trace, design)),
+                   _formulas(study, setting),
                    _live(study), study)
+
+
+def _note(run: Trace, design: Design) -> Text:
+    """That the ghost hardly moves, where it does not: the steady gain is made for what comes, not for a wrong start."""
+    still = np.all(np.ptp(run.xhat, axis=0) <= STILL * np.ptp(run.x, axis=0))
+    return STANDS if still and design["filter"] != RECURSIVE else NO_WORDS
 
 
 def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.lesson.knobs import Number, Switch
 from app.plants import MODELS
 from app.text import text
 
 from ..toolkit.knobs import method_knobs, pole_knobs, run_knobs
 
-MODEL = MODELS["deck"]
+GAIN = 30.0  # times that the stage exaggerates motion: what an observer's pole does to the ghost is to be seen from the first drag on
+MODEL = replace(MODELS["deck"], body=replace(MODELS["deck"].body, gain=GAIN))
 KNOBS = (
     *method_knobs(),
     *pole_knobs(MODEL),
