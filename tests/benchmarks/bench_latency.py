@@ -1,6 +1,6 @@
 """From the pointer to the picture: how long after a mouse move the plots and the 3-D stage show what it did.
 
-    python tests/benchmarks/bench_latency.py [--moves 60] [--size 1600x900] [--scale 1] [--lesson separation]
+    python tests/benchmarks/bench_latency.py [--moves 60] [--size 1600x900] [--scale 1] [--lesson separation] [--opens 3]
 
 One tab in headless Chromium on loopback. A slider and a pole are dragged with the mouse, one move at a time, each
 after the last has been drawn. The clock starts with the browser's own event and is read in animation frames: "plots"
@@ -10,6 +10,9 @@ Without a graphics card the 3-D view is rasterised by the processor, which then 
 the page draws the moving scene with fewer pixels where frames come slowly. `--scale 0.25` draws it with a sixteenth of
 the pixels and leaves everything else as it is, nearer to what a graphics card shows.
 The page's 50 ms throttle of widgets does not bite here, since a move waits for the last.
+Before that a fresh browser context opens the lesson `--opens` times, from the address to the moment in which its question stands
+uncovered, and draw calls and triangles of a frame are counted by WebGL's renderer. To compare two versions, lay this file over
+the older one in a worktree of its own and run both in turn.
 """
 
 # ruff: noqa: E402 — the folders of the app and of the browser tests must be found first
@@ -18,10 +21,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
-from playwright.sync_api import sync_playwright
+from playwright.sync_api import Browser, sync_playwright
 
 sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / "e2e")]
 
@@ -68,6 +72,20 @@ WATCH = """() => { window.__measured = new Promise(done => {
   };
   requestAnimationFrame(frame);
 }); }"""
+DRAWN = """() => new Promise(done => {
+  const page = window.__viserMutable, seen = page.scene.onAfterRender, {gl} = page.scene.__r3f.root.getState();
+  page.scene.onAfterRender = (...all) => {
+    seen(...all);
+    page.scene.onAfterRender = seen;
+    const {calls, triangles} = gl.info.render;
+    done([calls, triangles]);
+  };
+  page.requestRender();
+})"""
+STANDS = """() => {
+  const question = document.querySelector('.ol-question'), cover = document.querySelector('.ol-cover');
+  return !!question && (!cover || cover.hidden);
+}"""
 FRAME = """() => new Promise(done => { const times = []; let last = performance.now();
   const step = () => { window.__viserMutable.requestRender?.(); const now = performance.now(); times.push(now - last);
     last = now; times.length < 21 ? requestAnimationFrame(step) : done(times.sort((a, b) => a - b)[10]); };
@@ -92,6 +110,17 @@ def moves(tab: Tab, start: tuple[float, float], stride: float, count: int) -> np
     return np.array(out, dtype=float)
 
 
+def opening(browser: Browser, address: str, size: tuple[int, int]) -> float:
+    """Seconds from asking for the address to a lesson that stands uncovered, in a browser context without anything kept."""
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]})
+    page, begun = context.new_page(), time.perf_counter()
+    page.goto(address, wait_until="commit")
+    page.wait_for_function(STANDS, polling=20)
+    took = time.perf_counter() - begun
+    context.close()
+    return took
+
+
 def table_row(what: str, times: np.ndarray) -> str:
     median, p95 = np.nanpercentile(times, (50, 95))
     return f"| {what} | {np.isfinite(times).sum()} | {median:.0f} | {p95:.0f} | {np.nanmax(times):.0f} |"
@@ -103,18 +132,20 @@ def main() -> None:
     parser.add_argument("--size", default="1600x900")
     parser.add_argument("--scale", type=float, default=1.0, help="device pixels per pixel of the page")
     parser.add_argument("--lesson", default=OPENING)
+    parser.add_argument("--opens", type=int, default=3)
     options = parser.parse_args()
     width, height = (int(v) for v in options.size.split("x"))
     lesson = LESSONS[options.lesson]
     with serving() as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
+        opened = [opening(browser, address, (width, height)) for _ in range(options.opens)]
         tab = Tab(browser.new_page(viewport={"width": width, "height": height}, device_scale_factor=options.scale), address)
         tab.choose_lesson(lesson.words["en"].title, lesson.words["en"].question)
         tab.predict("skip")
         tab.page.wait_for_timeout(1500)
         tab.page.keyboard.press("Space")  # pause in the middle of the run, where everything answers
         tab.page.wait_for_timeout(1500)
-        idle = tab.page.evaluate(FRAME)
+        idle, (calls, triangles) = tab.page.evaluate(FRAME), tab.page.evaluate(DRAWN)
         slider = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()))
         box = tab.thumb(label_of(slider, "en")).bounding_box()
         assert box is not None
@@ -122,7 +153,8 @@ def main() -> None:
         by_pole = moves(tab, on_screen(tab, "/board/controller/pole0"), 3.0, options.moves)
         browser.close()
     print(f"{options.lesson} at {options.size}, scale {options.scale:g}, {options.moves} moves each; "
-          f"a frame of the 3-D view alone takes {idle:.0f} ms\n")
+          f"a frame of the 3-D view alone takes {idle:.0f} ms, {calls} draw calls, {triangles} triangles")
+    print("from the address to the lesson: " + ", ".join(f"{took:.2f}" for took in opened) + " s\n")
     print("| input → what is redrawn | moves | median [ms] | p95 [ms] | max [ms] |\n|---|---|---|---|---|")
     for name, times in (("slider", by_slider), ("pole", by_pole)):
         print(table_row(f"{name} → plots", times[:, 0]))

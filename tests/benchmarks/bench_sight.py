@@ -1,39 +1,75 @@
 """Measures every lesson on the page in both languages at four sizes: first knob, smallest words, what is cut, what overlaps.
 
-`PYTHONPATH=. python tests/benchmarks/bench_sight.py [LESSON …] [--size laptop|hall|wall|phone] [--language en|zh]`; a line for each page,
-and at the end how many keep each law. Takes about twenty seconds a page without a graphics card.
+`PYTHONPATH=. python tests/benchmarks/bench_sight.py [LESSON …] [--size laptop|hall|wall|phone] [--language en|zh] [--sheets]`; a line
+for each page, and at the end how many keep each law. One tab walks through all lessons of a size, a few seconds a page without a
+graphics card. With `--sheets` a picture of every page stays in artefacts/<size>, and all of a size and a language on one contact
+sheet, artefacts/sheet-<size>-<language>.png.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "e2e"))
 
-from conftest import chromium, serving
+from conftest import ARTEFACTS, chromium, serving
+from PIL import Image
 from playwright.sync_api import sync_playwright
 from sight import Sight, look
 from tab import FLAGS, Tab
 
+from app.view import phrases
 from lessons import LESSONS
 
 SIZES = {"laptop": (1366, 768, False), "hall": (1920, 1080, True), "wall": (3840, 2160, True), "phone": (390, 844, False)}
+THUMB, ACROSS, GAP = 640, 4, 8  # px of a picture's width on a contact sheet, how many in a row, px between two
 
 
-def measure(tab: Tab, lesson: str, language: str, large: bool) -> Sight:
-    """Open a lesson in a language and look at it."""
-    words = LESSONS[lesson].words["en"]
-    tab.choose_lesson(words.title, words.question)
-    tab.predict("skip")
+def pages(tab: Tab, lessons: list[str], languages: list[str], large: bool) -> Iterator[tuple[str, str, Sight]]:
+    """Every lesson in every language, measured, its prediction skipped."""
     if large:
         tab.key("m")
-    if language != "en":
-        tab.key("l")
-    tab.answered(rests=True)
-    tab.close_any_notices()
-    return look(tab)
+    now = "en"
+    for language in languages:
+        if language != now:
+            tab.key("l")
+            now = language
+        for lesson in lessons:
+            words = LESSONS[lesson].words[language]
+            tab.choose_lesson(words.title, words.question, phrases.LESSON(language))
+            if tab.page.locator(".ol-option:enabled").count():
+                tab.predict(phrases.SKIP(language))
+            tab.answered(rests=True)
+            tab.close_any_notices()
+            yield lesson, language, look(tab, large)
+
+
+def sheet(pictures: list[Path]) -> Image.Image:
+    """Pictures of one size in rows."""
+    small = []
+    for path in pictures:
+        with Image.open(path) as picture:
+            small.append(picture.convert("RGB").resize((THUMB, round(THUMB * picture.height / picture.width)), Image.Resampling.LANCZOS))
+    wide, high = small[0].size
+    rows = -(-len(small) // ACROSS)
+    whole = Image.new("RGB", (ACROSS * (wide + GAP), rows * (high + GAP)), "white")
+    for k, picture in enumerate(small):
+        whole.paste(picture, (k % ACROSS * (wide + GAP), k // ACROSS * (high + GAP)))
+    return whole
+
+
+def keep(tab: Tab, size: str, lesson: str, language: str) -> Path:
+    """A picture of the page as it stands; on a phone of its part with the prediction."""
+    folder = ARTEFACTS / size
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{LESSONS[lesson].number:02d}-{lesson}-{language}.png"
+    if size == "phone":
+        tab.page.locator(".ol-parts [data-part=knobs]").click()
+    tab.picture(path)
+    return path
 
 
 def main() -> None:
@@ -42,28 +78,29 @@ def main() -> None:
     parser.add_argument("lessons", nargs="*", default=list(LESSONS))
     parser.add_argument("--size", action="append", choices=SIZES)
     parser.add_argument("--language", action="append", choices=("en", "zh"))
+    parser.add_argument("--sheets", action="store_true")
     asked = parser.parse_args()
-    pages, knobs, cuts, overs, small, halls = 0, 0, 0, 0, 0, 0
+    seen: list[tuple[bool, Sight]] = []
     with serving() as address, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
         for size in asked.size or SIZES:
             across, up, large = SIZES[size]
-            for lesson in asked.lessons:
-                for language in asked.language or ("en", "zh"):
-                    context = browser.new_context(viewport={"width": across, "height": up}, has_touch=size == "phone")
-                    seen = measure(Tab(context.new_page(), address, drawn=False), lesson, language, large)
-                    context.close()
-                    pages += 1
-                    knobs += seen.knob == ""
-                    cuts += not seen.cut
-                    overs += not seen.over
-                    halls += large
-                    small += large and seen.one_over <= 50.0
-                    print(f"{size:6} {lesson:18} {language}  knob {seen.knob or 'in view'}  words {seen.words:g} px = 1/{seen.one_over:g} "
-                          f"({seen.smallest})  cut {list(seen.cut)[:4]}  over {list(seen.over)[:3]}  empty {seen.empty:.0%}  "
-                          f"screens {seen.screens:g}", flush=True)
-    print(f"{pages} pages: knob in view {knobs}, nothing cut {cuts}, no words on words {overs}, "
-          f"words at least 1/50 of the height on {small} of {halls} in large print")
+            context = browser.new_context(viewport={"width": across, "height": up}, has_touch=size == "phone", reduced_motion="reduce")
+            tab, kept = Tab(context.new_page(), address, drawn=False), dict[str, list[Path]]()
+            for lesson, language, sight in pages(tab, asked.lessons, asked.language or ["en", "zh"], large):
+                seen.append((large, sight))
+                print(f"{size:6} {lesson:18} {language}  knob {sight.knob or 'in view'}  words {sight.words:g} px = 1/{sight.one_over:g} "
+                      f"({sight.smallest})  cut {list(sight.cut)[:4]}  over {list(sight.over)[:3]}  empty {sight.empty:.0%}  "
+                      f"screens {sight.screens:g}  hall {list(sight.hall)}", flush=True)
+                if asked.sheets:
+                    kept.setdefault(language, []).append(keep(tab, size, lesson, language))
+            context.close()
+            for language, pictures in kept.items():
+                sheet(pictures).save(ARTEFACTS / f"sheet-{size}-{language}.png")
+    halls = [sight for large, sight in seen if large]
+    print(f"{len(seen)} pages: knob in view {sum(s.knob == '' for s in seen)}, nothing cut {sum(not s.cut for s in seen)}, no words on "
+          f"words {sum(not s.over for s in seen)}; in large print {len(halls)}: words at least 1/50 of the height "
+          f"{sum(s.one_over <= 50.0 for s in halls)}, as a hall needs it {sum(not s.hall for s in halls)}")
 
 
 if __name__ == "__main__":

@@ -54,6 +54,22 @@ KNOB = """() => {
   const top = document.elementFromPoint(x, y);
   return folder.contains(top) ? '' : `under ${top?.className}`;
 }"""
+HALL = """() => {  // what is not as a hall needs it: the question on top, prose folded, three knobs at most, one figure
+  const out = [], seen = e => e.checkVisibility() && e.getClientRects().length > 0, y = e => e.getBoundingClientRect().top;
+  const question = document.querySelector('.ol-question'), column = question.closest('[data-scrollarea-viewport]');
+  if ([...column.querySelectorAll('input, button')].some(e => seen(e) && y(e) < y(question))) out.push('the question is not on top');
+  const heads = [...column.querySelectorAll('.mantine-Paper-root > .mantine-Paper-root')].filter(e => seen(e) && e.querySelector('svg'));
+  const open = heads.filter(e => e.lastElementChild.matches('[class*="chevron-up"]')).map(e => e.textContent);
+  if (open.length > 2) out.push(`open: ${open}`);  // what is predicted, and the knobs
+  const folder = document.querySelector('div:has(>.ol-part-knobs) + .mantine-Paper-root'), head = folder.firstElementChild;
+  const own = e => heads.filter(each => each.parentElement.contains(e)).at(-1) === head;
+  const knobs = [...folder.querySelectorAll('label')].filter(e => seen(e) && e.textContent && own(e)).map(e => e.textContent);
+  if (knobs.length < 1 || knobs.length > 3) out.push(`knobs: ${knobs}`);
+  const figures = [...document.querySelectorAll('[data-dock-region=right] :is(.uplot, .ol-figure, table.ol-table)')]
+    .filter(e => seen(e) && !e.parentElement.closest('.ol-figure') && e.getBoundingClientRect().bottom <= innerHeight);
+  if (figures.length > 1) out.push(`${figures.length} figures at once`);
+  return out;
+}"""
 REACH = """() => {
   const view = document.querySelector('.ol-parts').closest('[data-scrollarea-viewport]');
   return view.scrollHeight / innerHeight;
@@ -61,7 +77,8 @@ REACH = """() => {
 
 
 class Sight(NamedTuple):
-    """What was measured: words in px and as a share of the window's height, one over it; `knob` is empty where one is in view."""
+    """What was measured: words in px and as a share of the window's height, one over it; `knob` is empty where one is in view,
+    `hall` where a page in large print is as a hall needs it."""
 
     knob: str
     words: float
@@ -71,10 +88,11 @@ class Sight(NamedTuple):
     over: tuple[str, ...]
     empty: float
     screens: float
+    hall: tuple[str, ...] = ()
 
 
-def look(tab: Tab) -> Sight:
-    """Measure the page as it stands; on a phone part by part."""
+def look(tab: Tab, large: bool = False) -> Sight:
+    """Measure the page as it stands, in large print or not; on a phone part by part."""
     size = tab.page.viewport_size
     assert size is not None
     parts: tuple[str, ...] = PARTS if size["width"] < PHONE else ("",)
@@ -92,4 +110,4 @@ def look(tab: Tab) -> Sight:
     least = min(found, key=lambda it: it["words"])
     return Sight(knob, least["words"], round(size["height"] / least["words"], 1), least["smallest"],
                  tuple(w for it in found for w in it["cut"]), tuple(w for it in found for w in it["over"]),
-                 round(max(it["empty"] for it in found), 2), round(screens, 2))
+                 round(max(it["empty"] for it in found), 2), round(screens, 2), tuple(tab.page.evaluate(HALL)) if large else ())
