@@ -97,9 +97,9 @@ def main() -> None:
             context.close()
             for language, pictures in kept.items():
                 sheet(pictures).save(ARTEFACTS / f"sheet-{size}-{language}.png")
-    halls = [sight for large, sight in seen if large]
-    print(f"{len(seen)} pages: knob in view {sum(s.knob == '' for s in seen)}, nothing cut {sum(not s.cut for s in seen)}, no words on "
-          f"words {sum(not s.over for s in seen)}; in large print {len(halls)}: words at least 1/50 of the height "
+    every, halls = [sight for _, sight in seen], [sight for large, sight in seen if large]
+    print(f"{len(every)} pages: knob in view {sum(s.knob == '' for s in every)}, nothing cut {sum(not s.cut for s in every)}, no words on "
+          f"words {sum(not s.over for s in every)}; in large print {len(halls)}: words at least 1/50 of the height "
           f"{sum(s.one_over <= 50.0 for s in halls)}, as a hall needs it {sum(not s.hall for s in halls)}")
 
 
