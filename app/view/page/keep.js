@@ -1,10 +1,12 @@
 // While a page is laid out anew for a language, a theme or a size of print, what a hand has opened or closed in the lesson's column
-// stays so, and each column stays where it was scrolled to. Folders are told apart by their place, which has no language.
+// stays so, the figures' tab stays chosen, and each column stays where it was scrolled to. Folders and tabs are told apart by their
+// place, which has no language.
 ({lesson, large}) => {
-  const lab = window.observerLabKeep ??= {lesson: '', hand: {}, run: 0}, run = lab.run += 1, STEP = 60, PATIENCE = 4000;
+  const lab = window.observerLabKeep ??= {lesson: '', hand: {}, run: 0}, run = lab.run += 1, STEP = 60, LONGEST = 30000, STILL = 1500;  // ms
   const asked = () => document.querySelector('.ol-question'), old = asked(), KNOBS = 'div:has(>.ol-part-knobs)+.mantine-Paper-root';
   const column = () => asked()?.closest('[data-scrollarea-viewport]');
   const figures = () => document.querySelector('[data-dock-region=right] [data-scrollarea-viewport]');
+  const tabs = () => [...document.querySelectorAll('[data-dock-region=right] [data-dock-tab]')];
   const isOpen = head => head.lastElementChild.matches('[class*="chevron-up"]');
 
   const folders = () => {  // name → head; counted from the end, since large print has one folder more at the beginning
@@ -23,7 +25,7 @@
   };
   const reasons = () => [...column()?.querySelectorAll('details') ?? []];
 
-  const stands = view => {  // what a column holds: name, where it begins and ends
+  const held = view => {  // what a column holds: name, where it begins and ends
     if (view === column()) return [...folders()].filter(([, head]) => head.getClientRects().length && !head.closest(KNOBS)).map(([name, head]) => {
       const {top, bottom} = head.parentElement.getBoundingClientRect();
       return [name, top, bottom];
@@ -37,12 +39,12 @@
   };
   const place = view => {  // what stands at the top of a column, and how much of it is above
     if (!view?.scrollTop) return null;
-    const top = view.getBoundingClientRect().top, all = stands(view);
+    const top = view.getBoundingClientRect().top, all = held(view);
     const [name, begin, end] = all.findLast(each => each[1] <= top + 1) ?? all[0] ?? [];
     return name === undefined ? null : {name, share: (top - begin) / (end - begin)};
   };
   const away = (view, {name, share}) => {  // px that a column is from where it was
-    const [, begin, end] = stands(view).find(each => each[0] === name) ?? [];
+    const [, begin, end] = held(view).find(each => each[0] === name) ?? [];
     return begin === undefined ? 0 : begin + share * (end - begin) - view.getBoundingClientRect().top;
   };
 
@@ -52,12 +54,14 @@
   }, {capture: true});
   const same = lab.lesson === lesson, told = same ? reasons().map(each => each.open) : [];
   const wanted = same ? [[column, place(column())], [figures, place(figures())]].filter(([, at]) => at) : [];
+  const before = same ? tabs() : [], chosen = before.findIndex(each => each.ariaSelected === 'true');
   if (!same) Object.assign(lab, {lesson, hand: {}});
   lab.folders = folders;
 
-  const done = new Set(), hands = ['wheel', 'pointerdown', 'keydown', 'touchstart'], end = performance.now() + PATIENCE;
-  let moved = false;  // by a hand, which has the last word
-  const mine = () => { moved = true; };
+  const done = new Set(), hands = ['wheel', 'pointerdown', 'keydown', 'touchstart'];
+  const begun = performance.now();
+  let end = begun + LONGEST, turned = chosen < 0, still = begun, moved = false;  // by a hand, which has the last word
+  const mine = event => { moved ||= event.isTrusted; };
   hands.forEach(kind => addEventListener(kind, mine, {capture: true, passive: true}));
   const settle = () => {
     if (run !== lab.run || performance.now() > end) {
@@ -65,16 +69,21 @@
       return;
     }
     setTimeout(settle, STEP);
-    if (!asked() || asked() === old) return;
+    if (!asked() || asked() === old) { still = performance.now(); return; }
     for (const [name, head] of folders()) if (name in lab.hand && !done.has(name)) {
       done.add(name);
       if (isOpen(head) !== lab.hand[name]) head.click();
     }
-    if (told.length === reasons().length && !moved) reasons().forEach((each, k) => { each.open ||= told[k]; });
-    if (!moved) for (const [view, at] of wanted) {
-      const by = view() ? away(view(), at) : 0;
-      if (Math.abs(by) > 1) view().scrollTop += by;
+    const now = tabs();
+    if (!turned && now.length === before.length && !now.includes(before[0])) {
+      turned = now[chosen].ariaSelected === 'true';
+      if (!turned) now[chosen].dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
     }
+    if (told.length === reasons().length && !moved) reasons().forEach((each, k) => { each.open ||= told[k]; });
+    const by = moved ? [] : wanted.map(([view, at]) => (view() ? away(view(), at) : 0)), rests = turned && by.every(each => Math.abs(each) <= 1);
+    by.forEach((each, k) => { if (Math.abs(each) > 1) wanted[k][0]().scrollTop += each; });
+    if (!rests) still = performance.now();
+    if (performance.now() - still > STILL) end = 0;
   };
   settle();
 }
