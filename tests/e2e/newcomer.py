@@ -71,7 +71,7 @@ def stands_still(lesson: Lesson) -> str:
 
 
 def drag_something(tab: Tab, lesson: Lesson) -> str:
-    """One drag to and fro, of some seconds: of a pole, else of the first knob that is a slider; what it was."""
+    """One drag to the left and to the right, of some seconds: of a pole, else of the first knob that is a slider; what it was."""
     outcome, mouse = lesson.compute(lesson.start()), tab.page.mouse
     boards = [b for b in outcome.boards if b.knob is not None and b.poles]
     if boards:
@@ -88,8 +88,9 @@ def drag_something(tab: Tab, lesson: Lesson) -> str:
         what, (x, y) = knob.name, (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     mouse.move(x, y)
     mouse.down()
-    for i in range(1, 17):
-        mouse.move(x - 80 * math.sin(math.pi * i / 16), y - 30 * math.sin(math.pi * i / 16))
+    for i in range(1, 21):
+        swing = math.sin(2 * math.pi * i / 20)  # to the left, back, and to the right
+        mouse.move(x - 80 * swing, y - 30 * abs(swing))
         tab.page.wait_for_timeout(150)
     mouse.up()
     return what

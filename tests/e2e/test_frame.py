@@ -7,45 +7,10 @@ from pathlib import Path
 
 from tab import Tab, eventually
 
-from app.view import phrases
 from lessons import LESSONS, OPENING
 
 SLIDER = "stiffness believed wrong by [%]"
 SIZE = "() => parseFloat(getComputedStyle(document.querySelector('.ol-question')).fontSize)"
-OPEN = "() => [...document.querySelectorAll('[role=button][aria-expanded=true]')].map(head => head.textContent)"
-BOX = """words => [...document.querySelectorAll('[role=button][aria-expanded]')].find(head => head.textContent === words)?.parentElement"""
-BELOW_TOP = f"""words => {{
-  const box = ({BOX})(words);
-  return box ? Math.abs(box.getBoundingClientRect().top - box.closest('[data-scrollarea-viewport]').getBoundingClientRect().top) : 1e9;
-}}"""
-FIGURES = "() => [...document.querySelectorAll('[data-dock-region=right] [data-dock-tab]')].findIndex(tab => tab.ariaSelected === 'true')"
-
-
-def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(tab: Tab) -> None:
-    def by_hand(language: str) -> tuple[set[str], set[str], str]:
-        """What is opened, what is closed, and what stands at the top of the column."""
-        timeline = phrases.TIMELINE(language)
-        return {timeline, LESSONS[OPENING].words[language].steps[1][0]}, {phrases.PREDICTION(language)}, timeline
-
-    def stands(language: str) -> None:
-        opened, closed, top = by_hand(language)
-        eventually(lambda: set(tab.page.evaluate(OPEN)), lambda seen: opened <= seen and not closed & seen, f"folders in {language}")
-        eventually(lambda: tab.page.evaluate(BELOW_TOP, top), lambda away: away < 3, f"the column's scroll in {language}")
-        eventually(lambda: tab.page.evaluate(FIGURES), lambda chosen: chosen == 1, f"the figure in {language}")
-    tab.predict("skip")
-    opened, closed, top = by_hand("en")
-    for name in (*opened, *closed):
-        tab.page.evaluate(f"words => ({BOX})(words).firstElementChild.click()", name)
-    tab.page.locator("[data-dock-region=right] [data-dock-tab]").nth(1).click()
-    eventually(lambda: set(tab.page.evaluate(OPEN)), lambda seen: opened <= seen and not closed & seen, "folders as the hand left them")
-    eventually(lambda: (tab.page.evaluate(f"words => ({BOX})(words).scrollIntoView()", top), tab.page.evaluate(BELOW_TOP, top))[1],
-               lambda away: away < 3, "the column scrolled by hand, when nothing opens or closes any more")
-    stands("en")
-    for key, language in (("l", "zh"), ("m", "zh"), ("l", "en")):
-        tab.key(key)
-        stands(language)
-
-
 def test_the_language_changes_at_run_time_and_the_design_stays(tab: Tab) -> None:
     tab.slide(SLIDER, "ArrowRight", 4)
     eventually(lambda: tab.value(SLIDER), lambda v: v == 4.0, "the slider")

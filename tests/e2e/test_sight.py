@@ -6,9 +6,17 @@ import pytest
 from sight import look
 from tab import Tab, eventually
 
-from lessons import LESSONS
+from app.view import phrases
+from lessons import LESSONS, OPENING
 
 WALL = 3840, 2160
+OPEN = "() => [...document.querySelectorAll('[role=button][aria-expanded=true]')].map(head => head.textContent)"
+BOX = """words => [...document.querySelectorAll('[role=button][aria-expanded]')].find(head => head.textContent === words)?.parentElement"""
+BELOW_TOP = f"""words => {{
+  const box = ({BOX})(words);
+  return box ? Math.abs(box.getBoundingClientRect().top - box.closest('[data-scrollarea-viewport]').getBoundingClientRect().top) : 1e9;
+}}"""
+FIGURES = "() => [...document.querySelectorAll('[data-dock-region=right] [data-dock-tab]')].findIndex(tab => tab.ariaSelected === 'true')"
 
 
 @pytest.mark.parametrize("name, size, large", [
@@ -41,3 +49,33 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
         assert seen.screens <= 2.0, "a part of the lesson takes more than one screen of scrolling"
     if large:
         tab.press("large print")
+
+
+def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(walking: Tab) -> None:
+    tab, words = walking, LESSONS[OPENING].words["en"]
+    tab.open_lesson(words.title, words.question)
+
+    def by_hand(language: str) -> tuple[set[str], set[str], str]:
+        """What is opened, what is closed, and what stands at the top of the column."""
+        timeline = phrases.TIMELINE(language)
+        return {timeline, LESSONS[OPENING].words[language].steps[1][0]}, {phrases.PREDICTION(language)}, timeline
+
+    def stands(language: str) -> None:
+        opened, closed, top = by_hand(language)
+        eventually(lambda: set(tab.page.evaluate(OPEN)), lambda seen: opened <= seen and not closed & seen, f"folders in {language}")
+        eventually(lambda: tab.page.evaluate(BELOW_TOP, top), lambda away: away < 3, f"the column's scroll in {language}")
+        eventually(lambda: tab.page.evaluate(FIGURES), lambda chosen: chosen == 1, f"the figure in {language}")
+    if tab.page.locator(".ol-option:enabled").count():
+        tab.predict("skip")
+    opened, closed, top = by_hand("en")
+    for name in (*opened, *closed):
+        tab.page.evaluate(f"words => ({BOX})(words).firstElementChild.click()", name)
+    tab.page.locator("[data-dock-region=right] [data-dock-tab]").nth(1).click()
+    eventually(lambda: set(tab.page.evaluate(OPEN)), lambda seen: opened <= seen and not closed & seen, "folders as the hand left them")
+    eventually(lambda: (tab.page.evaluate(f"words => ({BOX})(words).scrollIntoView()", top), tab.page.evaluate(BELOW_TOP, top))[1],
+               lambda away: away < 3, "the column scrolled by hand, when nothing opens or closes any more")
+    stands("en")
+    for key, language in (("l", "zh"), ("m", "zh"), ("l", "en")):
+        tab.key(key)
+        stands(language)
+    tab.key("m")
