@@ -23,7 +23,7 @@ from conftest import ROOT, chromium, serving  # type: ignore[import-not-found]
 from geometry import on_screen  # type: ignore[import-not-found]
 from PIL import Image, ImageDraw
 from playwright.sync_api import sync_playwright
-from tab import FLAGS, Tab  # type: ignore[import-not-found]
+from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
 from lessons import LESSONS
 
@@ -41,7 +41,13 @@ def opened(tab: Tab) -> None:
     tab.choose_lesson(words.title, words.question)
     tab.predict("B")
     tab.press("reveal")
-    tab.type_number("time t [s]", MOMENT)
+
+    def stopped() -> float:
+        if tab.button("‖ pause").count():
+            tab.press("‖ pause")
+        tab.type_number("time t [s]", MOMENT)
+        return tab.clock()
+    eventually(stopped, lambda t: t == float(MOMENT), "the run stopped at the moment")
     tab.page.evaluate("document.activeElement.blur()")
     tab.close_any_notices()
     tab.drawn()
@@ -85,6 +91,7 @@ def main() -> None:
         if only != "screenshot":
             tab = Tab(browser.new_page(viewport={"width": WINDOW[0], "height": WINDOW[1]}), address)
             opened(tab)
+            tab.page.locator("[data-dock-region=right] [data-dock-tab]").first.click()
             first, *others = drag(tab)
             path = ROOT / "assets" / "drag.webp"
             first.save(path, save_all=True, append_images=others, duration=PAUSE, loop=0, quality=QUALITY, method=6)
