@@ -74,8 +74,8 @@ class Stage:
 
     A record of x or xhat is what `body.pose` takes: the plant's state, and after it whatever else a body shows that no
     equation moves (where sensors stand, which are on, an ellipsoid of states).
-    `spread` is a radius per time (stage units) of the uncertainty at each anchor, if there is noise; `note` says in words on the
-    stage what would surprise there. Raises KnobError where there is no more than the start to be played.
+    `spread` is a radius per time (stage units) of the uncertainty at each anchor, if there is noise; `note` says in lines of
+    words on the stage what would surprise there. Raises KnobError where there is no more than the start to be played.
     """
 
     body: Body
@@ -84,7 +84,7 @@ class Stage:
     xhat: np.ndarray | None = None
     u: np.ndarray | None = None
     spread: np.ndarray | None = None
-    note: Text = NO_WORDS
+    note: tuple[Text, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.t) < 2:

@@ -74,7 +74,7 @@ class StageView:
         self._solid, self._ghost = self._parts()
         self._clouds: list[viser.IcosphereHandle] = []
         self._names: list[viser.LabelHandle] = []
-        self._note: viser.LabelHandle | None = None
+        self._note: list[viser.LabelHandle] = []
         self._letters = Letters(self._scene, 1.0)
         self._pins = PinGhosts(self._scene, self._letters)
         self._errors: ErrorLines | None = None
@@ -155,7 +155,7 @@ class StageView:
         self.forget()
         self.built = object()
         self._solid, self._ghost = self._parts()
-        self._clouds, self._names = [], []
+        self._clouds, self._names, self._note = [], [], []
         self._stage, self._body = stage, stage.body if stage is not None else None
         self._letters = Letters(self._scene, em)
         self._pins = PinGhosts(self._scene, self._letters)
@@ -175,8 +175,7 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         self._factor(body, language)
-        self._note = self._letters.write("/note", "", (0.0, -1.7, 0.03), "top-center")
-        self._say(stage.note(language))
+        self._say(stage, language)
         self._names = [self._letters.write(f"/name/{i}", wording(words, language), place, "top-center")
                        for i, (words, place) in enumerate(body.labels)]
 
@@ -190,12 +189,14 @@ class StageView:
         words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
         self._letters.write("/factor", words, (2.9, -0.6, 0.12), "center-right", visible=bool(words))
 
-    def _say(self, words: str) -> None:
-        """What would surprise in this run, in front of the plant."""
-        if self._note is not None and self._note.text != words:
-            self._note.text = words
-        if self._note is not None and self._note.visible != bool(words):
-            self._note.visible = bool(words)
+    def _say(self, stage: Stage, language: str) -> None:
+        """What would surprise in this run, in lines in front of the plant."""
+        said = [line(language) for line in stage.note]
+        if said != [label.text for label in self._note]:
+            for label in self._note:
+                self._letters.remove(label)
+            self._note = [self._letters.write(f"/note/{i}", words, (0.0, -1.4 - 0.75 * i, 0.03), "top-center")
+                          for i, words in enumerate(said)]
 
     def _parts(self) -> tuple[Solids, Solids]:
         """The plant's parts and its ghost's, none yet."""
@@ -204,13 +205,13 @@ class StageView:
     def show(self, stage: Stage | None, language: str, em: float) -> None:
         """Take a new run; another plant is put on the stage in place of the last one."""
         if (stage.body if stage is not None else None) is not self._body:
-            for part in (self._solid, self._ghost, *self._clouds, *self._names):
+            for part in (self._solid, self._ghost, *self._clouds, *self._names, *self._note):
                 part.remove()
             self._pins.clear()
             self.build(stage, language, em)
         elif stage is not None and self._errors is not None and stage is not self._stage:
             self._errors.take(stage)
-            self._say(stage.note(language))
+            self._say(stage, language)
         self._stage, self.built = stage, object()
 
     def calm(self, calm: bool) -> None:

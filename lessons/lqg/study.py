@@ -11,7 +11,7 @@ from app.engine.design import Optimal
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.doyle import gains as gains_of_paper
 from app.plants.model import Window
-from app.text import NO_WORDS, Text, text
+from app.text import Text, text
 
 from ..toolkit.latex import number
 from .cases import DOYLE, Case
@@ -33,7 +33,7 @@ from .loops import (
 )
 
 STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
-STANDS = text("the ghost hardly moves: a steady gain corrects a wrong start only slowly")
+STANDS = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,10 +103,10 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
                    _live(study), study)
 
 
-def _note(run: Trace, design: Design) -> Text:
+def _note(run: Trace, design: Design) -> tuple[Text, ...]:
     """That the ghost hardly moves, where it does not: the steady gain is made for what comes, not for a wrong start."""
     still = np.all(np.ptp(run.xhat, axis=0) <= STILL * np.ptp(run.x, axis=0))
-    return STANDS if still and design["filter"] != RECURSIVE else NO_WORDS
+    return STANDS if still and design["filter"] != RECURSIVE else ()
 
 
 def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

@@ -68,6 +68,7 @@ def keep(tab: Tab, size: str, lesson: str, language: str) -> Path:
     path = folder / f"{LESSONS[lesson].number:02d}-{lesson}-{language}.png"
     if size == "phone":
         tab.page.locator(".ol-parts [data-part=knobs]").click()
+    tab.page.evaluate("document.querySelector('.ol-question').closest('[data-scrollarea-viewport]').scrollTo(0, 0)")
     tab.picture(path)
     return path
 

@@ -67,7 +67,7 @@ def has_a_ghost(lesson: Lesson) -> bool:
 def stands_still(lesson: Lesson) -> str:
     """What the stage says of a ghost that stands still by nature, nothing of any other."""
     stage = lesson.compute(lesson.start()).stage
-    return "" if stage is None else stage.note("en")
+    return "" if stage is None else " ".join(line("en") for line in stage.note)
 
 
 def drag_something(tab: Tab, lesson: Lesson) -> str:
