@@ -200,8 +200,7 @@ class Lesson(Generic[S]):
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more". `key` names
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
     `code` says what a script of a design starts from and finds again, where the run is no plain loop.
-    `derived` gives the numbers that stand now in the places of the derivation. `place` is its place in the course.
-    `again` is its second prediction, about the lesson's own plant.
+    `derived` gives the numbers of the derivation's places, `place` its place in the course, `again` its second prediction.
     """
 
     id: str
@@ -258,10 +257,10 @@ class Lesson(Generic[S]):
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The knobs that large print keeps in sight: the `key` ones, on a person's own plant those it still has, else the first three."""
-        start, own = self.start(), {knob.name for knob in self.knobs if not knob.hidden}
-        first = [k.name for k in self.knobs if self.shown(k, start) and not isinstance(k, Poles) and k.name not in self.aside][:KEYS]
-        return tuple(name for name in self.key if name in own) or tuple(first)
+        """The knobs that large print keeps in sight: the `key` ones that a person's own plant still has, else the first three."""
+        seen = {k.name for k in self.knobs if self.shown(k, self.start()) and not isinstance(k, Poles)}
+        first = [k.name for k in self.knobs if k.name in seen and k.name not in self.aside][:KEYS]
+        return tuple(k.name for k in self.knobs if k.name in self.key and not k.hidden) or tuple(first)
 
     def shown(self, knob: Knob, design: Design) -> bool:
         """Whether the knob matters now and its widget is shown: its condition holds, and that of the knob it names."""
