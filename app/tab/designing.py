@@ -55,7 +55,9 @@ def set_knobs(show: Presenter, edits: list[SetKnobs]) -> None:
         except KnobError as problem:
             refused = problem
     if keys:
-        asked = show.picture.asks_again
+        asked, again = show.picture.asks_again, show.lesson.again
+        if again is not None and show.state.predicted is not None and not keys.isdisjoint(again.knobs):
+            show.state = replace(show.state, asked=True)
         show.adopt(design, (frozenset(keys), grip), grip is not None)
         if show.picture.asks_again and not asked:
             show.view.say(ASKS_AGAIN, False)

@@ -32,7 +32,7 @@ class Desk:
     def laid_out(self, state: State) -> State:
         """The tab's state with this lesson open, at the start of its run."""
         return replace(state, playing=False, loop=None, stopped=False, t=0.0, predicted=self.predicted,
-                       revealed=self.revealed, again=self.again, tasks=self.tasks, exams=self.exams, pins=self.pins)
+                       revealed=self.revealed, again=self.again, asked=False, tasks=self.tasks, exams=self.exams, pins=self.pins)
 
     def take_back(self, old: Desk) -> bool:
         """Take in what was kept of this lesson: its design one step of undo away, and what is not yet known here.

@@ -87,6 +87,7 @@ class State:
     predicted: int | None = None  # index of the option; −1 when skipped
     revealed: bool = False
     again: int | None = None  # of the second prediction, likewise
+    asked: bool = False  # whether its knob has been moved since the first one
     tasks: Mapping[str, TaskState] = field(default_factory=dict)
     exams: Mapping[str, ExamState] = field(default_factory=dict)
     key: str = ""  # the student's; the same numbers are drawn for it everywhere
@@ -151,9 +152,9 @@ class Picture:
 
     @cached_property
     def asks_again(self) -> bool:
-        """Whether the second prediction waits: its knob has been moved, and neither has an option been chosen nor the question skipped."""
+        """Whether the second prediction waits: its knob has been moved, and no option has been chosen yet nor the question skipped."""
         again, state = self.lesson.again, self.state
-        return (again is not None and state.predicted is not None and state.again is None
+        return (again is not None and state.predicted is not None and state.again is None and state.asked
                 and again.touched(self.lesson.start(), self.design))
 
     @cached_property

@@ -10,7 +10,7 @@ from fakes import Tab, toy
 
 from app.lesson.again import Again
 from app.lesson.prose import Asked
-from app.tab.commands import Predict, PredictAgain, Reveal, SetLanguage, ShowAgain, Undo
+from app.tab.commands import Play, Predict, PredictAgain, Reveal, SetLanguage, ShowAgain, Undo
 from app.tab.designing import ASKS_AGAIN
 from app.tab.memory import read_desk
 from app.view import phrases
@@ -56,9 +56,13 @@ def test_a_second_prediction_waits_once_its_knob_has_moved_and_can_be_chosen_ski
     tab.do(PredictAgain(0))
     assert tab.picture.state.again is None
     tab.do(Predict(1))
+    assert not tab.picture.asks_again, "what was moved before is no question now"
+    tab.set(gain=3.0)
     assert tab.picture.asks_again and ":response:" in sheet_of(tab.picture) and not answered_again(tab.picture)
     tab.do(Undo())
+    tab.do(Undo())
     assert not tab.picture.asks_again and ":response:" not in sheet_of(tab.picture)
+    tab.do(Play())
     tab.run_for(0.5)
     assert tab.picture.state.t > 0
     tab.set(gain=2.0)
