@@ -202,5 +202,6 @@ def test_another_lesson_is_opened_from_its_card(tab: Tab) -> None:
     tab.page.keyboard.press("Enter")
     eventually(tab.question, lambda words: words == LESSONS["noise"].words["en"].question, "the lesson of that card")
     eventually(tab.page.locator(".ol-cards").count, lambda count: count == 0, "the page of lessons closes")
-    onward = tab.page.locator(".ol-onward .ol-do").all_inner_texts()
-    assert [words.split(" · ")[1] for words in onward] == [LESSONS[id].words["en"].title for id in ("kalman",)]
+    eventually(tab.page.locator(".ol-onward .ol-do").all_inner_texts,
+               lambda onward: [words.split(" · ")[1] for words in onward] == [LESSONS[id].words["en"].title for id in ("kalman",)],
+               "where one might go on")
