@@ -161,6 +161,17 @@ def test_private_names_of_viser_are_touched_in_quirks_alone() -> None:
     assert violations((m, private_uses(m.source)) for m in modules("app.view") if m.name != "app.view.quirks") == []
 
 
+def test_every_script_that_is_called_by_name_is_there_and_each_that_is_there_is_called() -> None:
+    """A file that is named as another one was, or anew, would break each page, and only where a browser looks."""
+    called = {node.args[place].value for m in modules("app.view") for node in ast.walk(m.tree) if isinstance(node, ast.Call)
+              for name, place in (("call", 0), ("run", 1)) if ast.unparse(node.func).split(".")[-1] == name
+              and len(node.args) > place and isinstance(node.args[place], ast.Constant)}
+    once = [ast.literal_eval(node.value) for m in modules("app.view.manners") for node in m.tree.body
+            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "ONCE"]
+    there = {path.stem for path in (ROOT / "app" / "view" / "page").glob("*.js")}
+    assert {name for name in called if isinstance(name, str)}.union(*once) == there
+
+
 def test_no_star_imports() -> None:
     assert violations((m, (f"line {node.lineno}" for node in ast.walk(m.tree) if isinstance(node, ast.ImportFrom)
                            and any(a.name == "*" for a in node.names))) for m in every_module()) == []
