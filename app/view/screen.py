@@ -89,6 +89,7 @@ class Screen(Browser):
             self._columns.add(gui.main_panel, sizes.left)
             self._columns.watch(self._client)
             self._commands(language)
+            self._stage.compose(bool(picture.boards) or picture.lesson.pick is not None)
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             self._player = Player(self._client, self._stage, self._transport)

@@ -16,6 +16,7 @@ from ..lesson.living import sample_at
 from ..plants.body import Body, Vector
 from ..text import wording
 from . import phrases, quirks
+from .ground import lines, shade
 from .letters import Letters
 from .moves import Frame, Value, changed, flat
 from .pinghosts import PinGhosts
@@ -36,6 +37,7 @@ GHOST_COLOUR = COLOURS["estimate"]
 CAMERAS = MappingProxyType({
     "all": ((0.0, -13.4, 3.4), (0.0, 0.6, 1.38)),
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
+    "bare": ((0.0, -11.2, 3.1), (0.0, 0.3, 1.05)),  # all there is where no boards stand
     "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
 })
 
@@ -83,7 +85,8 @@ class StageView:
         self._posed: tuple[Place, Stage | None] | None = None
         self.built: object = None  # another one whenever a place may mean another frame
         self._arrived = False  # whether the browser has said that it looks from where it was told to
-        self._seen_from, self._aspect = CAMERAS["all"], 1.0
+        self._whole = self._seen_from = CAMERAS["all"]  # from where everything is seen, and from where the stage is
+        self._aspect = 1.0
 
     def furnish(self, dark: bool) -> None:
         """Floor, light, background and the default camera of an empty stage."""
@@ -96,8 +99,8 @@ class StageView:
                                     cast_shadow=False)
         scene.add_light_directional("/light/fill", color=(226, 236, 255), intensity=0.5, position=(6.0, -5.0, 4.0),
                                     cast_shadow=False)
-        scene.add_line_segments("/floor", _floor(), DARK_FLOOR if dark else FLOOR, thickness=0.012)
-        scene.add_image("/shadow", _shade(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
+        scene.add_line_segments("/floor", lines(), DARK_FLOOR if dark else FLOOR, thickness=0.012)
+        scene.add_image("/shadow", shade(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
                         position=(0.0, 0.1, 0.002))
 
     def follow_window(self) -> None:
@@ -111,18 +114,26 @@ class StageView:
 
     def camera(self, preset: str) -> None:
         """Look from one of the named places."""
-        self._seen_from = CAMERAS.get(preset, CAMERAS["all"])
+        self._seen_from = self._whole if preset == "all" else CAMERAS.get(preset, self._whole)
         self._look()
 
     def look(self, camera: tuple[float, ...] | None) -> None:
         """Look from a position at a target, from where everything is seen for None."""
-        self._seen_from = CAMERAS["all"] if camera is None else (camera[:3], camera[3:])
+        self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
         self._look()
+
+    def compose(self, boards: bool) -> None:
+        """Whether boards stand behind the plant: without them the whole view is nearer."""
+        whole = CAMERAS["all" if boards else "bare"]
+        before, self._whole = self._whole, whole
+        if self._seen_from == before != whole:
+            self._seen_from = whole
+            self._look()
 
     def eye(self) -> tuple[float, ...] | None:
         """Position and target as `look` takes them, None where everything is seen from the usual place."""
         now = self._eye() if self._arrived else np.ravel(self._seen_from)
-        if not np.all(np.isfinite(now)) or np.allclose(now, np.ravel(CAMERAS["all"]), atol=0.02):
+        if not np.all(np.isfinite(now)) or np.allclose(now, np.ravel(self._whole), atol=0.02):
             return None
         return tuple(now.tolist())
 
@@ -272,20 +283,6 @@ class StageView:
         for handle, place in zip(self._clouds, believed, strict=True):
             frame[handle.name, "position"] = place
             frame[handle.name, "scale"] = (size, size, size)
-
-
-def _floor(half: int = 8) -> np.ndarray:
-    """The lines of the floor. viser's own grid is a shader over half the screen: too dear without a graphics card."""
-    lines = [((x, -3.6, 0.0), (x, 2.0 * half, 0.0)) for x in range(-half, half + 1)]
-    lines += [((-half, y - 0.6, 0.0), (half, y - 0.6, 0.0)) for y in range(-3, 2 * half + 1)]
-    return np.array(lines, dtype=np.float32)
-
-
-def _shade() -> np.ndarray:
-    """A soft shadow to lay under the plant: a picture costs a slow machine far less than cast shadows."""
-    y, x = np.mgrid[-1:1:96j, -1:1:128j]
-    alpha = 95 * np.clip(1 - np.sqrt((np.abs(x) / 0.95) ** 2.6 + (np.abs(y) / 0.9) ** 2.6), 0.0, 1.0) ** 1.3
-    return np.dstack([np.full((96, 128, 3), 40), alpha]).astype(np.uint8)
 
 
 def _segments(pairs: list[tuple[Vector, Vector]]) -> Value:

@@ -96,9 +96,9 @@ def moves(tab: Tab, start: tuple[float, float], stride: float, count: int) -> np
     """Latencies (count, 2) in ms to plots and stage while something is dragged to and fro; NaN where nothing came."""
     mouse, (x, y) = tab.page.mouse, start
     mouse.move(x, y)
-    tab.pause(3)
+    tab.answered()
     mouse.down()
-    tab.pause(3)
+    tab.answered()
     out = []
     for i in range(count):
         reach = 6 - abs(i % 12 - 6)
