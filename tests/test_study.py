@@ -106,7 +106,7 @@ def test_wherever_a_line_is_torn_or_spoiled_the_others_are_kept(tmp_path: Path) 
     whole = path.read_bytes()
     lines = whole.splitlines(keepends=True)
     before = len(whole) - len(lines[-1])
-    for end in range(before, len(whole) + 1):
+    for end in (*range(before, len(whole), 9), len(whole) - 1, len(whole)):
         path.write_bytes(whole[:end])
         with Ledger(path, study, "mark") as ledger:
             assert sorted(ledger.rows) == list(range(6 if end == len(whole) else 4))
@@ -198,9 +198,9 @@ def test_wilsons_interval_is_the_published_one(holds: int, count: int, low: floa
 
 
 @pytest.mark.slow
-def test_figures_of_nothing_one_thing_or_two_speak_either_language() -> None:
+def test_figures_of_nothing_and_of_two_things_speak_either_language() -> None:
     vary = {"guess_q": [-1, 0, 1], "input": ["none", "sine"]}
-    for language, names in (("zh", ()), ("en", ("guess_q",)), ("zh", ("input", "guess_q"))):
+    for language, names in (("zh", ()), ("en", ("input", "guess_q"))):
         study = study_of(json.dumps({"lesson": "error-dynamics", "vary": {name: vary[name] for name in names},
                                      "collect": ["final_error", "check.observer"]}))
         rows = rows_of(study)

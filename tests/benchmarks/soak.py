@@ -7,9 +7,9 @@ hold no more than 2 kB, as on a full disk. One tab, the witness, moves a slider 
 Tabs come and go, at every stage of opening; connections are reset in mid-drag; one sends and never reads; lessons raise, exit,
 loop, hoard memory and never come back; the disk is full; the clock is set; the server is killed and started again.
 
-Threads, sessions and resident memory are sampled along the connects and cuts; their slope is that of a straight line through all
-samples but the first fifth, with the 95 % interval of least squares. Verdict lines say what must hold; the exit status is 1 if
-one does not.
+Threads, sessions, resident memory and its blocks in use are sampled along the connects and cuts, after a collection; their slope
+is that of a straight line through all samples but the first fifth, with the 95 % interval of least squares. Verdict lines say
+what must hold; the exit status is 1 if one does not.
 """
 
 # ruff: noqa: E402 — the folders of the app and of the protocol client must be found first
@@ -28,28 +28,24 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Awaitable, Callable
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 from urllib.parse import urlsplit
 
 import numpy as np
 from scipy.stats import linregress
 from scipy.stats import t as student
-from websockets.asyncio.client import connect
-from websockets.typing import Subprotocol
 
 HERE = Path(__file__).parents[2]
 sys.path[:0] = [str(HERE), str(HERE / "tests" / "wire"), str(HERE / "tests" / "benchmarks")]
 
 from bench_many import Tab, enter, share  # type: ignore[import-not-found]
-from client import PATIENCE, WirePage  # type: ignore[import-not-found]
-from sick import BLOCKS, EXITS, HOARDS, LABEL, LOOPS, RAISES  # type: ignore[import-not-found]
-from ward import BLOCKED, FILES, Ward  # type: ignore[import-not-found]
+from sick import BLOCKS as SLEEPS
+from sick import EXITS, HOARDS, LABEL, LOOPS, RAISES  # type: ignore[import-not-found]
+from ward import BLOCKED, FILES, Ward, connected  # type: ignore[import-not-found]
 
 DELAY = "input delay [ms]"
 EVERY = 20  # connects between two samples
-LEAK = 10.0  # kB for each connect that could hide in what memory varies by; a tab holds 2,500
+LEAK, BLOCKS = 5.0, 10.0  # kB and blocks for each that could hide in what memory varies by; a tab holds 2,500 kB
 Verdicts = list[tuple[str, bool]]
 
 
@@ -84,7 +80,7 @@ async def come_and_go(ward: Ward, k: int) -> None:
     """Open a tab and leave: at once, after looking, in the middle of its page, or when it stands and plays."""
     listeners: list[asyncio.Task[None]] = []
     if k % 4 < 3:
-        connection = await _connected(ward.url, k % 4 > 0)
+        connection = await connected(ward.url, k % 4 > 0)
         if k % 4 == 2:
             await connection.recv()
         await connection.close()
@@ -94,18 +90,6 @@ async def come_and_go(ward: Ward, k: int) -> None:
     await tab.answered()
     await tab._socket.close()
     await asyncio.gather(*listeners, return_exceptions=True)
-
-
-async def _connected(url: str, looks: bool) -> Any:
-    """A connection that nobody reads from yet; one that `looks` is taken for a tab."""
-    connection = await connect(f"ws://{urlsplit(url).netloc}", subprotocols=[Subprotocol(f"viser-v{version('viser')}")], compression=None,
-                               max_size=None, open_timeout=PATIENCE)
-    if looks:
-        page, sent = WirePage(), list[bytes | str]()
-        page.send_raw = sent.append
-        page.look()
-        await connection.send(sent[0])
-    return connection
 
 
 async def cut(ward: Ward) -> None:
@@ -132,13 +116,13 @@ async def never_reads(ward: Ward) -> tuple[float, float]:
     tab, _ = await enter(ward.url, False, listeners)
     listeners[0].cancel()
     tab._socket.transport.pause_reading()
-    before = most = ward.sample()[2]
+    before = most = ward.megabytes()
     tabs, began, k = ward.health()["tabs"], time.monotonic(), 0
     while ward.health()["tabs"] >= tabs and time.monotonic() - began < 180:
         k += 1
         for label, value in ((DELAY, 6.0 * (k % 8)), (LABEL, float(k % 9))):
             tab.send("GuiUpdateMessage", uuid=tab.find(label), updates={"value": value})
-        most = max(most, ward.sample()[2])
+        most = max(most, ward.megabytes())
         await asyncio.sleep(0.1)
     took = time.monotonic() - began
     tab._socket.transport.abort()
@@ -153,7 +137,7 @@ async def sicken(ward: Ward, value: float, said: str) -> tuple[float, str]:
     tab.send("GuiUpdateMessage", uuid=tab.find(LABEL), updates={"value": value})
     await tab.until(lambda: any(said in note for note in tab.notes[notes:]), 120)
     took, words = time.monotonic() - began, next(note for note in tab.notes[notes:] if said in note)
-    if value != BLOCKS:  # the tab goes on
+    if value != SLEEPS:  # the tab goes on
         tab.send("GuiUpdateMessage", uuid=tab.find(LABEL), updates={"value": 3.0})
         await tab.answered(rests=True)
     await tab._socket.close()
@@ -163,8 +147,10 @@ async def sicken(ward: Ward, value: float, said: str) -> tuple[float, str]:
 # --- the soak ---------------------------------------------------------------------------------------------------------------
 def slope(x: list[float], y: list[float]) -> tuple[float, float]:
     """Slope of a straight line and the half-width of its 95 % interval."""
+    if len(x) < 4:
+        raise SystemExit("too few samples for a slope; ask for more connects and cuts")
     line = linregress(x, y)
-    return float(line.slope), float(line.stderr * student.ppf(0.975, len(x) - 2))
+    return float(line.slope), float(np.nan_to_num(line.stderr) * student.ppf(0.975, len(x) - 2))
 
 
 async def quiet(ward: Ward, tabs: int) -> None:
@@ -176,7 +162,7 @@ async def quiet(ward: Ward, tabs: int) -> None:
 
 async def sampled(ward: Ward, name: str, count: int, once: Callable[[int], Awaitable[None]], verdicts: Verdicts) -> None:
     """Do something so many times, two at once, and say what grows."""
-    rows: list[tuple[float, float, float, float]] = []
+    rows: list[tuple[float, ...]] = []
     for k in range(0, count, EVERY):
         for j in range(k, min(k + EVERY, count), 2):
             await asyncio.gather(*(once(i) for i in range(j, min(j + 2, count))))
@@ -185,10 +171,11 @@ async def sampled(ward: Ward, name: str, count: int, once: Callable[[int], Await
         rows.append((float(k + EVERY), *await asyncio.to_thread(ward.sample)))
     kept = np.array(rows[len(rows) // 5:])
     print(f"\n{name}: samples from {kept[0, 0]:.0f} to {kept[-1, 0]:.0f}\n| | first | last | slope for each, 95 % |\n|---|---|---|---|")
-    for column, what, unit in ((1, "threads", 1.0), (2, "sessions", 1.0), (3, "memory [MB]; slope in kB", 1024.0)):
+    for column, what, unit, most in ((1, "threads", 1.0, 1e-3), (2, "sessions", 1.0, 1e-3), (3, "memory [MB]; slope in kB", 1024.0, LEAK),
+                                     (4, "blocks [10³]; slope in blocks", 1000.0, BLOCKS)):
         rise, half = slope(list(kept[:, 0]), list(kept[:, column] * unit))
         print(f"| {what} | {kept[0, column]:.1f} | {kept[-1, column]:.1f} | {rise:+.4f} ± {half:.4f} |", flush=True)
-        flat = rise - half <= 0 <= rise + half or rise + half < (LEAK if column == 3 else 1e-3)
+        flat = rise - half <= 0 <= rise + half or rise + half < most
         verdicts.append((f"{name}: {what.split(' ')[0]} do not grow ({rise:+.3f} ± {half:.3f})", flat))
 
 
@@ -206,7 +193,7 @@ async def soak(ward: Ward, folder: str, connects: int, cuts: int) -> Verdicts:
     await sampled(ward, f"{cuts} cuts in mid-drag", cuts, lambda _: cut(ward), verdicts)
     print("\n| fault | after [s] | what was said |\n|---|---|---|")
     for name, value, said in (("raises", RAISES, "division"), ("exits", EXITS, "SystemExit"), ("loops", LOOPS, "10 s"),
-                              ("hoards memory", HOARDS, "memory"), ("never comes back", BLOCKS, "ended")):
+                              ("hoards memory", HOARDS, "memory"), ("never comes back", SLEEPS, "ended")):
         witness.during = f"a lesson that {name}"
         took, words = await sicken(ward, value, said)
         print(f"| {witness.during} | {took:.1f} | {words} |", flush=True)
@@ -273,7 +260,7 @@ async def killed(ward: Ward, folder: str, witness: Witness, verdicts: Verdicts) 
 
 async def _reopened(url: str, kept: str | None, listeners: list[asyncio.Task[None]]) -> Tab:
     """A tab whose browser kept that."""
-    tab = Tab(await _connected(url, False), False)
+    tab = Tab(await connected(url, False), False)
     tab.kept = kept
     listeners.append(asyncio.create_task(tab.listen()))
     await tab.answered(rests=True)
