@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import multiprocessing
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,7 +29,8 @@ from app.study.points import numbers, seed_at
 from app.study.results import columns, summaries, wilson
 from lessons import LESSONS
 
-SMALL = '{"lesson": "error-dynamics", "set": {"input": "random"}, "vary": {"guess_q": [-1, 0.5]}, "seeds": 4, "collect": ["final_error"]}'
+SMALL = ('{"lesson": "error-dynamics", "set": {"input": "random"}, "vary": {"guess_q": [-1, 0.5], "guess_v": [0], "frequency": [0.5]}, '
+         '"seeds": 4, "collect": ["final_error"]}')  # three things that vary are drawn in no figure
 
 
 def study_of(words: str) -> Study:
@@ -58,17 +60,24 @@ def test_every_lesson_gives_a_study_of_two_points_whose_first_is_its_own_run() -
 
 # --- the same whoever computes it ----------------------------------------------------------------------------------------
 @pytest.mark.slow
-def test_two_processes_a_resumed_run_and_one_process_agree_to_the_last_bit(capsys, tmp_path: Path) -> None:
+def test_a_process_beside_this_one_gives_the_same_bits() -> None:
+    """Two of them, a real cluster, kills and Ctrl-C: `tests/benchmarks/studies.py`."""
+    study = study_of(SMALL)
+    assert {row.index: row for chunk in executors.on_processes(study, range(study.size), 1) for row in chunk} == rows_of(study)
+    assert not multiprocessing.active_children()
+
+
+def test_a_resumed_run_agrees_with_a_whole_one_to_the_last_bit(capsys, tmp_path: Path) -> None:
     file = tmp_path / "small.json"
-    file.write_text(SMALL.replace("[-1, 0.5]", '[-1, 0.5], "guess_v": [0], "frequency": [0.5]'))  # three things are drawn in no figure
-    folders = [tmp_path / name for name in ("one", "torn", "two")]
+    file.write_text(SMALL)
+    folders = [tmp_path / name for name in ("one", "torn")]
     first = b"", b""
-    for folder, workers in zip(folders, "112", strict=True):
+    for folder in folders:
         if folder.name == "torn":  # a kill in the middle of a line
             folder.mkdir()
             lines = (folders[0] / "runs.txt").read_bytes().splitlines(keepends=True)
             (folder / "runs.txt").write_bytes(b"".join(lines[:4]) + lines[4][:-5])
-        assert main(["study", str(file), "--workers", workers, "-o", str(folder)]) == 0
+        assert main(["study", str(file), "--workers", "1", "-o", str(folder)]) == 0
         told = capsys.readouterr().err
         assert ("3 of 8 runs are done already" in told) == (folder.name == "torn")
         written = (folder / "runs.csv").read_bytes(), (folder / "study.json").read_bytes()
