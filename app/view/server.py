@@ -17,6 +17,7 @@ from ..tab.session import WATCH, Session
 from . import phrases, quirks
 from .access import Access
 from .address import is_public, listen, url
+from .arena import share_one_arena
 from .gate import Gate, Refusal
 from .handshake import AGAIN, Reception
 from .plants import MOST_BYTES
@@ -50,6 +51,7 @@ class LabServer:
         Raises OSError where it cannot listen, ValueError at a name that is none.
         """
         sys.setswitchinterval(SWITCH)
+        share_one_arena()
         self._lessons = lessons
         self._lesson, self._language, self._plant, self._state = lesson, language, plant, state
         self._insists, self._sealed = insists, sealed
