@@ -31,9 +31,11 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / 
 
 from conftest import chromium, serving  # type: ignore[import-not-found]
 from geometry import on_screen  # type: ignore[import-not-found]
-from tab import FLAGS, Tab  # type: ignore[import-not-found]
+from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
 from app.lesson.knobs import Number
+from app.lesson.lesson import Lesson
+from app.lesson.living import living
 from app.view.knobs import label_of
 from lessons import LESSONS, OPENING
 
@@ -110,6 +112,21 @@ def moves(tab: Tab, start: tuple[float, float], stride: float, count: int) -> np
     return np.array(out, dtype=float)
 
 
+def stop_where_the_error_lives(tab: Tab, lesson: Lesson) -> None:
+    """Stop the run at a moment at which every knob moves the stage."""
+    stage = lesson.compute(lesson.start()).stage
+    assert stage is not None
+    part = living(stage)
+    moment = f"{part.begin + 0.3 * (part.end - part.begin):.2g}"
+
+    def stopped() -> float:
+        if tab.button("‖ pause").count():
+            tab.press("‖ pause")
+        tab.type_number("time t [s]", moment)
+        return tab.clock()
+    eventually(stopped, lambda t: abs(t - float(moment)) < 0.02 * part.end, "the run stopped")
+
+
 def opening(browser: Browser, address: str, size: tuple[int, int]) -> float:
     """Seconds from asking for the address to a lesson that stands uncovered, in a browser context without anything kept."""
     context = browser.new_context(viewport={"width": size[0], "height": size[1]})
@@ -142,9 +159,7 @@ def main() -> None:
         tab = Tab(browser.new_page(viewport={"width": width, "height": height}, device_scale_factor=options.scale), address)
         tab.choose_lesson(lesson.words["en"].title, lesson.words["en"].question)
         tab.predict("skip")
-        tab.page.wait_for_timeout(1500)
-        tab.page.keyboard.press("Space")  # pause in the middle of the run, where everything answers
-        tab.page.wait_for_timeout(1500)
+        stop_where_the_error_lives(tab, lesson)
         idle, (calls, triangles) = tab.page.evaluate(FRAME), tab.page.evaluate(DRAWN)
         slider = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()))
         box = tab.thumb(label_of(slider, "en")).bounding_box()
