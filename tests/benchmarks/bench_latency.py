@@ -161,7 +161,8 @@ def main() -> None:
         tab.predict("skip")
         stop_where_the_error_lives(tab, lesson)
         idle, (calls, triangles) = tab.page.evaluate(FRAME), tab.page.evaluate(DRAWN)
-        slider = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()))
+        asking = getattr(getattr(lesson, "again", None), "knobs", ())  # moved, they stop the stage and ask
+        slider = next(k for k in lesson.knobs if isinstance(k, Number) and lesson.shown(k, lesson.start()) and k.name not in asking)
         box = tab.thumb(label_of(slider, "en")).bounding_box()
         assert box is not None
         by_slider = moves(tab, (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2), 4.0, options.moves)

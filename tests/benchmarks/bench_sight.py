@@ -39,9 +39,9 @@ def pages(tab: Tab, lessons: list[str], languages: list[str], large: bool) -> It
             now = language
         for lesson in lessons:
             words = LESSONS[lesson].words[language]
-            tab.choose_lesson(words.title, words.question, phrases.LESSON(language))
             if tab.page.locator(".ol-parts").is_visible():  # of a phone
                 tab.page.locator(".ol-parts [data-part=predict]").click()
+            tab.choose_lesson(words.title, words.question, phrases.LESSON(language))
             if tab.page.locator(".ol-option:enabled").count():
                 tab.predict(phrases.SKIP(language))
             tab.answered(rests=True)
