@@ -77,7 +77,7 @@ def english(texts: Iterator[str]) -> dict[str, list[str]]:
 @pytest.mark.parametrize("lesson", LESSONS.values(), ids=list(LESSONS))
 def test_a_lesson(lesson: Lesson) -> None:
     assert not english(page(lesson, lesson.start()))
-    assert not english(shown(dataclasses.replace(lesson.words["zh"], source="")))
+    assert not english(shown(dataclasses.replace(lesson.words["zh"], source="", references=())))  # titles are found in their own language
 
 
 @pytest.mark.parametrize("lesson", [it for it in LESSONS.values() if it.adapt is not None],
