@@ -60,7 +60,7 @@ CUT = """() => {
   return cut;
 }"""
 WORD = re.compile(r"[^\W\d_]{3,}")
-OPENED = ("separation", "network", "sandbox", "kalman")
+OPENED = ("separation", "sandbox", "kalman")
 
 
 def english(shown: list[str]) -> set[str]:
