@@ -39,7 +39,8 @@ ANSWERED = """async rests => {
     await new Promise(done => requestAnimationFrame(() => setTimeout(done)));  // what React does after it has drawn
     return true;
   }
-  return false;
+  const marks = Array.from(document.querySelectorAll('.ol-mark'), mark => JSON.stringify({...mark.dataset}));
+  return `question ${question}, ${marks.length} marks ${marks}, page ${document.visibilityState}`;
 }"""
 DRAWN = """() => new Promise(done => {
   const page = window.__viserMutable, seen = page.scene.onAfterRender;
@@ -123,7 +124,7 @@ class Tab:
     # --- waiting ---------------------------------------------------------------------------------------------------
     def answered(self, rests: bool = False) -> None:
         """Wait until the page has sent what was done and shows the server's answer to it; its final picture, if asked."""
-        eventually(lambda: self.page.evaluate(ANSWERED, rests), bool, "an answer to what was done")
+        eventually(lambda: self.page.evaluate(ANSWERED, rests), lambda said: said is True, "an answer to what was done")
 
     def sent(self) -> None:
         """Wait until the page has sent what was done, no longer."""
