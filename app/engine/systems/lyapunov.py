@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
-from scipy.linalg import schur
+from scipy.linalg.lapack import dgees, dgeqrf, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
 
 from .balance import balance
 from .errors import EngineError
@@ -12,6 +14,7 @@ __all__ = ["settled_covariance", "settled_factor"]
 
 EPS = float(np.finfo(float).eps)
 UNEVEN = 1e-4  # deviations further apart than this, in balanced states, cost the small ones digits
+DIM = 1e-7  # squares tell deviations down to this share of the largest
 WIDE = 4  # times as many columns as states, before a factor is compressed
 LARGEST = 1e150  # a factor as large as this has variances that overflow
 
@@ -25,52 +28,87 @@ def settled_covariance(A: np.ndarray, G: np.ndarray, *, dt: float = 0.0) -> np.n
 def settled_factor(A: np.ndarray, G: np.ndarray, dt: float = 0.0) -> np.ndarray:
     """R (n×n) with R Rᵀ the solution of `settled_covariance`, in states balanced with what drives them.
 
-    Where the deviations that come out are still far apart they are the better units, and it is done again in those.
+    Where the deviations that come out are far apart they are the better units: it is found in those. Squares tell them beforehand
+    as far as squares can; where a factor shows them too late it is done again.
     Raises EngineError where a power of A grows.
     """
     if not len(A):
         return np.zeros((0, 0))
     scale = balance(A, np.linalg.norm(G, axis=1)[:, None]).states
-    R = _factor(A * scale / scale[:, None], G / scale[:, None], dt)
+    pair = _Triangular.of(A, G, scale)
+    spread = pair.deviations() if dt == 0 else None
+    if spread is not None and DIM * spread.max() < spread.min() < UNEVEN * spread.max():
+        scale = _units(scale, spread)
+        pair = _Triangular.of(A, G, scale)
+    R = pair.factor(dt)
     spread = np.linalg.norm(R, axis=1)
     if 0 < spread.min() < UNEVEN * spread.max():
-        scale = scale * 2.0 ** np.round(np.log2(spread))
-        R = _factor(A * scale / scale[:, None], G / scale[:, None], dt)
+        scale = _units(scale, spread)
+        R = _Triangular.of(A, G, scale).factor(dt)
     return scale[:, None] * R
 
 
-def _factor(A: np.ndarray, G: np.ndarray, dt: float) -> np.ndarray:
-    """R ← [R, A^(2^k) R], compressed orthogonally each time, in coordinates in which A is block triangular (Schur): its
-    powers stay so, and no rounding below the diagonal makes them grow. Smith, "Matrix equation XA + BX = C" (1968)."""
-    power, turn = schur(A, output="real")  # pyright: ignore[reportAssignmentType]
-    R = turn.T @ G
-    if dt == 0:
-        power, R = _to_discrete(power, R)
-    with np.errstate(over="ignore", invalid="ignore"):
-        for _ in range(64):
-            more = power @ R
-            added = np.vdot(more, more)
-            if added <= EPS**2 * np.vdot(R, R):
-                break
-            if not added < LARGEST**2:
-                raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be told; choose gentler "
-                                  "gains or other units.")
-            R = np.hstack([R, more])
-            if R.shape[1] > WIDE * len(A):
-                R = _compress(R)
-            power = power @ power
-    R = _compress(R)
-    return np.pad(turn @ R, ((0, 0), (0, len(A) - R.shape[1])))
+def _units(scale: np.ndarray, spread: np.ndarray) -> np.ndarray:
+    return scale * 2.0 ** np.round(np.log2(spread))
 
 
-def _to_discrete(A: np.ndarray, B: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Cayley transform: a discrete pair with the same solution; poles of size α go to 0."""
-    sizes = np.abs(np.linalg.eigvals(A))
-    alpha = float(np.sqrt(sizes.min() * sizes.max()))
-    solved = np.linalg.solve(alpha * np.eye(A.shape[0]) - A, np.hstack([A + alpha * np.eye(A.shape[0]), B]))
-    return solved[:, :A.shape[0]], np.sqrt(2 * alpha) * solved[:, A.shape[0]:]
+@dataclass(frozen=True, eq=False)
+class _Triangular:
+    """A = Z T Zᵀ (real Schur form) and Zᵀ G in scaled states; `sizes` are |λ|."""
+
+    T: np.ndarray
+    Z: np.ndarray
+    G: np.ndarray
+    sizes: np.ndarray
+
+    @staticmethod
+    def of(A: np.ndarray, G: np.ndarray, scale: np.ndarray) -> _Triangular:
+        T, _, real, imag, Z, _, failure = dgees(_unsorted, A * scale / scale[:, None])
+        if failure:
+            raise np.linalg.LinAlgError
+        return _Triangular(T, Z, Z.T @ (G / scale[:, None]), np.hypot(real, imag))
+
+    def deviations(self) -> np.ndarray | None:
+        """Square roots of the variances by Bartels and Stewart, which lose those below √ε of the largest; None where they overflow."""
+        P, shrunk, _ = dtrsyl(self.T, self.T, self.G @ self.G.T, tranb="T")
+        with np.errstate(over="ignore", invalid="ignore"):
+            squares = -((self.Z @ P) * self.Z).sum(axis=1) / shrunk
+        return np.sqrt(np.maximum(squares, 0.0)) if np.isfinite(squares).all() else None
+
+    def factor(self, dt: float) -> np.ndarray:
+        """R ← [R, A^(2^k) R], compressed orthogonally each time, in coordinates in which A is block triangular: its powers
+        stay so, and no rounding below the diagonal makes them grow. Smith, "Matrix equation XA + BX = C" (1968)."""
+        power, R, n = self.T, self.G, len(self.T)
+        if dt == 0:
+            power, R = self._to_discrete()
+        with np.errstate(over="ignore", invalid="ignore"):
+            for _ in range(64):
+                more = power @ R
+                added = np.vdot(more, more)
+                if added <= EPS**2 * np.vdot(R, R):
+                    break
+                if not added < LARGEST**2:
+                    raise EngineError("Rounding hides whether the loop is stable, so its variances cannot be told; choose gentler "
+                                      "gains or other units.")
+                R = np.concatenate([R, more], axis=1)
+                if R.shape[1] > WIDE * n:
+                    R = _compress(R)
+                power = power @ power
+        found = self.Z @ _compress(R)
+        return found if found.shape[1] == n else np.concatenate([found, np.zeros((n, n - found.shape[1]))], axis=1)
+
+    def _to_discrete(self) -> tuple[np.ndarray, np.ndarray]:
+        """Cayley transform: a discrete pair with the same solution; poles of size α go to 0."""
+        n, alpha = len(self.T), float(np.sqrt(self.sizes.min() * self.sizes.max()))
+        moved = alpha * np.eye(n)
+        solved = np.linalg.solve(moved - self.T, np.concatenate([self.T + moved, self.G], axis=1))
+        return solved[:, :n], np.sqrt(2 * alpha) * solved[:, n:]
+
+
+def _unsorted(*_: float) -> None:
+    """The order of the poles in a Schur form that nobody sorts."""
 
 
 def _compress(R: np.ndarray) -> np.ndarray:
     """A factor of R Rᵀ with no more columns than rows."""
-    return np.transpose(np.linalg.qr(R.T, mode="r")) if R.size else R  # pyright: ignore[reportArgumentType, reportCallIssue]
+    return np.tril(dgeqrf(R.T)[0][:min(R.shape)].T) if R.size else R
