@@ -8,6 +8,7 @@ from app.engine.observers import FunctionalObserver
 from app.lesson.code import Code, Given, Shown
 from app.lesson.lesson import Design, Outcome
 
+from .knobs import THREE
 from .own_loop import WAVES, lengths
 from .own_loop import Story as OwnStory
 from .own_plant import Scaled
@@ -25,6 +26,7 @@ def code(outcome: Outcome[Story]) -> Code:
         *_plant(o, dA, input_error(d), dC), Given("A_1", example.wrong.A[0], "what may be wrong in A"), Given("A_2", example.wrong.A[1]),
         Given("C_1", example.wrong.C[0], "and in C"), *_weights(d, outcome.poles["observer"], weighted(d).alpha),
         Given("W", turn(d), "coordinates of the observer"),
+        Given("M_open", d["example"] == THREE, "whether the conditions leave M open"), Given("M_chosen", d["free"], "and what it is then"),
         Given("x_start", np.array(example.x0)), Given("z_start", start_of(d)), Given("h", DT, "s"),
         Given("count", round(HORIZON / DT) + 1), Given("push", -PUSH, "v = push sin(turn t + pi/2)"), Given("turn", TURN, "rad/s"),
     ), (*_found(outcome), Shown("x", story.true.x), Shown("z", story.true.z), Shown("u", story.true.u[:, 0]),
@@ -41,7 +43,7 @@ def own_code(units: Scaled, outcome: Outcome[OwnStory], K: np.ndarray, dA: np.nd
         Given("K_all", K, "the controller's gain, of the many with its poles the page's"),
         Given("L_free", np.linalg.solve(o.W, o.L), "for each pole a direction may be chosen: the page's choice, in rows of real poles and "
                                                    "of Re and Im of pairs"),
-        Given("units", units.unit, "typical sizes of the states"), Given("lengths", lengths(o.T * units.unit), "of the rows of T in them"),
+        Given("M_open", False), Given("M_chosen", 0.0), Given("units", units.unit, "typical sizes of the states"), Given("lengths", lengths(o.T * units.unit), "of the rows of T in them"),
         Given("wanted_input", story.fed, "whether an input is wanted, or a state"),
         Given("j", int(d["wanted"][1:]) - 1 if story.fed else 0, "the input that v is added to"),
         *_weights(d, outcome.poles["observer"], d["alpha"]), Given("x_start", true.x[0]), Given("h", horizon / (len(true.t) - 1), "s"),
@@ -66,7 +68,8 @@ def _weights(d: Design, poles: np.ndarray, alpha: np.ndarray | float) -> tuple[G
 def _found(outcome: Outcome[Story] | Outcome[OwnStory]) -> tuple[Shown, ...]:
     gains = outcome.gains
     natural = float(np.abs(gains["K"]).max() / np.abs(gains["T"]).max())  # of N, which is zero where y says what is wanted
-    return (*(Shown(name, gains[name]) for name in "FTLM"), Shown("N", gains["N"], max(natural, float(np.abs(gains["N"]).max()))),
+    direct = float(np.abs(gains["K"]).max() / np.abs(outcome.study.observer.plant.C).max())  # of M, which may be zero too
+    return (*(Shown(name, gains[name]) for name in "FTL"), Shown("M", gains["M"], max(direct, float(np.abs(gains["M"]).max()))), Shown("N", gains["N"], max(natural, float(np.abs(gains["N"]).max()))),
             Shown("J", outcome.metrics["J"]),
             Shown("eigvals(F)", outcome.poles["observer"], poles=True), Shown("eigvals(loop)", outcome.poles["loop"], poles=True),
             Shown("slowest_loop", outcome.metrics["slowest_loop"], float(np.abs(outcome.poles["loop"]).max())))

@@ -19,9 +19,11 @@ from app.lesson.figures import (
 from app.lesson.lesson import Design, Outcome
 from app.text import Text, same, text, text_in
 
-from .knobs import COLUMNS, LINES, NORMS, ONE, REMARKS
+from .criterion import criterion_1, of_two, steering, steering_3
+from .knobs import COLUMNS, LINES, NORMS, ONE, REMARKS, THREE
 from .paper import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
-from .study import CASES, FREQUENCIES, MOST, Search, Story, criterion_1, criterion_2, steering
+from .ranks import paper_ranks
+from .study import CASES, FREQUENCIES, MOST, Search, Story
 
 TIME_TAB, J_TAB = text("Time"), text("Criterion J")
 WORST_TAB, PAPER_TAB = text("Worst case"), text("Paper")
@@ -36,7 +38,7 @@ NONE = same("–")
 def all_figures(outcome: Outcome[Story]) -> tuple[Figure, ...]:
     """Time, criterion, worst case, paper: at most three in a tab."""
     return (_error(outcome), _input(outcome), _output(outcome), _criterion(outcome), _map(outcome),
-            _found(outcome), _frequency(outcome), _sweep(outcome), _numbers(outcome), _slips(outcome))
+            _found(outcome), _frequency(outcome), _sweep(outcome), _numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))
 
 
 def _edge(values: np.ndarray) -> np.ndarray:
@@ -100,14 +102,13 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
         words = text("J = {j:.4g} at s = {poles_real:.3g}. The kink of the green part is where M = 0: s = −5/3.",
                      j=J, poles_real=poles[0].real)
     elif poles[0].imag:
-        curves = [Curve(same("J"), criterion_2(AXIS + 1j * abs(poles[0].imag), AXIS - 1j * abs(poles[0].imag),
-                                               design).sum(axis=0), "plant", x=AXIS)]
+        curves = [Curve(same("J"), of_two(AXIS + 1j * abs(poles[0].imag), AXIS - 1j * abs(poles[0].imag), design).sum(axis=0), "plant", x=AXIS)]
         title = text("J over Re s, Im s kept")
         words = text("J = {j:.4g} in the norm {design}.", j=J, design=_norm(design))
     else:
-        curves = [Curve(text("s₂ kept"), criterion_2(AXIS, np.full_like(AXIS, poles[1].real), design).sum(axis=0),
+        curves = [Curve(text("s₂ kept"), of_two(AXIS, np.full_like(AXIS, poles[1].real), design).sum(axis=0),
                         "plant", x=AXIS),
-                  Curve(text("s₁ kept"), criterion_2(np.full_like(AXIS, poles[0].real), AXIS, design).sum(axis=0),
+                  Curve(text("s₁ kept"), of_two(np.full_like(AXIS, poles[0].real), AXIS, design).sum(axis=0),
                         "second", "dash", x=AXIS)]
         title = text("J while one pole moves")
         words = text("J = {j:.4g} in the norm {design}; J does not see that N grows where the poles meet.",
@@ -147,7 +148,8 @@ def _map(outcome: Outcome[Story]) -> MapFigure:
         title = text("J over s and γ, against J now")
     else:
         s1, s2 = np.meshgrid(GRID, GRID)
-        J, N = criterion_2(s1, s2, design).sum(axis=0), steering(s1, s2)
+        J = of_two(s1, s2, design).sum(axis=0)
+        N = steering(s1, s2) if design["example"] != THREE else steering_3(s1, s2, design["free"])
         x = y = GRID
         labels, mark = ("s₁ [rad/s]", "s₂ [rad/s]"), None if poles[0].imag else (poles[0].real, poles[1].real)
         title = text("J over s₁ and s₂, against J now")

@@ -12,8 +12,8 @@ from app.engine.observers import FunctionalObserver, Region, RobustObserver, rlo
 from app.lesson.lesson import Design, Job, Outcome
 from app.text import text
 
-from .knobs import NORMS, ONE
-from .study import CASES, MOST, Search, Story, deltas, weighted
+from .knobs import NORMS, ONE, THREE
+from .study import CASES, MOST, Search, Story, deltas, observer_of, weighted
 
 WORST_CONDITION = 50.0  # of [T; C]: J does not see N, so RLO must be told how large it may grow
 SWEEP = 33  # poles along the axis
@@ -22,7 +22,7 @@ SHARE = 0.25  # of the progress bar, for each norm
 
 def key(design: Design) -> Hashable:
     """What the search rests on; poles, norm, W and the start are not among it."""
-    names = ("example", "alpha", "second", "beta", "gamma", "region_low", "region_high", *CASES[design["example"]].deltas)
+    names = ("example", "free", "alpha", "second", "beta", "gamma", "region_low", "region_high", *CASES[design["example"]].deltas)
     return tuple(design[name] for name in names)
 
 
@@ -53,9 +53,11 @@ def search(outcome: Outcome[Story]) -> Iterator[tuple[float, Search | None]]:
 
 def swept(design: Design, s: float) -> FunctionalObserver:
     """The observer with its pole at s, or its poles at s and s − 1."""
-    example = CASES[design["example"]].example
-    poles = [s] if design["example"] == ONE else [s, s - 1]
-    return functional_observer(example.plant, example.K, len(poles), poles=poles, wrong=weighted(design))
+    case = CASES[design["example"]]
+    poles = (complex(s),) if design["example"] == ONE else (complex(s), complex(s - 1))
+    if design["example"] == THREE:
+        return observer_of(design.with_values(**{case.poles: poles}))
+    return functional_observer(case.example.plant, case.example.K, len(poles), poles=poles, wrong=weighted(design))
 
 
 def shown(outcome: Outcome[Story], result: Search) -> Outcome[Story]:

@@ -8,7 +8,7 @@ from app.engine.observers import Norm
 from app.lesson.knobs import Choice, Number, Poles, Switch
 from app.text import Text, same, text
 
-ONE, TWO = "1", "2"
+ONE, TWO, THREE = "1", "2", "3"
 NORMS: MappingProxyType[str, Norm] = MappingProxyType({"1": 1, "2": 2, "inf": "inf"})
 REMARKS = MappingProxyType({
     "printed": "(F, ΛF, ΛL, ΛNΛ⁻¹, M)",
@@ -24,9 +24,9 @@ ERRORS = text("The plant is not the model")
 SEARCH = text("Criterion and region")
 
 
-def _delta(name: str, symbol: str, example: str, label: Text, high: float, default: float) -> Number:
+def _delta(name: str, symbol: str, examples: tuple[str, ...], label: Text, high: float, default: float) -> Number:
     return Number(name, symbol, label, low=-high, high=high, default=default, step=high / 50, group=ERRORS,
-                  when=("example", (example,)),
+                  when=("example", examples),
                   hint=text("How far the true plant is from the model the observer was designed for; 0: no error."))
 
 
@@ -43,20 +43,22 @@ def weight_knobs() -> tuple[Number, ...]:
 KNOBS = (
     Choice("example", "", text("example"), default=ONE,
            options=((ONE, text("Example 1: two states")), (TWO, text(
-               "Example 2: three states"))),
-           hint=text("The two plants of the paper, each with its gain K.")),
+               "Example 2: three states")), (THREE, text("Example 1 with one observer state more"))),
+           hint=text("The two plants of the paper, each with its gain K; the third choice leaves M′ free.")),
     Poles("pole", "s", text("Observer pole"), "rad/s", default=(-5 + 0j,), re_low=RE_LOW, re_high=RE_HIGH,
           im_high=IM_HIGH, role="estimate", when=("example", (ONE,)),
           hint=text("Drag s along its axis and watch J.")),
     Poles("pair", r"s_1, s_2", text("Observer poles"), "rad/s", default=(-4 + 0j, -2.5 + 0j), re_low=RE_LOW,
-          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("example", (TWO,)),
+          re_high=RE_HIGH, im_high=IM_HIGH, role="estimate", when=("example", (TWO, THREE)),
           hint=text("Drag s₁ and s₂; they must differ, and may be a pair.")),
-    _delta("a1", r"\delta_a^1", ONE, text("δ of a₂₁"), 0.5, 0.1),
-    _delta("a2", r"\delta_a^2", ONE, text("δ of a₂₂"), 0.5, -0.4),
-    _delta("c", r"\delta_c", ONE, text("δ of the sensor"), 0.1, 0.05),
-    _delta("b1", r"\delta_a^1", TWO, text("δ of a₁"), 0.5, 0.01),
-    _delta("b2", r"\delta_a^2", TWO, text("δ of a₂"), 0.5, 0.05),
-    _delta("d", r"\delta_c", TWO, text("δ of the sensor"), 0.1, 0.03),
+    Number("free", "M'", text("free number M′"), low=-100.0, high=100.0, default=0.0, step=1.0, when=("example", (THREE,)),
+           hint=text("What the conditions leave open: M = M′, and N = (K − M′C)T⁻¹ follows.")),
+    _delta("a1", r"\delta_a^1", (ONE, THREE), text("δ of a₂₁"), 0.5, 0.1),
+    _delta("a2", r"\delta_a^2", (ONE, THREE), text("δ of a₂₂"), 0.5, -0.4),
+    _delta("c", r"\delta_c", (ONE, THREE), text("δ of the sensor"), 0.1, 0.05),
+    _delta("b1", r"\delta_a^1", (TWO,), text("δ of a₁"), 0.5, 0.01),
+    _delta("b2", r"\delta_a^2", (TWO,), text("δ of a₂"), 0.5, 0.05),
+    _delta("d", r"\delta_c", (TWO,), text("δ of the sensor"), 0.1, 0.03),
     Number("input", r"\delta_b", text("δ of the input"), low=-0.5, high=0.5, default=0.0, step=0.01, group=ERRORS,
            hint=text("By what share the input acts more strongly on the true plant than on the model. J does not see it, and no sign "
                      "pattern has it.")),
@@ -65,7 +67,7 @@ KNOBS = (
            hint=text("The observer's coordinates: F = W diag(s₁, s₂) W⁻¹.")),
     Switch("carried", "", text("carry z(0) along with W"), when=("example", (TWO,)),
            hint=text("On: z(0) becomes W z(0). Off: the same numbers whatever W is, as in the paper.")),
-    Choice("norm", "", text("norm in J"), default="2", group=SEARCH, when=("example", (TWO,)),
+    Choice("norm", "", text("norm in J"), default="2", group=SEARCH, when=("example", (TWO, THREE)),
            options=tuple((name, same("∞" if name == "inf" else name)) for name in NORMS),
            hint=text("Column sum, spectral or row sum norm; in Example 1 all three agree.")),
     *weight_knobs(),

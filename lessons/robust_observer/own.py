@@ -109,6 +109,6 @@ def _code(here: Here, outcome: Outcome[Story]) -> Code:
 def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant, where an observer of a part of its state exists; the tasks stay with the paper."""
     here = fitted(model)
-    return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=all_figures, tasks=(),
+    return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=partial(all_figures, here), tasks=(),
                    code=partial(_code, here), derived=partial(derived),
                    job=Job(text("Run algorithm RLO"), partial(search, here), key, partial(shown, here), figure="found"))

@@ -13,17 +13,19 @@ from ..toolkit.latex import pole_words
 from .figures import J_TAB, NONE, TIME_TAB
 from .own_job import inside
 from .own_loop import Run, Story
+from .own_plant import Here
+from .ranks import own_ranks
 
 LOOP_TAB = text("Loop")
 CHOSEN, RLO, MODEL = text("true plant"), text("true plant, RLO"), text(
     "model")
 
 
-def all_figures(outcome: Outcome[Story]) -> tuple[Figure, ...]:
+def all_figures(here: Here, outcome: Outcome[Story]) -> tuple[Figure, ...]:
     """Time, criterion, loop: at most three in a tab."""
     story = outcome.study
-    return (_error(outcome, story), _signal(story), _compared(outcome, story), _attempts(story), _gain(story),
-            _plane(outcome.design, story))
+    return (_error(outcome, story), _signal(story), _compared(outcome, story), own_ranks(here, outcome, story.observer.order, J_TAB),
+            _attempts(story), _gain(story), _plane(outcome.design, story))
 
 
 def _error(outcome: Outcome[Story], story: Story) -> LineFigure:

@@ -1,4 +1,4 @@
-"""The two examples as the lesson uses them: criterion in closed form, loops, runs, worst cases.
+"""The examples as the lesson uses them: observers, loops, runs, worst cases.
 
 House sign u = −K x̂ throughout; the source has u = +K x̂, so its K, N and M are minus ours, F, T and L the same.
 """
@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from types import MappingProxyType
 
 import numpy as np
@@ -33,7 +34,7 @@ from app.text import Text, joined, text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import matrix, number, pole_words
-from .knobs import IM_HIGH, NORMS, ONE, RE_HIGH, RE_LOW, TWO
+from .knobs import IM_HIGH, NORMS, ONE, RE_HIGH, RE_LOW, THREE, TWO
 
 HORIZON, DT = 6.0, 0.015
 BEST = -5 / 3  # least J of example 1 with unit weights
@@ -57,6 +58,7 @@ class Case:
 CASES: MappingProxyType[str, Case] = MappingProxyType({
     ONE: Case(EXAMPLE_1, rack_body(2, 1, (3.0, 3.0, 3.0, 20.0)), "pole", ("a1", "a2", "c")),
     TWO: Case(EXAMPLE_2, rack_body(3, 2, (0.6, 0.6, 0.6, 3.0, 3.0, 5.0)), "pair", ("b1", "b2", "d")),
+    THREE: Case(replace(EXAMPLE_1, z0=(-0.3, -0.3)), rack_body(2, 2, (3.0, 3.0, 3.0, 3.0, 20.0)), "pair", ("a1", "a2", "c")),
 })
 
 
@@ -85,8 +87,8 @@ def input_error(design: Design) -> np.ndarray:
 
 
 def turn(design: Design) -> np.ndarray:
-    """W: 1 for the first example, [1 w; 0 1] for the second."""
-    return np.eye(1) if design["example"] == ONE else np.array([[1.0, design["w12"]], [0.0, 1.0]])
+    """W: [1 w; 0 1] for the second example, I for the others."""
+    return np.array([[1.0, design["w12"]], [0.0, 1.0]]) if design["example"] == TWO else np.eye(len(design[CASES[design["example"]].poles]))
 
 
 def norm_of(design: Design) -> Norm:
@@ -103,43 +105,20 @@ def observer_of(design: Design, W: np.ndarray | None = None) -> FunctionalObserv
                              "not decay; drag it left."))
     if len(poles) == 2 and abs(poles[0] - poles[1]) < NEAR:
         raise KnobError(text("The two poles coincide, so [T; C] is singular and K cannot be reached; move them "
-                             "apart."))
-    return functional_observer(case.example.plant, case.example.K, len(poles), poles=poles,
-                               W=turn(design) if W is None else W, wrong=weighted(design), norm=norm_of(design))
+                             "apart.") if design["example"] == TWO else
+                        text("The two poles coincide, and with them both rows of T, so the second state adds nothing; move them apart."))
+    found = partial(functional_observer, case.example.plant, case.example.K, len(poles), poles=poles,
+                    W=turn(design) if W is None else W, wrong=weighted(design), norm=norm_of(design))
+    if design["example"] != THREE:
+        return found()
+    plain, moved = (float(found(free=[[step]]).M[0, 0]) for step in (0.0, 1.0))  # M follows the engine's free number in a line
+    return replace(found(free=[[(design["free"] - plain) / (moved - plain)]]), M=np.array([[float(design["free"])]]))
 
 
 def start_of(design: Design) -> np.ndarray:
     """z(0): as published, or carried along into the coordinates W."""
     z0 = np.array(CASES[design["example"]].example.z0)
     return turn(design) @ z0 if design["example"] == TWO and design["carried"] else z0
-
-
-def criterion_1(s: np.ndarray, design: Design) -> np.ndarray:
-    """The three parts of J of example 1 over s (3, n): (α₁ + α₂)|s|, β|s² + 4s + 3|, γ|50 + 30s|; equal in all norms."""
-    return np.array([(1 + design["second"]) * design["alpha"] * np.abs(s), design["beta"] * np.abs(s * s + 4 * s + 3),
-                     design["gamma"] * np.abs(50 + 30 * s)])
-
-
-def criterion_2(s1: np.ndarray, s2: np.ndarray, design: Design) -> np.ndarray:
-    """The three parts of J of example 2 over s1, s2 (3, …): both real, or conjugate (Re and Im are then the rows).
-
-    Every matrix in J has one column that is not zero: J = (α₁ + α₂)‖W 1‖ + β‖W l′‖ + γ|1 + s1 + s2 − s1 s2|.
-    """
-    pair = np.iscomplexobj(s1)
-    l1, l2 = (-s * (s + 1) * (s + 2) for s in (s1, s2))
-    ones = np.array([1.0, 0.0 if pair else 1.0])
-    rows = np.array([np.real(l1), -np.imag(l2) if pair else l2])
-    order = {1: 1, 2: 2, "inf": np.inf}[norm_of(design)]
-    W = turn(design)
-    known = np.full(np.shape(s1), (1 + design["second"]) * design["alpha"] * np.linalg.norm(W @ ones, order))
-    seen = design["beta"] * np.linalg.norm(np.tensordot(W, rows, 1), order, axis=0)
-    return np.array([known, seen, design["gamma"] * np.abs(np.real(1 + s1 + s2 - s1 * s2))])
-
-
-def steering(s1: np.ndarray, s2: np.ndarray) -> np.ndarray:
-    """Largest entry of |N| of example 2 for W = I and real poles: N = ±[1 − s2, s1 − 1]/(s2 − s1)."""
-    apart = np.maximum(np.abs(s2 - s1), 1e-12)
-    return np.maximum(np.abs(1.0 - s2), np.abs(1.0 - s1)) / apart
 
 
 def shown(run: FunctionalRun) -> FunctionalRun:
@@ -247,7 +226,7 @@ def compute(design: Design) -> Outcome[Story]:
 
 def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
     """How far e_u on the model is from that of W = I started at the published z(0)."""
-    if design["example"] == ONE:
+    if design["example"] != TWO:
         return 0.0
     example = CASES[TWO].example
     plain = simulate_functional(observer_of(design, np.eye(2)), push, x0=example.x0, z0=example.z0, horizon=HORIZON,
@@ -272,10 +251,16 @@ def _stage(body: Body, run: FunctionalRun) -> Stage:
     return Stage(body, run.t, true, ghost, np.clip(given, -MOST, MOST))
 
 
+LAWS = MappingProxyType({
+    ONE: r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3",
+    TWO: r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}",
+    THREE: r"F = \mathrm{diag}(s_1, s_2),\; N = (K - M'C)\,T^{-1},\; M = M'",
+})
+
+
 def _formulas(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
     sign = text("The paper prints u = +K x. Here u = −K x̂: its K, N and M change sign; F, T and L do not.")
-    law = (r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3" if design["example"] == ONE else
-           r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}")
+    law = LAWS[design["example"]]
     return (
         Formula("law", law),
         Formula("J", rf"J = \textstyle\sum_i \alpha_i\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),

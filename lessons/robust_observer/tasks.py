@@ -1,4 +1,4 @@
-"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper, a wrong sensor, two roads."""
+"""Tasks of the lesson: the kink of J, two observers that are one, the slips of the printed paper, a state without a say, a wrong sensor."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
-from .knobs import COLUMNS, LINES, ONE, REMARKS, TWO
+from .knobs import COLUMNS, LINES, ONE, REMARKS, THREE, TWO
 from .paper import PRINTED_SIZES, claimed_columns, free_columns, remark_3, true_size
 from .study import BEST, Story, turn
 
 FLOOR_J = 38 / 9
+SILENT = 0.01  # of the larger entry of N: a state that has no say
 SLOWEST, DIRECT, NEAR, STEERS = -1.1, 3.5, 0.2, 2.2  # of the two roads: Re s, |M| and how near, entries of N
 
 
@@ -84,6 +85,19 @@ def _two_roads(outcome: Outcome[Story]) -> Verdict:
     return Verdict(True, text("|M| = {direct:.3g}, and no entry of N is above {size:.3g}.", direct=direct, size=size))
 
 
+def _no_say(outcome: Outcome[Story]) -> Verdict:
+    d = outcome.design
+    if d["example"] != THREE or any(p.imag for p in outcome.poles["observer"]):
+        return Verdict(False, text("Take Example 1 with one observer state more, and keep both poles real."))
+    N = outcome.gains["N"][0]
+    silent = int(np.argmin(np.abs(N)))
+    if abs(N[silent]) > SILENT * np.abs(N).max():
+        return Verdict(False, text("N = ({first:.3g}, {second:.3g}): both states still speak.", first=N[0], second=N[1]))
+    left = d["pair"][1 - silent].real
+    return Verdict(True, text("N = ({first:.3g}, {second:.3g}): what is left is the first-order observer with its pole at {left:.3g}.",
+                              first=N[0], second=N[1], left=left))
+
+
 WRONG_SENSOR = Typed("(k-a)*(l-a)/(k*l)", ("a", "k", "l"), slips=(
     ("(k-a)/k", text("That is for y fed back at once, u = −k y; the observer costs a factor as well.")),
     ("1-(k-a)*(l-a)/(k*l)", text("That is the share that must still be read; d is what may be missing."))))
@@ -96,6 +110,8 @@ TASKS = (
         ("n*r", text("With that, N′T′ is r² N T; the product is to stay.")),))),
     Task("sizes", _sizes, {"example": TWO, "line": "LC", "columns": "mp"},
          Typed("m + p - r", ("m", "p", "r"))),
+    Task("no-say", _no_say, {"example": THREE, "free": 25.0}, Typed("-50 - 30*s", ("s",), (
+        ("50 + 30*s", text("That is M in the paper's sign, u = +K x; the page has u = −K x̂.")),))),
     pencil("wrong-sensor", WRONG_SENSOR),
     Task("two-roads", _two_roads, {"example": TWO, "pair": (-1.1 - 1.05j, -1.1 + 1.05j)}),
 )

@@ -241,7 +241,8 @@ def functional(c: Case, z: Units) -> Answer:
         return {}
     K = design.lqr(c.plant.A, c.plant.B, c.Q, c.R).gain[:1]
     found = observers.functional_observer(c.plant, K, c.plant.n - c.plant.p)
-    return {"poles": len(found.poles), "met": found.output_residual < 1e-6}
+    reach = observers.existence(c.plant, K, found.poles)
+    return {"poles": len(found.poles), "met": found.output_residual < 1e-6, "ranks": [reach.rank, reach.with_K, reach.free]}
 
 
 def sampled(c: Case, z: Units) -> Answer:

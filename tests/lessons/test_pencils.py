@@ -240,6 +240,12 @@ def wrong_sensor(v: Letters) -> float:
     return 5.0 * at[0] / (at[0] - at[1])
 
 
+def no_say(v: Letters) -> float:
+    """The direct path at which the second of two states falls silent, from two points of the line N(M) = (K − MC)T⁻¹."""
+    at = [float((np.array([30.0, -50.0 - M]) @ np.linalg.inv(np.array([[1.0, v["s"]], [1.0, v["s"] - 2.0]])))[1]) for M in (0.0, 9.0)]
+    return 9.0 * at[0] / (at[0] - at[1])
+
+
 def blind_input(v: Letters) -> float:
     C = np.array([1.0, v["g"]])
     at = [float(np.linalg.det([C, C @ np.array([[0.0, 1.0], [u * v["f"], -v["b"]]])])) for u in (0.0, 5.0)]
@@ -258,7 +264,7 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("robust-observer", "one-observer"): one_observer,
     ("decoupling", "zero"): zero, ("weak-states", "almost-twins"): almost_twins, ("nonlinear", "drag"): drag,
     ("network", "noisy-readings"): noisy_readings, ("sandbox", "stroboscope"): stroboscope,
-    ("robust-observer", "wrong-sensor"): wrong_sensor, ("bilinear-observer", "blind-input"): blind_input,
+    ("robust-observer", "wrong-sensor"): wrong_sensor, ("robust-observer", "no-say"): no_say, ("bilinear-observer", "blind-input"): blind_input,
     ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
 }
 COUNTED = {("robust-observer", "remark-3"), ("robust-observer", "sizes")}  # ratios and numbers of rows, which the lesson's sizes show

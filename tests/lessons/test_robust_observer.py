@@ -12,11 +12,12 @@ from app.engine import EngineError, ShapeError, functional_observer, rlo, simula
 from app.engine.observers import Region, vertices, worst_error_gain
 from app.lesson.knobs import KnobError
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, push
+from lessons.robust_observer.criterion import criterion_1, criterion_2, steering
 from lessons.robust_observer.job import swept
 from lessons.robust_observer.knobs import COLUMNS, LINES, REMARKS
 from lessons.robust_observer.lesson import LESSON
 from lessons.robust_observer.paper import claimed_columns, free_columns, remark_3, true_size
-from lessons.robust_observer.study import FREQUENCIES, criterion_1, criterion_2, errors, observer_of, steering
+from lessons.robust_observer.study import FREQUENCIES, errors, observer_of
 
 START = LESSON.start()
 SECOND = LESSON.apply(START, {"example": "2"})

@@ -409,6 +409,15 @@ def _misses(shown: Shown, words: Text) -> None:
     near(value(words, "late_error"), min(float(far[301:].max()), 1e3), 1e-4)
 
 
+def _fixed(shown: Shown, words: Text) -> None:
+    """N and M are the only solution: the rows of [T; C] span K, and none depends on the others."""
+    g, C = shown.outcome.gains, shown.outcome.study.observer.plant.C
+    rows = np.vstack([g["T"], C])
+    solved = np.linalg.lstsq(rows.T, g["K"].T, rcond=None)[0].T @ rows
+    near(value(words, "rank"), float(len(rows)))
+    assert np.linalg.norm(solved - g["K"]) < 1e-8 * np.linalg.norm(g["K"]) and np.linalg.matrix_rank(rows, tol=1e-12) == len(rows)
+
+
 def _settles(shown: Shown, words: Text) -> None:
     late = float(missed(shown)[301:].max())
     assert late < 1.21 * value(words, "steady") + 1e-6, f"at the end it is still {late:.3g}"
@@ -491,6 +500,7 @@ WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
     "|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.": _law,
     "With the true plant the loop is unstable.": _unstable_loop,
     "On the true plant û misses the wanted input by up to {late_error:.2g} at the end.": _misses,
+    "The {rows} rows of [T; C] have rank {rank}, and with K no more: N and M exist and are fixed.": _fixed,
     "With the true plant e_u settles to an amplitude of {steady:.2g}; on the model it dies out.": _settles,
     "Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.": _leaves_a_trace(False),
     "No mode is hidden (nearest: {d}), yet this run fixes only {known} of {n} directions to a tenth; rank(O) = {rank}.":

@@ -4,6 +4,7 @@ from .bilinear import BilinearForm, BilinearObserver, BilinearPlant
 from .bilinear_run import BilinearRun
 from .door import (
     Attempt,
+    Existence,
     Region,
     RobustObserver,
     alarm_probability,
@@ -14,6 +15,7 @@ from .door import (
     error_index,
     error_transfer,
     every_entry,
+    existence,
     functional_observer,
     isolate,
     needed_noncentrality,
@@ -45,6 +47,7 @@ __all__ = [
     "BilinearPlant",
     "BilinearRun",
     "Decoupling",
+    "Existence",
     "FaultBank",
     "FunctionalObserver",
     "FunctionalRun",
@@ -62,6 +65,7 @@ __all__ = [
     "error_index",
     "error_transfer",
     "every_entry",
+    "existence",
     "functional_observer",
     "isolate",
     "needed_noncentrality",

@@ -29,6 +29,8 @@ from ..systems.gates import (
 )
 from ..systems.plant import Plant
 from . import bilinear, bilinear_run, fault_bank, functional, functional_loop, perturbation, unknown_input
+from .existence import Existence as Existence  # through the door: its module has the name of a call
+from .existence import existence as _existence
 from .residual_threshold import alarm_probability as _alarm_probability
 from .residual_threshold import binomial_band as _binomial_band
 from .residual_threshold import needed_noncentrality as _needed_noncentrality
@@ -76,6 +78,7 @@ simulate_functional = gated(observer=_OBSERVER, v=optional(FUNCTION), x0=_MAYBE,
 worst_error_gain = gated(observer=_OBSERVER, errors=items(pair(_MATRIX, matrix()), 1_000_000))(functional_loop.worst_error_gain)
 functional_observer = gated(plant=_PLANT, K=_MATRIX, order=count(-1000), poles=POLES, directions=array(imaginary=True), W=_MATRIX,
                             free=_MATRIX, wrong=_WRONG, norm=_NORM)(functional.functional_observer)
+existence = gated(plant=_PLANT, K=_MATRIX, poles=POLES)(_existence)
 isolate = gated(alarms=array(), signature=array())(fault_bank.isolate)
 residual_generator = gated(model=instance(LinearFilter), name=NAME, outputs=_INDICES, E=_MATRIX)(fault_bank.residual_generator)
 rlo = gated(**_SEARCH)(_rlo)
