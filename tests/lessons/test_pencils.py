@@ -264,7 +264,8 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("robust-observer", "one-observer"): one_observer,
     ("decoupling", "zero"): zero, ("weak-states", "almost-twins"): almost_twins, ("nonlinear", "drag"): drag,
     ("network", "noisy-readings"): noisy_readings, ("sandbox", "stroboscope"): stroboscope,
-    ("robust-observer", "wrong-sensor"): wrong_sensor, ("robust-observer", "no-say"): no_say, ("bilinear-observer", "blind-input"): blind_input,
+    ("robust-observer", "wrong-sensor"): wrong_sensor, ("robust-observer", "no-say"): no_say,
+    ("bilinear-observer", "blind-input"): blind_input,
     ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
 }
 COUNTED = {("robust-observer", "remark-3"), ("robust-observer", "sizes")}  # ratios and numbers of rows, which the lesson's sizes show
