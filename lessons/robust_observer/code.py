@@ -43,7 +43,8 @@ def own_code(units: Scaled, outcome: Outcome[OwnStory], K: np.ndarray, dA: np.nd
         Given("K_all", K, "the controller's gain, of the many with its poles the page's"),
         Given("L_free", np.linalg.solve(o.W, o.L), "for each pole a direction may be chosen: the page's choice, in rows of real poles and "
                                                    "of Re and Im of pairs"),
-        Given("M_open", False), Given("M_chosen", 0.0), Given("units", units.unit, "typical sizes of the states"), Given("lengths", lengths(o.T * units.unit), "of the rows of T in them"),
+        Given("M_open", False), Given("M_chosen", 0.0), Given("units", units.unit, "typical sizes of the states"),
+        Given("lengths", lengths(o.T * units.unit), "of the rows of T in them"),
         Given("wanted_input", story.fed, "whether an input is wanted, or a state"),
         Given("j", int(d["wanted"][1:]) - 1 if story.fed else 0, "the input that v is added to"),
         *_weights(d, outcome.poles["observer"], d["alpha"]), Given("x_start", true.x[0]), Given("h", horizon / (len(true.t) - 1), "s"),
@@ -69,7 +70,8 @@ def _found(outcome: Outcome[Story] | Outcome[OwnStory]) -> tuple[Shown, ...]:
     gains = outcome.gains
     natural = float(np.abs(gains["K"]).max() / np.abs(gains["T"]).max())  # of N, which is zero where y says what is wanted
     direct = float(np.abs(gains["K"]).max() / np.abs(outcome.study.observer.plant.C).max())  # of M, which may be zero too
-    return (*(Shown(name, gains[name]) for name in "FTL"), Shown("M", gains["M"], max(direct, float(np.abs(gains["M"]).max()))), Shown("N", gains["N"], max(natural, float(np.abs(gains["N"]).max()))),
+    return (*(Shown(name, gains[name]) for name in "FTL"), Shown("M", gains["M"], max(direct, float(np.abs(gains["M"]).max()))),
+            Shown("N", gains["N"], max(natural, float(np.abs(gains["N"]).max()))),
             Shown("J", outcome.metrics["J"]),
             Shown("eigvals(F)", outcome.poles["observer"], poles=True), Shown("eigvals(loop)", outcome.poles["loop"], poles=True),
             Shown("slowest_loop", outcome.metrics["slowest_loop"], float(np.abs(outcome.poles["loop"]).max())))

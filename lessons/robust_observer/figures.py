@@ -102,7 +102,8 @@ def _criterion(outcome: Outcome[Story]) -> PlaneFigure:
         words = text("J = {j:.4g} at s = {poles_real:.3g}. The kink of the green part is where M = 0: s = −5/3.",
                      j=J, poles_real=poles[0].real)
     elif poles[0].imag:
-        curves = [Curve(same("J"), of_two(AXIS + 1j * abs(poles[0].imag), AXIS - 1j * abs(poles[0].imag), design).sum(axis=0), "plant", x=AXIS)]
+        curves = [Curve(same("J"),
+                        of_two(AXIS + 1j * abs(poles[0].imag), AXIS - 1j * abs(poles[0].imag), design).sum(axis=0), "plant", x=AXIS)]
         title = text("J over Re s, Im s kept")
         words = text("J = {j:.4g} in the norm {design}.", j=J, design=_norm(design))
     else:
