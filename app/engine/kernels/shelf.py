@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from . import clipped, exits, held, recursion, small
+from . import clipped, exits, geared, held, recursion, small
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
@@ -36,6 +36,8 @@ SIGNATURES = MappingProxyType({
     recursion.root_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2}," + _STEPS,
     clipped.march: f"i8({_2},i8[::1],i8,{_3},{_2},{_2},{_1},i8[::1],b1[::1],i8[::1],{_2},{_2},{_3},i8[:,::1],{_4},{_3},{_3},"
                    f"{_3},{_1},f8,i8,i8)",
+    geared.contact_steps: f"i8({_2},i8[::1],{_2},{_3},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_1},{_1},"
+                            f"{_1},{_1},{_1},{_1},i8[::1],f8,i8,f8,i8,i8)",
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
 })
 PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor,

@@ -8,6 +8,8 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..kernels import given, kernel
+from ..kernels.geared import contact_steps
 from ..systems.errors import EngineError, ShapeError
 from ..systems.gates import choice, count, number, passed, vector
 from ..systems.plant import Plant
@@ -131,9 +133,10 @@ def _march(s: Scenario, loop: Loop, gear: Gear) -> tuple[np.ndarray, np.ndarray,
     modes: dict[tuple[int, ...], tuple[Contact, np.ndarray]] = {}
     F, E, step, low, high = loop.F, loop.E, gear.step, s.u_min.tolist(), s.u_max.tolist()
     states, contact, v = np.empty((s.n_t, len(d.z0))), np.zeros(s.n_t, dtype=int), np.zeros((s.n_t, s.plant.p))
-    z, side, k = d.z0, 0, 0
-    for k in range(s.n_t):
-        states[k], contact[k] = z, side
+    stretch = _Stretch(states, contact, v, d.jumps, r, loop, C, s, step, bound)
+    states[0], side, k = d.z0, 0, 0
+    while True:
+        z, contact[k] = states[k], side
         if not np.abs(z).max() < bound:
             break
         if step:
@@ -145,8 +148,8 @@ def _march(s: Scenario, loop: Loop, gear: Gear) -> tuple[np.ndarray, np.ndarray,
             modes[key] = _mode(s, loop, gear, np.array(key), r)
         motion, push = modes[key]
         z, side = motion.advance(z, push[k] + E @ v[k] if step else push[k], side)
-        if d.jumps is not None:
-            z = z + d.jumps[k]
+        states[k + 1] = z if d.jumps is None else z + d.jumps[k]
+        k = stretch.go_on(k + 1, motion, push, key, side)
     count = k + 1 if np.abs(states[k]).max() < bound else k
     return states[:count], states[:count, gear.angle], contact[:count], v[:count]
 
@@ -157,3 +160,24 @@ def _mode(s: Scenario, loop: Loop, gear: Gear, sign: np.ndarray, r: np.ndarray) 
     held = np.where(sign > 0, s.u_max, np.where(sign < 0, s.u_min, 0.0))
     motion = Contact(loop.closed(free), (gear.angle, gear.speed), (n - 2, n - 1), (gear.inner, gear.outer), gear.gap / 2, s.dt)
     return motion, loop.forcing(free, held, r, np.zeros((len(r), s.plant.p)))
+
+
+class _Stretch:
+    """The steps in which neither contact nor clipping changes, by a kernel; none without it."""
+
+    def __init__(self, states: np.ndarray, contact: np.ndarray, v: np.ndarray, jumps: np.ndarray | None, r: np.ndarray, loop: Loop,
+                 C: np.ndarray, s: Scenario, step: float, bound: float) -> None:
+        self._work, self._last, self._bound = kernel(contact_steps), s.n_t - 1, bound
+        if self._work is not None:
+            self._filled = states, contact, v
+            self._read = (given(np.empty((0, states.shape[1])) if jumps is None else jumps), given(loop.E), given(C), float(step),
+                          given(loop.F), given(r), given(s.u_min), given(s.u_max))
+
+    def go_on(self, k: int, motion: Contact, push: np.ndarray, key: tuple[int, ...], side: int) -> int:
+        """The step up to which all is filled: k, or later."""
+        if self._work is None:
+            return k
+        flow, torque = (motion.together if side or not motion.half else motion.apart)[0], np.abs(motion.torque)
+        return self._work(*self._filled, given(np.array(flow)), given(push), *self._read, np.array(key, dtype=float),
+                          given(motion.row), given(motion.torque), given(torque @ np.abs(motion.A)),
+                          np.array([motion.inner[0], motion.outer[0]]), float(motion.half), side, self._bound, k, self._last)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -25,7 +26,7 @@ from app.engine import (
 from app.engine.kernels import SHELF, prepare_kernels, shelf
 from app.engine.kernels.shelf import SIGNATURES
 from app.engine.sampled import Hardware, SampledLoop, sampled_controller, simulate_trials
-from app.engine.simulation import Run, simulate_recovery, simulate_starts
+from app.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
 
 Parts = dict[str, np.ndarray]
 
@@ -86,6 +87,11 @@ def trials(steps: int, runs: int, **hardware: float) -> Parts:
     return {"density": found.density, "rms": found.rms, "peak": found.peak, "clipped": found.clipped}
 
 
+def geared(s: Scenario, **gear: object) -> Parts:
+    found = simulate_geared(s, Gear(0, 1, 0.3, 0.7, [-10.0, 0.0], **gear))
+    return {"x": found.run.x, "xhat": found.run.xhat, "v": found.run.v, "inner": found.inner, "contact": found.contact.astype(float)}
+
+
 NOISE = {"W": 0.1 * np.eye(2), "V": 1e-3 * np.eye(1), "G": np.eye(2)}
 KICKED = {"impulses": ((0.055, [0.5, 0.3]), (0.07, [0.1, 0.0]), (0.2, [-1.0, 0.0]))}
 FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
@@ -105,6 +111,11 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
     for hardware in ({"limit": 0.3}, {"step": 1e-3}, {"limit": 0.3, "step": 1e-3, "delay": 0.013}, {"limit": 1e-3, "walk": 0.1}):
         yield f"trial {hardware}", partial(trial, steps, **hardware)
         yield f"trials {hardware}", partial(trials, steps, 3, **hardware)
+    once = Plant([[0, 1], [-30, -0.1]], [[0], [1]], [[1, 0]])
+    arm = Scenario(once, [[40.0, 9.0]], [[30.0], [200.0]], x0=[0.3, 0.0], horizon=horizon, dt=0.01, reference=[2.0])
+    for clip, gear in (({}, {"gap": 0.05}), (KICKED, {"gap": 0.02, "step": 1e-3, "sensor": "outer"}),
+                       ({"u_min": -3, "u_max": 2}, {"gap": 0.05, "step": 1e-3}), ({}, {})):
+        yield f"geared {[*clip]} {gear}", partial(geared, replace(arm, **clip), **gear)
     falling = Scenario(FALLING, [[5.0, 4.0]], [[12.0], [37.0]], horizon=horizon / 8, u_min=-1, u_max=1, **KICKED)
     yield "map", partial(mapped, falling, 5, 10.0)
     yield "map in slices", partial(mapped, falling, 3, 0.0)
