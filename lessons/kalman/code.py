@@ -8,7 +8,7 @@ from app.engine.systems import root
 from app.lesson.code import Code, Given, Shown
 from app.lesson.lesson import Outcome
 
-from .filters import ADC, LEARNING, SIGMA, SINE, SPREAD, drawn_jumps, truth, tuned
+from .filters import ADC, SIGMA, SINE, SPREAD, drawn_jumps, truth, tuned
 from .knobs import CARRIED, COUNT, DT, MODEL, WHITE
 from .own import SKIP as OWN_SKIP
 from .own import Study as OwnStudy
@@ -30,7 +30,6 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("white", d["noise"] == WHITE), Given("carried", d["noise"] == CARRIED, "the filter carries the converter's noise as states"),
         Given("relax", a, "factors of the relaxations whose sum is the converter's 1/f noise"), Given("relax_variance", each),
         Given("q", d["q"], "believed / true Q"), Given("r", d["r"], "believed / true R"), Given("p0", d["p0"]),
-        Given("learning", LEARNING if d["noise"] == CARRIED else COUNT, "samples after which the final gain is taken"),
         Given("kick_at", round(d["kick"] / DT) if d["kick"] >= 0 else -1, "the sample at which x jumps, -1: never"),
         Given("kick", MODEL.kick), Given("skip", SKIP, "samples that no test looks at"), Given("seed", int(d["seed"])),
     ), (

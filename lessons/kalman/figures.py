@@ -116,8 +116,7 @@ def _gain(outcome: Outcome[Study]) -> LineFigure:
     curves = [curve for i, j, name, role in shown for curve in (
         Curve(same(name), M[:, i, j], role), Curve(same(f"{name} ∞"), np.full(100, goal[i, j]), "reference", "dot", 1.2))]
     return LineFigure("gain", text("entries of the gain M"), _time(outcome)[:100], tuple(curves), "M", tab=GAIN_TAB,
-                      window=(-0.1, 0.6), caption=text(
-                          "Dotted: the gain that the Riccati equation promises for ever."))
+                      window=(-0.1, 0.6), caption=text("Dotted: the gain that the Riccati equation promises for ever."))
 
 
 def _distance(outcome: Outcome[Study]) -> LineFigure:
@@ -125,11 +124,12 @@ def _distance(outcome: Outcome[Study]) -> LineFigure:
     goal = s.watcher.steady.filter_gain
     away = np.abs(s.track.gains - goal).max(axis=(1, 2)) / np.abs(goal).max()
     late = np.flatnonzero(away > 0.01)
-    after = DT * (late[-1] + 1) if len(late) else 0.0
+    after, left = DT * (late[-1] + 1) if len(late) else 0.0, 100 * float(away[-1])
     return LineFigure("distance", text("distance to the Riccati gain"), _time(outcome),
                       (Curve(text("relative distance"), np.maximum(away, 1e-12), "error"),), "‖M − M∞‖ / ‖M∞‖",
                       log_y=True, window=(1e-10, 1.0), tab=GAIN_TAB,
-                      caption=text("Within 1 % after {after:.2f} s. No reading has any part in this.", after=after))
+                      caption=claim(text("Within 1 % after {after:.2f} s. No reading has any part in this.", after=after), left, below=1.0,
+                                    otherwise=text("At the end still {left:.2g} % away. No reading has any part in this.", left=left)))
 
 
 def _forms(outcome: Outcome[Study]) -> LineFigure:

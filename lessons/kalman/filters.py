@@ -24,7 +24,6 @@ SCALE = 1 / np.outer(SPREAD, SPREAD)
 HUGE = 1e6  # a covariance that has lost all sense is cut to this
 SINE = 0.16  # Hz, of the report's figure 11
 ADC = AdcNoise(SIGMA, 6.0, 0.9, DT)
-LEARNING = 60  # samples that the filter with 22 states takes its gain from the recursion
 STEPS = 25  # for the comparison of the two updates
 
 
@@ -85,7 +84,7 @@ class Watcher:
     independent: float
 
 
-@lru_cache(maxsize=16)
+@lru_cache(maxsize=8)
 def watcher(noise: str, q: float, r: float, p0: float) -> Watcher:
     """The filter that believes q times the true Q, r times the true R and p0 times the true spread of the start."""
     kf = tuned()
@@ -99,7 +98,7 @@ def watcher(noise: str, q: float, r: float, p0: float) -> Watcher:
         P[:6, :6], P[:6, 6:], P[6:, :6] = np.diag(p0 * SPREAD**2), 0.0, 0.0
         P[6:, 6:] = np.kron(np.eye(4), ADC.relaxations[1] * np.eye(len(ADC.relaxations[0])))
         start = Belief(np.zeros(kf.n), P)
-        return Watcher(kf, steady, _then_steady(kf, steady, kf.schedule(start, LEARNING)), start, _independent(kf))
+        return Watcher(kf, steady, kf.schedule(start, COUNT), start, _independent(kf))
     kf, start = _believing(q, r * (ADC.variance / SIGMA**2 if noise == COLOURED else 1.0), p0)
     return Watcher(kf, kf.steady, kf.schedule(start, COUNT), start, _independent(kf))
 
@@ -115,14 +114,6 @@ def _believing(q: float, r: float, p0: float) -> tuple[KalmanFilter, Belief]:
     """The filter with six states and its belief before the first reading."""
     kf = tuned()
     return KalmanFilter(kf.A, kf.B, kf.C, q * kf.Q, r * kf.R, dt=DT), Belief(np.zeros(6), np.diag(p0 * SPREAD**2))
-
-
-def _then_steady(kf: KalmanFilter, steady: DiscreteFilter, first: Schedule) -> Schedule:
-    """A schedule that goes over to the Riccati solution after its first samples, where the two hardly differ."""
-    S = kf.C @ steady.solution @ kf.C.T + kf.R
-    last = (steady.solution, steady.filtered, S, steady.filter_gain)
-    parts = (first.prior, first.posterior, first.S, first.gains)
-    return Schedule(COUNT, *(np.concatenate([part, end[None]]) for part, end in zip(parts, last, strict=True)))
 
 
 def watch(who: Watcher, what: Truth) -> Track:

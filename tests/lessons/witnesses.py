@@ -436,12 +436,7 @@ def _leaves_a_trace(all_of_them: bool) -> Callable[[Shown, Text], None]:
 
 
 def _squares(shown: Shown, words: Text) -> None:
-    """NIS and NEES of a filter written out here: predict, update by Joseph's form, after the first two seconds.
-
-    With the converter's noise carried along, the page's filter takes the settled gain after sixty samples: another filter.
-    """
-    if shown["noise"] == "carried":
-        return
+    """NIS and NEES of a filter written out here: predict, update by Joseph's form, after the first two seconds."""
     kf, start, record = shown.outcome.study.watcher.filter, shown.outcome.study.watcher.start, shown.outcome.study.truth
     x, P, nis, nees = start.mean, start.covariance, [], []
     for k, y in enumerate(record.y):
