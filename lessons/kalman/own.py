@@ -178,12 +178,13 @@ def _gain(outcome: Outcome[Study]) -> LineFigure:
 def _distance(outcome: Outcome[Study]) -> LineFigure:
     found = outcome.study.found
     late = np.flatnonzero(found.distance > 0.01)
-    after = f"{found.run.t[min(late[-1] + 1, len(found.run.t) - 1)]:.3g}" if len(late) else "0"
+    after, left = f"{found.run.t[min(late[-1] + 1, len(found.run.t) - 1)]:.3g}" if len(late) else "0", 100 * float(found.distance[-1])
     return LineFigure("distance", text("distance to the Riccati gain"), found.run.t,
                       (Curve(text("relative distance"), np.maximum(found.distance, 1e-12), "error"),),
                       "‖M − M∞‖ / ‖M∞‖", log_y=True,
-                      window=(1e-10, 1.0), tab=GAIN_TAB, caption=text(
-                          "Within 1 % after {after} s. No reading has any part in this.", after=after))
+                      window=(1e-10, 1.0), tab=GAIN_TAB,
+                      caption=text("Within 1 % after {after} s. No reading has any part in this.", after=after) if left <= 1 else
+                      text("At the end still {left:.2g} % away. No reading has any part in this.", left=left))
 
 
 def _innovation(model: Model, outcome: Outcome[Study]) -> LineFigure:

@@ -146,10 +146,11 @@ def gain_figure(found: Trial | Refusal) -> LineFigure:
     if isinstance(found, Refusal):
         return empty_time("gain", title, NOISE_TAB, why(found))
     late = np.flatnonzero(found.distance > 0.01)
-    after = f"{found.t[min(late[-1] + 1, len(found.t) - 1)]:.3g}" if len(late) else "0"
+    after, left = f"{found.t[min(late[-1] + 1, len(found.t) - 1)]:.3g}" if len(late) else "0", 100 * float(found.distance[-1])
     return LineFigure("gain", title, found.t, (Curve(text("relative distance"), np.maximum(found.distance, 1e-12), "error"),),
                       "‖M − M∞‖ / ‖M∞‖", log_y=True, window=(1e-8, 1.0), tab=NOISE_TAB,
-                      caption=text("Within 1 % after {after} s; no reading has any part in this.", after=after))
+                      caption=text("Within 1 % after {after} s; no reading has any part in this.", after=after) if left <= 1 else
+                      text("At the end still {left:.2g} % away. No reading has any part in this.", left=left))
 
 
 # --- robustness --------------------------------------------------------------------------------------------------------

@@ -11,7 +11,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 from attack import outcome_of, random_designs, single_moves
-from witnesses import WITNESSES, Shown
+from witnesses import Shown
+from witnesses_of_noise import WITNESSES
 
 from app.lesson.claims import Claim, claims_in
 from app.lesson.lesson import Design, Lesson
@@ -30,9 +31,10 @@ class Trial:
 
 
 def extremes(lesson: Lesson) -> list[Design]:
-    """The start, and every knob at its stops and options by itself."""
+    """The start, every knob at its stops and options by itself, and what solves each task: where sentences of success are said."""
     start = lesson.start()
-    return [start, *(lesson.apply(start, dict(moves)) for moves in single_moves(lesson))]
+    return [start, *(lesson.apply(start, dict(moves)) for moves in single_moves(lesson)),
+            *(lesson.apply(start, dict(task.solution)) for task in lesson.tasks if task.solution)]
 
 
 def spoken(lesson: Lesson, design: Design) -> Iterator[tuple[Shown, object]]:

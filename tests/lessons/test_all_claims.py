@@ -9,7 +9,7 @@ from claim_trials import extremes, tried
 from hypothesis import given
 from hypothesis import strategies as st
 from lesson_checks import CJK, every_lesson
-from witnesses import WITNESSES
+from witnesses_of_noise import WITNESSES
 
 from app.lesson.claims import Claim, claim, claims_in
 from app.lesson.lesson import Lesson

@@ -1,0 +1,140 @@
+"""Witnesses for what filters, regulators and the platform's loops claim: variances and poles found from the matrices by other means."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import mpmath
+import numpy as np
+from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_are, solve_discrete_lyapunov
+from witnesses import WITNESSES as FIRST
+from witnesses import Shown, near, value
+
+from app.lesson.figures import LineFigure
+from app.text import Text
+from lessons.decoupling.loops import SLOWEST, lower_of, platform_of
+from lessons.kalman.filters import ADC, tuned
+from lessons.lqg.loops import gains, setting_of
+from lessons.weak_states.regulator import weights_of
+
+LAST = 1.0  # percent of the final gain
+COILS = 3
+
+
+# --- kalman ------------------------------------------------------------------------------------------------------------
+def _within_a_percent(shown: Shown, words: Text) -> None:
+    """The gain by the recursion written out, beside that of scipy's Riccati solution."""
+    who = shown.outcome.study.watcher
+    kf, P = who.filter, who.start.covariance
+    S = solve_discrete_are(kf.A.T, kf.C.T, kf.Q, kf.R)
+    goal = np.linalg.solve(kf.C @ S @ kf.C.T + kf.R, kf.C @ S).T
+    away, after = [], round(value(words, "after") / 0.04)
+    for _ in range(301):
+        M = np.linalg.solve(kf.C @ P @ kf.C.T + kf.R, kf.C @ P).T
+        keep = np.eye(kf.n) - M @ kf.C
+        P = kf.A @ (keep @ P @ keep.T + M @ kf.R @ M.T) @ kf.A.T + kf.Q
+        away.append(100 * float(np.abs(M - goal).max() / np.abs(goal).max()))
+    assert max(away[after:]) < 1.01 * LAST, f"{max(away[after:]):.3g} % away later on"
+    assert after == 0 or away[after - 1] > 0.99 * LAST, "it was as near before"
+
+
+def _right_about_itself(shown: Shown, _: Text) -> None:
+    """Mean NIS and NEES over all records, from truth, the converter's relaxations and filter written out as one noisy system."""
+    who, real = shown.outcome.study.watcher, tuned()
+    kf, M = who.filter, who.steady.filter_gain
+    a, each = ADC.relaxations if shown["noise"] != "white" else (np.zeros(0), 0.0)
+    n, b, k = 6, 4 * len(a), kf.n
+    C = np.hstack([real.C, np.kron(np.eye(4), np.ones((1, len(a))))])  # y = C (x, b) + white noise
+    moves = block_diag(real.A, np.kron(np.eye(4), np.diag(a))) if b else real.A
+    drive = block_diag(real.Q, each * np.kron(np.eye(4), np.diag(1 - a**2))) if b else real.Q
+    A = np.block([[moves, np.zeros((n + b, k))], [kf.A @ M @ C, kf.A - kf.A @ M @ kf.C]])
+    noise = np.vstack([np.zeros((n + b, 4)), kf.A @ M]) * 1e-3
+    Z = solve_discrete_lyapunov(A, block_diag(drive, np.zeros((k, k))) + noise @ noise.T)
+    nu = np.hstack([C, -kf.C])
+    e = np.hstack([np.eye(n, n + b), -np.eye(n, k)]) - M[:n] @ nu
+    P, S = who.steady.solution, kf.C @ who.steady.solution @ kf.C.T + kf.R
+    seen = nu @ Z @ nu.T + 1e-6 * np.eye(4)
+    after = ((np.eye(k) - M @ kf.C) @ P)[:n, :n]
+    real_error = e @ Z @ e.T + 1e-6 * M[:n] @ M[:n].T
+    m = shown.outcome.metrics
+    for name, mean in (("nis", np.trace(np.linalg.solve(S, seen))), ("nees", np.trace(np.linalg.solve(after, real_error)))):
+        assert m[f"{name}_low"] <= mean <= m[f"{name}_high"], f"the mean of {name} over all records is {mean:.4g}"
+
+
+# --- lqg ---------------------------------------------------------------------------------------------------------------
+def _nearest(shown: Shown, recovered: bool) -> float:
+    """min |1 + ℓ| at the page's input: 1/|S| over frequency, the loop assembled here from A, B, C, K, L."""
+    d, case = shown.outcome.design, shown.outcome.study.case
+    setting = setting_of(case, d)
+    reg, est = gains(case, setting if recovered else setting.plain())
+    A, B, C, K, L = case.plant.A, case.plant.B, case.plant.C, reg.gain, est.gain
+    inner = A - B @ K - L @ (C - np.asarray(case.plant.D) @ K)
+    cut = min(int(dict(d.values).get("cut", "1")), case.plant.m) - 1
+    least = np.inf
+    rates = np.abs(np.concatenate([np.linalg.eigvals(M) for M in (A, inner, A - B @ K, A - L @ C)]))
+    grid = np.geomspace(max(rates.min(), 1e-6 * rates.max()) / 100, 100 * rates.max(), 6000)
+    for s in 1j * np.union1d(grid, rates[rates > 0]):
+        P = C @ np.linalg.solve(s * np.eye(len(A)) - A, B) + np.asarray(case.plant.D)
+        S = np.linalg.inv(np.eye(case.plant.m) + K @ np.linalg.solve(s * np.eye(len(A)) - inner, L) @ P)
+        least = min(least, 1 / abs(S[cut, cut]))
+    return float(least)
+
+
+def _no_farther(shown: Shown, _: Text) -> None:
+    s, now, before = shown.outcome.study, _nearest(shown, True), _nearest(shown, False)
+    assert now <= before * (1 + 1e-3), f"min |1 + ℓ| is {now:.5g}, was {before:.5g}"
+    assert s.cost.total > s.plain_cost.total, "it costs no more"
+
+
+# --- weak states -------------------------------------------------------------------------------------------------------
+def _costs_nothing(shown: Shown, _: Text) -> None:
+    """Average xᵀQx + uᵀRu of both designs on ten states, from Lyapunov's equation of a loop assembled here."""
+    study = shown.outcome.study
+    s, plant, weights = study.system, study.system.plant, weights_of(study.system, shown["v0"])
+    A, B, C, G, cost = plant.A, plant.B[:, :COILS], plant.C, plant.B[:, COILS:], []
+    Q = weights.Q(plant) if shown["pressed"] == "outputs" else 1e10 * s.balanced.left.T @ s.balanced.left
+    for design in (study.compared.full.design, study.compared.small.design):
+        k = design.controller
+        loop = np.block([[A, B @ k.C], [k.B @ C, k.A]])
+        drive = block_diag(G @ weights.W @ G.T, k.B @ weights.V @ k.B.T)
+        X = solve_continuous_lyapunov(loop, -drive)
+        cost.append(float(np.trace(Q @ X[:10, :10]) + np.trace(weights.R @ k.C @ X[10:, 10:] @ k.C.T)))
+    near(cost[1], cost[0], 1e-4)
+
+
+# --- decoupling --------------------------------------------------------------------------------------------------------
+def _drifts(shown: Shown, words: Text) -> None:
+    """The printed controller's poles in fifty digits."""
+    with mpmath.workdps(50):
+        poles = mpmath.eig(mpmath.matrix(shown.outcome.study.controllers.vertical.A.tolist()), right=False)
+        near(value(words, "drift"), float(max(mpmath.re(p) for p in poles)), 6e-3)
+
+
+def _made_unstable(shown: Shown, words: Text) -> None:
+    """Poles of the loop with the pitch controller and without it, assembled channel by channel: u = T diag(C) T_y y."""
+    from app.plants.platform_siso import T_u, T_y
+    c, plant = shown.outcome.study.controllers, platform_of(lower_of(shown.outcome.design))
+    parts, B = (c.vertical, c.rotation, c.horizontal), plant.B[:, :COILS] @ T_u @ shown.outcome.gains["S"]
+
+    def right(loops: tuple[bool, ...]) -> float:
+        used = [(k, p) for k, (p, on) in enumerate(zip(parts, loops, strict=True)) if p is not None and on]
+        A = plant.A + sum((np.outer(B[:, k], T_y[k] @ plant.C) * float(np.asarray(p.D)[0, 0]) for k, p in used), np.zeros_like(plant.A))
+        own = block_diag(*(p.A for _, p in used)) if used else np.zeros((0, 0))
+        push = np.hstack([np.outer(B[:, k], p.C[0]) for k, p in used])
+        seen = np.vstack([np.outer(p.B[:, 0], T_y[k] @ plant.C) for k, p in used])
+        poles = np.linalg.eigvals(np.block([[A, push], [seen, own]]))
+        return float(np.real(poles[np.abs(poles) >= SLOWEST]).max())
+    near(value(words, "right"), right((True, True, True)), 6e-3)
+    assert right((True, False, True)) < 0 <= right((True, True, True)), "closing pitch is not what made it unstable"
+
+
+MORE: Mapping[str, Callable[[Shown, Text], None]] = {
+    "Within 1 % after {after:.2f} s. No reading has any part in this.": _within_a_percent,
+    "No test flags this filter.": _right_about_itself,
+    "Flagged by chance: each test flags a right filter in a few records of a hundred.": _right_about_itself,
+    "Recovery costs more here and brings the loop no farther from −1 at this input.": _no_farther,
+    "Leaving the states out costs nothing that one could measure.": _costs_nothing,
+    "C_v keeps a pole at {drift} rad/s.": _drifts,
+    "Closing pitch has made the loop unstable: rightmost pole {right} rad/s.": _made_unstable,
+}
+WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {**FIRST, **MORE}
