@@ -10,7 +10,6 @@ from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_a
 from witnesses import WITNESSES as FIRST
 from witnesses import Shown, near, value
 
-from app.lesson.figures import LineFigure
 from app.text import Text
 from lessons.decoupling.loops import SLOWEST, lower_of, platform_of
 from lessons.kalman.filters import ADC, tuned
