@@ -26,6 +26,7 @@ from app.plants.platform_channels import T_y
 from app.text import NO_WORDS, Text, joined, same, text, text_in
 
 from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels, lower_of
+from .report import report_figures
 from .study import Study
 
 SPECTRA_TAB, CHANNEL_TAB = text("Spectra"), text("Channels")
@@ -43,12 +44,12 @@ RE_LOW, RE_HIGH, IM_HIGH = -20.0, 5.0, 20.0
 
 
 def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
-    """Spectra, channels, controllers, time, forces: at most three in a tab."""
+    """Spectra, channels, controllers, time, forces, the report's levels: at most three in a tab."""
     return (_spectrum(outcome, 0, "vertical", VERTICAL), _spectrum(outcome, 2, "horizontal", HORIZONTAL),
             _spectrum(outcome, 1, "rotation", ROTATION), _dominance(outcome), _map(outcome), _mixing(outcome),
             _magnitudes(outcome), _poles(outcome), _facts(outcome), _velocity(outcome, 0, "vertical", VERTICAL),
             _velocity(outcome, 2, "horizontal", HORIZONTAL), _velocity(outcome, 1, "rotation", ROTATION),
-            _force_spectrum(outcome), _forces(outcome))
+            _force_spectrum(outcome), _forces(outcome), *report_figures(outcome))
 
 
 def _nano(density: np.ndarray) -> np.ndarray:

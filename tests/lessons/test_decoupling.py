@@ -17,6 +17,7 @@ from app.plants.platform_channels import HORIZONTAL, T_y
 from app.text.numbers import written
 from lessons.decoupling.lesson import LESSON
 from lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, run, shaking
+from lessons.decoupling.report import LEVELS, apart
 
 POLES = {"horizontal": "poles"}
 CLOSE = next(t for t in LESSON.tasks if t.id == "close-pitch")
@@ -41,6 +42,17 @@ def test_the_printed_pair_isolates_as_the_words_say() -> None:
     assert found.metrics["rightmost"] < 0
     assert found.metrics["drift"] == pytest.approx(7.94e-11, rel=1e-3)
     assert not found.checks[0].holds
+
+
+def test_beside_the_reports_levels_the_differences_are_those_of_the_step() -> None:
+    """(33)–(38) once more, in dB: without control and with it, ground white and falling."""
+    def decibels(name: str, **changes: object) -> tuple[int, int]:
+        return tuple(round(v) for v in apart(outcome(**changes).study.spectra, LEVELS[name])[2:])  # type: ignore[return-value]
+    assert [decibels(name)[0] for name in ("vertical", "horizontal", "rotation")] == [18, 44, 24]
+    assert max(map(abs, apart(outcome(ground="falling").study.spectra, LEVELS["vertical"])[2:])) < 3
+    assert decibels("horizontal", ground="falling") == (0, -33) and decibels("rotation", ground="falling")[0] == -24
+    drawn = next(f for f in LESSON.figures(outcome(ground="falling")) if f.id == "report-vertical")
+    assert [c.y[0] for c in drawn.curves[2:]] == pytest.approx([1e4, 1e-6, 1e-5])  # (35), (36) in 1e-12 (m/s)²/Hz
 
 
 @pytest.mark.parametrize("gain", [29600.0, 31250.0, 32500.0])

@@ -10,6 +10,7 @@ from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_a
 from witnesses import WITNESSES as FIRST
 from witnesses import Shown, near, value
 
+from app.lesson.figures import LineFigure
 from app.text import Text
 from lessons.decoupling.loops import SLOWEST, lower_of, platform_of
 from lessons.kalman.filters import ADC, tuned
@@ -127,6 +128,20 @@ def _made_unstable(shown: Shown, words: Text) -> None:
     assert right((True, False, True)) < 0 <= right((True, True, True)), "closing pitch is not what made it unstable"
 
 
+PRINTED = {"report-vertical": (1, 2, 1e-8, 1e-18, 1e-17), "report-horizontal": (0.8, 1.25, 1e-11, 1e-15, 1e-15),
+           "report-rotation": (1, 10, 1e-11, 1e-14, 1e-13)}  # (33)–(38): from and to Hz, without control, with it from and to
+
+
+def _as_printed(shown: Shown, _: Text) -> None:
+    """The highest points of the drawn curves, back in (m/s)²/Hz."""
+    figure = shown.figure
+    assert isinstance(figure, LineFigure)
+    low, high, bare, least, most = PRINTED[figure.id]
+    inside = (figure.x >= low) & (figure.x <= high)
+    ours = [1e-12 * float(c.y[inside].max()) for c in figure.curves[:2]]
+    assert bare / 2 <= ours[0] <= 2 * bare and least / 2 <= ours[1] <= 2 * most, f"peaks of {ours[0]:.2g} and {ours[1]:.2g}"
+
+
 MORE: Mapping[str, Callable[[Shown, Text], None]] = {
     "Within 1 % after {after:.2f} s. No reading has any part in this.": _within_a_percent,
     "No test flags this filter.": _right_about_itself,
@@ -134,6 +149,7 @@ MORE: Mapping[str, Callable[[Shown, Text], None]] = {
     "Recovery costs more here and brings the loop no farther from −1 at this input.": _no_farther,
     "Leaving the states out costs nothing that one could measure.": _costs_nothing,
     "C_v keeps a pole at {drift} rad/s.": _drifts,
+    "Both agree with the report to 3 dB.": _as_printed,
     "Closing pitch has made the loop unstable: rightmost pole {right} rad/s.": _made_unstable,
 }
 WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {**FIRST, **MORE}
