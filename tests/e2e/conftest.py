@@ -4,24 +4,26 @@ from __future__ import annotations
 
 import os
 import re
-import selectors
 import shutil
 import socket
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Generator, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
+from tempfile import NamedTemporaryFile
+from typing import IO
 
 import pytest
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Error, Page, sync_playwright
 from tab import FLAGS, Tab
 
 ROOT = Path(__file__).parents[2]
 ARTEFACTS = ROOT / "artefacts"
 START = 60.0  # s until a server must have printed its address
 PASSED = pytest.StashKey[bool]()
+LOGS: list[IO[bytes]] = []  # of the servers that run
 SERVE = "from app.cli import main; raise SystemExit(main())"
 
 
@@ -30,17 +32,15 @@ def chromium() -> str | None:
     return next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
 
 
-def _address(process: subprocess.Popen[bytes]) -> str:
+def _address(process: subprocess.Popen[bytes], log: IO[bytes]) -> str:
     """The address that a starting server prints."""
-    assert process.stdout is not None
     deadline, seen = time.monotonic() + START, b""
-    with selectors.DefaultSelector() as waiting:
-        waiting.register(process.stdout, selectors.EVENT_READ)
-        while time.monotonic() < deadline and process.poll() is None:
-            if waiting.select(0.5):
-                seen += os.read(process.stdout.fileno(), 4096)
-                if found := re.search(rb"http://[\w.]+:\d+", seen):
-                    return found[0].decode()
+    while time.monotonic() < deadline and process.poll() is None:
+        log.seek(0)
+        seen = log.read()
+        if found := re.search(rb"http://[\w.]+:\d+(?=\s)", seen):
+            return found[0].decode()
+        time.sleep(0.02)
     raise RuntimeError(f"the server printed no address: {seen.decode(errors='replace')[-2000:]}")
 
 
@@ -55,14 +55,17 @@ def _free_port() -> int:
 def serving(port: int = 0, *options: str, **surroundings: str) -> Iterator[str]:
     """`observer-lab serve` on a port, a free one if it is 0, while the context lasts; its address."""
     env = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "PYTHONUNBUFFERED": "1", **surroundings}
-    process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(port or _free_port()), *options],
-                               cwd=ROOT, env=env, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-    try:
-        yield _address(process)
-        assert process.poll() is None, "the server has died"
-    finally:
-        process.terminate()
-        process.wait(20)
+    with NamedTemporaryFile() as log, open(log.name, "ab") as writing:  # a pipe that nobody reads would stop who says much
+        process = subprocess.Popen([sys.executable, "-c", SERVE, "serve", "--port", str(port or _free_port()), *options],
+                                   cwd=ROOT, env=env, stdout=writing, stderr=subprocess.STDOUT)
+        LOGS.append(log.file)
+        try:
+            yield _address(process, log.file)
+            assert process.poll() is None, "the server has died"
+        finally:
+            process.terminate()
+            process.wait(20)
+            LOGS.remove(log.file)
 
 
 @pytest.fixture
@@ -115,8 +118,19 @@ def new_tab(browser: Browser, server: str) -> Iterator[Callable[..., Tab]]:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Keep how a test went, for the fixtures that outlive it."""
+    """Keep how a test went, for the fixtures that outlive it; beside one that failed, what the servers have said."""
     report = yield
+    if report.failed:
+        for log in LOGS:
+            log.seek(0)
+            report.sections.append(("what a server said last", log.read()[-8000:].decode(errors="replace")))
+        for seen in (item.funcargs.get(name) for name in ("tab", "walking")) if isinstance(item, pytest.Function) else ():
+            if isinstance(seen, Tab):
+                report.sections.append(("what its page complained of", "\n".join(seen.complaints)))
+                with suppress(Error):
+                    ARTEFACTS.mkdir(exist_ok=True)
+                    name = re.sub(r"[^\w-]+", "-", item.name)
+                    seen.page.screenshot(path=ARTEFACTS / f"failed-{name}.png", timeout=20_000)
     item.stash[PASSED] = item.stash.get(PASSED, True) and report.passed
     return report
 

@@ -40,7 +40,10 @@ ANSWERED = """async rests => {
     return true;
   }
   const marks = Array.from(document.querySelectorAll('.ol-mark'), mark => JSON.stringify({...mark.dataset}));
-  return `question ${question}, ${marks.length} marks ${marks}, page ${document.visibilityState}`;
+  const page = window.__viserMutable, root = page?.scene?.__r3f?.root.getState();
+  return `question ${question}, ${marks.length} marks ${marks}, page ${document.visibilityState}, ${page?.messageQueue.length} messages `
+    + `wait, ${page?.messageQueue.slice(0, 5).map(m => m.type)}, ${page?.getRenderRequestState}, frames ${root?.internal.frames} `
+    + `${root?.internal.active} ${root?.frameloop}`;
 }"""
 DRAWN = """() => new Promise(done => {
   const page = window.__viserMutable, seen = page.scene.onAfterRender;
