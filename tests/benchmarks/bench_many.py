@@ -138,13 +138,15 @@ class Hand:
         """The value of the move of that number, -1 for the last."""
         return values[(self.start + (len(self.sent) + which if which < 0 else which)) % len(values)]
 
-    def judge(self, known: dict[int, int], count: int) -> tuple[list[float], int]:
-        """How long after each move the first data of it or of a later one came, inf for never; and how many data were not its."""
-        waits, last, strange = [float("inf")] * len(self.sent), -1, 0
+    def judge(self, known: dict[int, int], count: int) -> tuple[list[float], list[str]]:
+        """How long after each move the first data of it or of a later one came, inf for never; and what was wrong with data not its."""
+        waits, last, strange = [float("inf")] * len(self.sent), -1, list[str]()
         for came, seen in self.tab.seen:
             move = (known[seen] - self.start) % count if seen in known else -1
             if not last <= move < len(self.sent) or came < self.sent[move]:
-                strange += 1
+                strange.append("of no known value" if seen not in known else f"of move {move} after {last}" if move < last else
+                               f"of move {move}, of {len(self.sent)}" if move >= len(self.sent) else
+                               f"{1e3 * (self.sent[move] - came):.1f} ms before its move")
                 continue
             for k in range(last + 1, move + 1):
                 waits[k] = came - self.sent[k]
@@ -292,7 +294,8 @@ async def measure(server: Server, tabs: int, playing: int, dragging: int, second
         ("tabs (playing + dragging)", f"{tabs} ({playing} + {dragging})"),
         ("move of a hand → data of the first chart, median / p95", f"{share(ms, 0.5):.0f} / {share(ms, 0.95):.0f} ms"),
         ("moves; unanswered; final values lost; data of others",
-         f"{len(ms)}; {ms.count(float('inf'))}; {lost}; {sum(n for _, n in judged)}"),
+         f"{len(ms)}; {ms.count(float('inf'))}; {lost}; {sum(len(wrong) for _, wrong in judged)}"
+         + "".join(f", {what}" for _, wrong in judged for what in wrong[:3])),
         ("poses that a player sees in a second, median / least", f"{statistics.median(frames):.1f} / {min(frames):.1f}" if frames else "–"),
         ("opening: the first; one after another, median / p95", f"{first:.2f} s; {share(opening, 0.5):.2f} / {share(opening, 0.95):.2f} s"),
         ("opening while others work", ", ".join(f"{took:.2f}" for took in late) + " s" if late else "–"),
