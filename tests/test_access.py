@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import socket
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 from http import HTTPStatus
@@ -140,3 +142,46 @@ def test_kernels_are_compiled_by_one_of_all_who_want_them(tmp_path: Path, monkey
     for thread in threads:
         thread.join()
     assert compiled == [1]
+
+
+CREW = """
+import os, signal, socket, threading, time
+from app.cli.workers import Crew
+from app.view.handed import READY
+from app.view.tally import Tally
+
+tally, kind = Tally(2), {kind!r}
+
+def work(number, channel):
+    first = number == 0 and tally.of(number).starts == 1
+    channel.send(READY)
+    while True:
+        tally.note(number, int(first and kind == "stuck"))
+        if not (first and kind == "silent"):
+            tally.beat(number)
+        time.sleep(0.02)
+
+def end():
+    while not (tally.of(0).starts > 1 and tally.of(0).stands):
+        time.sleep(0.02)
+    print(tally.of(0).starts, tally.of(1).starts, tally.of(0).stuck, flush=True)
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=end, daemon=True).start()
+try:
+    Crew(socket.create_server(("127.0.0.1", 0)), tally, work, stuck=0.5, silent=60.0 if kind == "stuck" else 0.5,
+         check=0.05).run(lambda: None)
+except KeyboardInterrupt:
+    pass
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["stuck", "silent"])
+def test_a_worker_that_is_stuck_or_silent_is_started_anew_and_the_other_goes_on(kind: str) -> None:
+    ended = subprocess.run([sys.executable, "-c", CREW.format(kind=kind)], capture_output=True, text=True, timeout=120,
+                           cwd=Path(__file__).parents[1])
+    assert ended.returncode == 0, ended.stderr[-2000:]
+    started, other, stuck = map(int, ended.stdout.split())
+    assert started > 1 and stuck == 0
+    assert other == 1 or kind == "silent"  # on a busy machine it beats late, too

@@ -27,6 +27,8 @@ STOPPING = 5.0  # s in which all have stopped
 SHORTEST, LONGEST = 0.5, 30.0  # s between the end of a worker and the next one in its place; doubled each time
 LIVED = 60.0  # s after which an end has nothing to do with the one before
 LOOK = 0.02  # s between two looks at who has ended
+STUCK, SILENT = 30.0, 90.0  # s with a thread that nothing can break off, and without a sign of life, after which it is started anew
+CHECK = 5.0  # s between two looks at that
 NOT_HERE = "This system cannot share one address among processes; leave out --workers (Linux can)."
 
 
@@ -46,6 +48,7 @@ class Worker:
     handed: int = 0
     last: int = 0  # when it was handed the last connection, by their count
     stands: bool = False
+    well: float = 0.0  # when it was last seen without a thread that is stuck
     pause: float = field(default=SHORTEST / 2)
     due: float = 0.0  # when the next process begins, or this one must have left, on the clock of the machine
 
@@ -53,8 +56,10 @@ class Worker:
 class Crew:
     """The workers behind a listening socket. `work` is what a worker does with its number and its channel, in a process of its own."""
 
-    def __init__(self, listener: socket.socket, tally: Tally, work: Callable[[int, socket.socket], None]) -> None:
+    def __init__(self, listener: socket.socket, tally: Tally, work: Callable[[int, socket.socket], None],
+                 stuck: float = STUCK, silent: float = SILENT, check: float = CHECK) -> None:
         self._listener, self._tally, self._work = listener, tally, work
+        self._stuck, self._silent, self._check = stuck, silent, check
         self._workers = [Worker(number) for number in range(tally.workers)]
         self._selector = selectors.DefaultSelector()
         self._count = 0
@@ -81,8 +86,10 @@ class Crew:
                 self._begin(worker)
             elif worker.process is not None and worker.channel is None:
                 self._reap(worker, worker.process, now)
+            elif worker.process is not None and worker.stands:
+                self._examine(worker, worker.process, now)
         due = [worker.due - now if worker.process is None else LOOK for worker in self._workers if worker.channel is None]
-        for key, _ in self._selector.select(max(0.0, min(due)) if due else None):
+        for key, _ in self._selector.select(max(0.0, min([*due, self._check]))):
             if key.data is None:
                 self._take()
             else:
@@ -90,6 +97,16 @@ class Crew:
         if not self._told and all(worker.stands for worker in self._workers):
             self._told = True
             stand()
+
+    def _examine(self, worker: Worker, process: int, now: float) -> None:
+        """End one that does not answer, or that a thread burns; its tabs come back to the others, with what they showed last."""
+        figures = self._tally.of(worker.number)
+        worker.well = worker.well if figures.stuck else now
+        if now - worker.well > self._stuck or now - figures.beat > self._silent:
+            what = "is stuck" if figures.stuck else "does not answer"
+            log.error("worker %d %s and is ended", worker.number + 1, what)
+            os.kill(process, signal.SIGTERM)
+            self._lose(worker)
 
     def _begin(self, worker: Worker) -> None:
         ours, theirs = socket.socketpair()
@@ -156,7 +173,8 @@ class Crew:
         except OSError:
             said = b""
         if READY in said:
-            worker.stands = True
+            worker.stands, worker.well = True, time.monotonic()
+            self._tally.beat(worker.number)
             self._tally.stand(worker.number, True)
             self._listen()
         if not said:

@@ -122,6 +122,7 @@ class LabServer:
         """Serve until interrupted."""
         while True:
             self._seat.note(WATCH.stuck)
+            self._server.get_event_loop().call_soon_threadsafe(self._seat.beat)  # one that is blocked is as good as dead
             time.sleep(NOTED)
 
     def stop(self) -> None:

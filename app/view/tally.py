@@ -9,20 +9,22 @@ import mmap
 import time
 from dataclasses import dataclass
 
-STANDS, TABS, ENDED, SINCE, STUCK, STARTS = range(6)  # numbers of a row
+STANDS, TABS, ENDED, SINCE, STUCK, BEAT, STARTS = range(7)  # numbers of a row
 BYTES = 8  # of a number
 
 
 @dataclass(frozen=True)
 class Figures:
     """What is known of one worker: whether it `stands`, its open tabs, the connections it was handed that have `ended`, when its
-    process began (on the clock of the machine), its threads that nothing can break off, and how many processes it has had."""
+    process began (on the clock of the machine), its threads that nothing can break off, when it last said that it lives, and how many
+    processes it has had."""
 
     stands: bool
     tabs: int
     ended: int
     since: float
     stuck: int
+    beat: float
     starts: int
 
 
@@ -35,8 +37,8 @@ class Tally:
 
     def of(self, worker: int) -> Figures:
         """The figures of a worker now."""
-        stands, tabs, ended, since, stuck, starts = (self._numbers[self._at(worker, k)] for k in range(STARTS + 1))
-        return Figures(bool(stands), int(tabs), int(ended), since, int(stuck), int(starts))
+        stands, tabs, ended, since, stuck, beat, starts = (self._numbers[self._at(worker, k)] for k in range(STARTS + 1))
+        return Figures(bool(stands), int(tabs), int(ended), since, int(stuck), beat, int(starts))
 
     @property
     def tabs(self) -> int:
@@ -45,8 +47,8 @@ class Tally:
 
     def begin(self, worker: int) -> None:
         """A process of this worker begins: it has nothing yet, whatever the one before it had."""
-        starts = self.of(worker).starts + 1
-        for k, number in ((STANDS, 0), (TABS, 0), (ENDED, 0), (SINCE, time.monotonic()), (STUCK, 0), (STARTS, starts)):
+        starts, now = self.of(worker).starts + 1, time.monotonic()
+        for k, number in ((STANDS, 0), (TABS, 0), (ENDED, 0), (SINCE, now), (STUCK, 0), (BEAT, now), (STARTS, starts)):
             self._numbers[self._at(worker, k)] = number
 
     def stand(self, worker: int, stands: bool) -> None:
@@ -73,6 +75,10 @@ class Tally:
     def note(self, worker: int, stuck: int) -> None:
         """How many threads of this worker go on although their tab was ended."""
         self._numbers[self._at(worker, STUCK)] = stuck
+
+    def beat(self, worker: int) -> None:
+        """It lives, and hears its browsers."""
+        self._numbers[self._at(worker, BEAT)] = time.monotonic()
 
     def end_connection(self, worker: int) -> None:
         """A connection that was handed to this worker is over."""
@@ -105,6 +111,10 @@ class Seat:
     def note(self, stuck: int) -> None:
         """How many threads go on although their tab was ended."""
         self.tally.note(self.worker, stuck)
+
+    def beat(self) -> None:
+        """This worker lives, and hears its browsers."""
+        self.tally.beat(self.worker)
 
     @property
     def full(self) -> bool:
