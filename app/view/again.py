@@ -25,7 +25,7 @@ class PredictionAgain:
         self._asked = asked
         self._folder = gui.add_folder(phrases.AGAIN(self._lang), visible=self._stands(picture))
         with self._folder:
-            gui.add_markdown(render(asked.question))
+            gui.add_markdown(f"*{phrases.AS_OPENED(self._lang)}* {render(asked.question)}")
             letters = tuple(LETTERS[: len(asked.options)])
             self._letters = gui.add_button_group("", (*letters, phrases.SKIP(self._lang)), visible=False)
             self._options = gui.add_html("")

@@ -7,6 +7,7 @@ from ..text import text, text_in
 LESSON = text("lesson")
 PREDICTION = text("Predict")
 AGAIN = text("Predict again")
+AS_OPENED = text("All other knobs stand as at the opening.")
 TRY_IT = text("set the knobs so that the run shows it")
 SKIP = text("skip")
 REVEAL = text("reveal")
