@@ -9,6 +9,7 @@ from app.lesson.lesson import Outcome
 from app.plants.platform_channels import T_u, T_y
 from app.plants.platform_lqg import GROUND_UNIT, S_Y, Weights, coils, ground
 
+from .friction import friction_of
 from .players import DT, OPEN, ORDER, SCALES, channel, channel_filter, full, reduced, sampled_design, siso_pair
 from .study import Study
 from .world import BAND, PUSH, RUN, STEP, ground_filter, loop_of, plant_of
@@ -76,6 +77,10 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("bandwidth", hardware.bandwidth, "Hz"), Given("delay", hardware.delay, "s"), Given("limit", hardware.limit, "N"),
         Given("walk", hardware.walk, "how far the zero of a sensor walks in a second"),
         Given("step", hardware.step, "of the converter: noise of step^2/12 in the spectra"),
+        Given("friction", friction_of(d), "N, the most that each guide holds; the run on the stage alone knows it"),
+        Given("guide_at", world.parameters.a, "m from the middle: the vertical springs, where guides rub"),
+        Given("guide_height", world.parameters.h, "m from the middle up: the centre of mass"),
+        Given("coil_at", world.parameters.b, "m: the vertical coils"),
         Given("jump_root", loop.jump[loop.x.start:loop.mechanics.stop, :_ways(loop.jump, loop.mechanics)],
               "a root of the covariance that the ground adds over a sample, of which there are many: the page's"),
         Given("frequency", study.f, "Hz"), Given("band", BAND, "Hz, of the suppression"), Given("test", d["test"]),

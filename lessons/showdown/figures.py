@@ -12,7 +12,7 @@ from app.lesson.lesson import Outcome
 from app.text import Text, joined, listed, same, text, text_in
 
 from .players import NAMES, ORDER, SHORT, gain_gap
-from .scores import tables
+from .scores import friction, tables
 from .study import Study
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
@@ -28,7 +28,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     """Everything on the right of the stage."""
     return (*(_channel(outcome, j) for j in range(3)), *(_sensor(outcome, j) for j in range(3)), _input(outcome, 0),
             _input(outcome, 2), _gain(outcome), *(_test(outcome, j) for j in range(3)), _stage_velocity(outcome),
-            _stage_force(outcome), *tables(outcome))
+            _stage_force(outcome), friction(outcome, RUN_TAB), *tables(outcome))
 
 
 def _curves(outcome: Outcome[Study], column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:

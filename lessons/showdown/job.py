@@ -12,6 +12,7 @@ from app.lesson.lesson import Design, Job, Outcome
 from app.plants import platform
 from app.text import text
 
+from .friction import friction_of, isolation
 from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
 from .study import TOLERANCE, Study, Trials
 from .world import BAND, World, band_rms, grid, loop_of
@@ -54,6 +55,12 @@ def _all(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
     for share in _decks(world, match.five, spread, seed, decks):
         yield 0.8 + 0.1 * share, found
     found = replace(found, decks=decks, tolerance=spread)
+    if most := friction_of(design):
+        rubbing = np.empty((5, 3, 3))
+        for i, player in enumerate(match.five):
+            rubbing[i] = isolation(world, player, seed, most)
+            yield 0.9, found
+        found = replace(found, rubbing=rubbing)
     sizes, costs = _sizes(design), np.empty((len(COSTS), 5, 3))
     for share in _costs(match.five, sizes, world, costs):
         yield 0.9 + 0.1 * share, found

@@ -51,6 +51,10 @@ KNOBS = (
            hint=text("Readings are rounded to whole steps; the spectra count it as noise of q²/12.")),
     Number("drift", r"\sigma_b", text("bias drift"), "µm/s/√s", low=0.0, high=20.0, default=0.0, step=0.1, group=REAL,
            hint=text("The zero of every sensor walks at random; this far in one second.")),
+    Number("friction", "F_c", text("friction of each guide"), "mN", low=0.0, high=20.0, default=0.0, step=0.1,
+           when=("ground", ("shaped",)), group=REAL,
+           hint=text("Where each spring meets the ground: a force of this size against the sliding. The tab Stage knows it; spectra, "
+                     "scores, test and trials do not.")),
     _error("stiffness", r"\varepsilon_k", text("stiffness error"), "%", 30.0,
            text("The true springs are stiffer by this much than the designer believes.")),
     _error("damping", r"\varepsilon_c", text("damping error"), "%", 90.0,

@@ -24,5 +24,5 @@ LESSON = Lesson(
     place=PLACES["showdown"],
     again=Again(("damping",), 1, {"damping": -90.0}, ("suppression", "sizes", "channel_rotation")),
     words=read_prose(Path(__file__).parent), key=("play", "sensor", "test"), aside=(
-        "limited", "limit", "driver", "bandwidth", "adc", "drift", "stiffness", "damping", "placement"), job=JOB,
+        "limited", "limit", "driver", "bandwidth", "adc", "drift", "friction", "stiffness", "damping", "placement"), job=JOB,
     derived=derived, code=code)

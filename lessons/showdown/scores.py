@@ -8,6 +8,7 @@ from app.lesson.figures import TableFigure
 from app.lesson.lesson import Outcome
 from app.text import Text, text, text_in
 
+from .friction import friction_of
 from .players import DECOUPLED, LQE, NAMES, ORDER, SHORT
 from .study import Study
 
@@ -69,6 +70,19 @@ def _times(outcome: Outcome[Study]) -> TableFigure:
 
 
 NOT_YET = text("Not computed yet: press the button under the knobs.")
+
+
+def friction(outcome: Outcome[Study], tab: Text) -> TableFigure:
+    """What the guides' friction does to the isolation: motion without it and with it, and how often a guide sticks."""
+    found = None if outcome.study.trials is None else outcome.study.trials.rubbing
+    rows = tuple((SHORT[i], "–", "–", "–") if found is None else
+                 (SHORT[i], *(_cells(v, not np.isnan(v[0]), ".3g") for v in found[i, :2]),
+                  _cells(100 * found[i, 2], not np.isnan(found[i, 2, 0]), ".0f")) for i in range(5))
+    said = (text("{split} Sticking: left, right, horizontal guide. A deck that sticks rides on the ground.", split=SPLIT)
+            if found is not None else NOT_YET if friction_of(outcome.design) else
+            text("No friction. It needs the ground that falls as 1/f²: white displacement has no velocity to rub against."))
+    return TableFigure("friction", text("RMS velocity in µm/s, 0.5–3 Hz, without friction and with it; how often the guides stick"),
+                       (text("controller"), text("smooth"), text("rubbing"), text("sticking [%]")), rows, tab=tab, caption=said)
 
 
 def _trials(outcome: Outcome[Study]) -> TableFigure:

@@ -13,6 +13,7 @@ from app.plants.body import with_longer_arrows
 from app.text import Text, listed, text
 
 from ..toolkit.latex import number
+from .friction import friction_of, rubbed
 from .players import LQE, OPEN, ORDER, RECURSIVE, SHORT, Player, players
 from .world import (
     BAND,
@@ -37,7 +38,8 @@ class Trials:
     """What was measured. noise: a Monte-Carlo of each player, None where its loop is unstable; learning: how far the
     recursive filter's run leaves the steady one's, relative (s, n): RMS of each whole second; decks (count, 5, 3): gain in
     dB over the band of each player on decks within the tolerance, NaN where unstable; costs (switches, 5, 3): change of
-    the gain in dB by one switch alone, NaN where it makes the loop unstable; sizes: how far each was turned.
+    the gain in dB by one switch alone, NaN where it makes the loop unstable; sizes: how far each was turned. rubbing (5, 3, 3): RMS of
+    each player's channels over the band in µm/s without friction and with it, and how often each guide sticks; NaN where unstable.
     """
 
     noise: tuple[MonteCarlo | None, ...]
@@ -46,6 +48,7 @@ class Trials:
     tolerance: tuple[float, float, float] = TOLERANCE
     costs: np.ndarray | None = None
     sizes: tuple[float, ...] = ()
+    rubbing: np.ndarray | None = None
 
 
 GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
@@ -61,7 +64,10 @@ WORK = (0.1, 10.0)  # Hz: the report's working band
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Everything about one design: five players in one world. `found` is what the longer computation measured."""
+    """Everything about one design: five players in one world. `trials` is what the longer computation measured.
+
+    run: t, states, forces on the stage; ghost: states without control.
+    """
 
     world: World
     five: tuple[Player, ...]
@@ -89,8 +95,9 @@ def compute(design: Design) -> Outcome[Study]:
     assert reference is not None  # the deck alone is stable
     seed, kick = int(design["seed"]), design["kick"]
     chosen = five[ORDER.index(design["play"])]
-    run = shake(world, chosen, seed, step, kick)
-    ghost = run if chosen.id == OPEN else shake(without_hardware(world), five[0], seed, step, kick)
+    bare = (world, chosen) if chosen.id == OPEN else (without_hardware(world), five[0])
+    most = friction_of(design)
+    run, ghost = ((rubbed(*who, seed, step, kick, most) if most else shake(*who, seed, step, kick)) for who in ((world, chosen), bare))
     base = spectra[0].density
     inside = (f >= BAND[0]) & (f <= BAND[1])
     peak_db, band_db, rms, forces = (np.zeros((5, 3)) for _ in range(4))

@@ -1,0 +1,134 @@
+"""Coulomb friction where the deck's springs meet the ground: a force of constant size against the sliding, or just what it takes to stick.
+
+Three guides: at the left and the right vertical spring and at the horizontal one. The force is held over a sample (Moreau's stepping):
+|f| ≤ F, and either the sliding at the end of the sample is zero or f = −F sign(sliding).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from app.engine import sampled_loop
+from app.engine.sampled import SampledLoop
+from app.lesson.lesson import Design
+
+from .players import DT, Player
+from .world import BAND, PUSH, RUN, STEP, TOUCH, World, ground_filter, loop_of, plant_of
+
+SWEEPS, EXACT = 60, 1e-13  # of the forces that the guides share: most, and when they are found, as a share of F
+FAR = 1e12  # a run that gets here is over
+GUIDES = 3
+SETTLING, COUNT = 1000, 8192  # samples before a run is judged, and judged
+
+
+@dataclass(frozen=True, eq=False)
+class Guides:
+    """rows (3×N): the sliding of each guide, deck less ground; push (N×3): what a force on the deck there does over a sample."""
+
+    rows: np.ndarray
+    push: np.ndarray
+
+
+@lru_cache(maxsize=32)
+def guides(world: World, player: Player) -> Guides:
+    """The guides of a loop on shaped ground, which has a velocity (white displacement has none)."""
+    loop, plant, p = loop_of(world, player), plant_of(world.parameters)[0], world.parameters
+    share = p.a / p.b  # a force at the spring by those of the two coils about it
+    force = np.column_stack([plant.B[:, :2] @ [(1 + share) / 2, (1 - share) / 2], plant.B[:, :2] @ [(1 - share) / 2, (1 + share) / 2],
+                             plant.B[:, 2]])
+    rows = np.zeros((GUIDES, loop.n))
+    rows[:, loop.x.start + 5:loop.x.start + 8] = [[0, 1, -p.a], [0, 1, p.a], [1, 0, p.h]]
+    shaping = ground_filter()
+    rows[:, loop.x.stop:loop.mechanics.stop] -= (shaping.C @ shaping.A)[[0, 0, 1]]
+    pushed = sampled_loop(plant, player.controller, range(3), hardware=world.hardware, shaping=shaping, disturbances=force)
+    return Guides(rows, pushed.Gamma)
+
+
+def held(sliding: list[float], G: list[list[float]], most: float, f: list[float]) -> list[float]:
+    """The forces f (3) with |f| ≤ most that bring sliding + G f to zero where they can, from a first guess."""
+    for _ in range(SWEEPS):
+        moved = 0.0
+        for i in range(GUIDES):
+            row = G[i]
+            new = f[i] - (sliding[i] + row[0] * f[0] + row[1] * f[1] + row[2] * f[2]) / row[i]
+            new = most if new > most else -most if new < -most else new
+            moved = max(moved, abs(new - f[i]))
+            f[i] = new
+        if moved <= EXACT * most:
+            break
+    return f
+
+
+def rub(loop: SampledLoop, at: Guides, most: float, start: np.ndarray, jumps: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """States w (n_t, N) of the loop and the forces (n_t, 3) in N that led to them, ended early where the run leaves every bound."""
+    limit, G, f = loop.hardware.limit, (at.rows @ at.push).tolist(), [0.0] * GUIDES
+    w, forces = np.zeros((len(v), loop.n)), np.zeros((len(v), GUIDES))
+    w[0], closed = start, loop.closed()
+    F, F_m, F_s, Y, U, T = loop.F[-1], loop.F_m[-1], loop.F_s[-1], loop.Y, loop.U[-1], loop.T[-1]
+    driven = jumps + v @ loop.noise_in.T
+    for k in range(len(v) - 1):
+        if np.isinf(limit):
+            after = closed @ w[k] + driven[k]
+        else:
+            m = Y @ w[k] + v[k]
+            after = F @ w[k] + F_m @ m + F_s @ np.clip(U @ w[k] + T @ m, -limit, limit) + jumps[k]
+        if most:
+            f = held((at.rows @ after).tolist(), G, most, f)
+            after = after + at.push @ f
+        if not np.abs(after).max() < FAR:
+            return w[:k + 1], forces[:k + 1]
+        w[k + 1], forces[k + 1] = after, f
+    return w, forces
+
+
+def noise(loop: SampledLoop, steps: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """What the ground does to w over each sample (n_t, N), and what the sensors add (n_t, p): the draws of `simulate_trial`."""
+    for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
+    walks = len(loop.Y) if loop.hardware.walk > 0 else 0
+    jump = loop.jump[:, :loop.jump.shape[1] - walks]
+    jumps = for_ground.standard_normal((steps, jump.shape[1])) @ jump.T
+    if walks:
+        jumps += for_bias.standard_normal((steps, walks)) @ loop.jump[:, jump.shape[1]:].T
+    return jumps, for_v.standard_normal((steps, len(loop.Y))) @ loop.sensor.T
+
+
+def friction_of(design: Design) -> float:
+    """The most that a guide holds, in N; none on white ground."""
+    return 1e-3 * design["friction"] if design["ground"] == "shaped" else 0.0
+
+
+@lru_cache(maxsize=8)
+def rubbed(world: World, player: Player, seed: int, step: bool, kick: float, most: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The run on the stage with guides that rub with up to `most` N each; rounding is left out, as it is in `shake`."""
+    loop = loop_of(world, player)
+    jumps, v = noise(loop, RUN, seed)
+    start = np.zeros(loop.n)
+    if step:
+        jumps[TOUCH:] += loop.Gamma @ STEP
+    for at in ([] if step else [TOUCH]) + ([min(round(kick / DT), RUN - 1)] if kick >= 0 else []):
+        (jumps[at - 1] if at else start)[loop.x] += PUSH
+    w = rub(loop, guides(world, player), most, start, jumps, v)[0]
+    limit = loop.hardware.limit
+    u = np.clip(w @ loop.feedback.T + v[:len(w)] @ loop.T[-1].T, -limit, limit)
+    last = np.minimum(np.arange(RUN), len(w) - 1)
+    return DT * np.arange(RUN)[::4], np.clip(w[last][:, loop.x], -1.0, 1.0)[::4], np.clip(u[last], -100.0, 100.0)[::4]
+
+
+def isolation(world: World, player: Player, seed: int, most: float) -> np.ndarray:
+    """A run with nothing but ground and sensors (3, 3): RMS over the band in µm/s without friction and with it, and how often each guide
+    sticks; NaN where the loop is unstable."""
+    loop, at = loop_of(world, player), guides(world, player)
+    if not loop.stable:
+        return np.full((3, 3), np.nan)
+    jumps, v = noise(loop, SETTLING + COUNT, seed)
+    runs = [rub(loop, at, size, np.zeros(loop.n), jumps, v) for size in (0.0, most)]
+    f = np.fft.rfftfreq(COUNT, DT)
+    inside = (f >= BAND[0]) & (f <= BAND[1])
+    sizes = []
+    for w, _ in runs:
+        line = np.fft.rfft(w[SETTLING:] @ loop.outputs[:3].T, axis=0)[inside] if len(w) == len(v) else np.full((1, 3), np.nan)
+        sizes.append(1e6 * np.sqrt(2 * np.sum(np.abs(line) ** 2, axis=0)) / COUNT)
+    return np.array([*sizes, np.mean(np.abs(runs[1][1][SETTLING:]) < most * (1 - 1e-9), axis=0)])
