@@ -35,5 +35,7 @@ def derived(here: Setting, outcome: Outcome[Study]) -> Mapping[str, Value]:
         l1, l2 = (float(v) for v in L[:, 0])
         poles = outcome.poles["observer"]
         known |= {"l1": l1, "l2": l2, "c1": float(-np.trace(F)), "c0": float(np.linalg.det(F)),
+                  "phi": float(np.real(poles.prod())) * np.eye(2) + float(-np.real(poles.sum())) * plant.A + plant.A @ plant.A,
+                  "Oinv": np.linalg.inv(np.vstack([plant.C, plant.C @ plant.A])), "last": np.array([[0.0], [1.0]]),
                   "sum": float(np.real(poles.sum())), "product": float(np.real(poles.prod()))}
     return known

@@ -15,6 +15,7 @@ from .study import Study
 SCORE_TAB, TRIAL_TAB = text("Scores"), text("Trials")
 HEADS = (text_in("channel", "vertical"), text_in("channel", "rotation"), text_in("channel", "horizontal"))
 APART = "\N{NO-BREAK SPACE}·\N{NO-BREAK SPACE}"  # between the three numbers of one cell, which must not part at a line's end
+LEAST = 5e-4  # µm/s: less is nothing
 SPLIT = text("Cells: vertical, rotation, horizontal.")
 
 
@@ -76,7 +77,7 @@ def friction(outcome: Outcome[Study], tab: Text) -> TableFigure:
     """What the guides' friction does to the isolation: motion without it and with it, and how often a guide sticks."""
     found = None if outcome.study.trials is None else outcome.study.trials.rubbing
     rows = tuple((SHORT[i], "–", "–", "–") if found is None else
-                 (SHORT[i], *(_cells(v, not np.isnan(v[0]), ".3g") for v in found[i, :2]),
+                 (SHORT[i], *(_cells(np.where(v < LEAST, 0.0, v), not np.isnan(v[0]), ".3g") for v in found[i, :2]),
                   _cells(100 * found[i, 2], not np.isnan(found[i, 2, 0]), ".0f")) for i in range(5))
     said = (text("{split} Sticking: left, right, horizontal guide. A deck that sticks rides on the ground.", split=SPLIT)
             if found is not None else NOT_YET if friction_of(outcome.design) else

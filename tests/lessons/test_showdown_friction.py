@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -82,7 +83,7 @@ def test_the_stage_and_the_table_know_friction_and_white_ground_has_none() -> No
     fields = np.arange(45.0).reshape(5, 3, 3)
     fields[1] = np.nan
     trials = replace(_trials(), rubbing=fields)
-    table = next(f for f in LESSON.figures(replace(rough, study=replace(rough.study, trials=trials))) if f.id == "friction")
+    table: Any = next(f for f in LESSON.figures(replace(rough, study=replace(rough.study, trials=trials))) if f.id == "friction")
     assert table.rows[0][1].replace("\N{NO-BREAK SPACE}", "") == "0·1·2" and table.rows[1][1]("en") == "unstable"
 
 
