@@ -42,8 +42,8 @@ class Rule:
         return _needed(self.dof, self.rate)
 
     def values(self, residuals: np.ndarray) -> np.ndarray:
-        """The statistic of the windows that end at each sample, (COUNT, 7); zero before the first is full."""
-        out = np.zeros((COUNT, len(NAMES)))
+        """The statistic of the windows that end at each sample, (COUNT, …, 7); zero before the first is full."""
+        out = np.zeros(residuals.shape[:-1])
         out[self.window - 1:] = (window_energy if self.statistic == ENERGY else window_mean)(residuals, self.window)
         return out
 
@@ -76,27 +76,29 @@ def judge(test: Rule, record: Record) -> Verdict:
     "Before" goes back to the last sample without any alarm, or by a window and FADE samples: what upsets every member is none
     of these faults, also while it fades and some have forgotten it already.
     """
-    ratio = test.values(record.residuals) / test.threshold
+    return judged(test, test.values(record.residuals) / test.threshold)
+
+
+def judged(test: Rule, ratio: np.ndarray) -> Verdict:
+    """`judge` by the statistic over its threshold, (COUNT, 7)."""
     alarms, signature = ratio > 1, guard().bank.signature
     named, some = isolate(alarms, signature), alarms.any(axis=1)
     calm = np.maximum.accumulate(np.where(some, -1, np.arange(COUNT)))  # the last sample without an alarm
     heard = np.vstack([np.zeros(len(NAMES), dtype=int), np.cumsum(alarms, axis=0)])
     since = np.maximum(calm + 1, np.arange(COUNT) + 1 - test.window - FADE)
     upset = heard[1:] > heard[since]  # which members have given an alarm since
-    decided, who = None, None
-    for column, place in enumerate(PLACES):
-        at = _lasting((named == column) & ~upset[:, ~signature[:, column]].any(axis=1))
-        if at is not None and (decided is None or at < decided):
-            decided, who = at, place
-    first = np.flatnonzero(some)
-    return Verdict(ratio, named, int(first[0]) if len(first) else None, decided, who)
+    at = _lasting((named[:, None] == np.arange(len(PLACES))) & ~(upset @ ~signature))
+    column, first = int(at.argmin()), np.flatnonzero(some)
+    return Verdict(ratio, named, int(first[0]) if len(first) else None,
+                   *((int(at[column]), PLACES[column]) if at[column] < COUNT else (None, None)))
 
 
-def _lasting(holds: np.ndarray) -> int | None:
-    """The sample at which a condition has held for HOLD samples for the first time."""
-    total = np.concatenate([[0], np.cumsum(holds)])
-    full = np.flatnonzero(total[HOLD:] - total[:-HOLD] == HOLD)
-    return int(full[0]) + HOLD - 1 if len(full) else None
+def _lasting(holds: np.ndarray) -> np.ndarray:
+    """The sample at which each column's condition has held for HOLD samples for the first time, COUNT where it never does."""
+    total = np.zeros((COUNT + 1, holds.shape[1]), dtype=int)
+    np.cumsum(holds, axis=0, out=total[1:])
+    full = total[HOLD:] - total[:-HOLD] == HOLD
+    return np.where(full.any(axis=0), full.argmax(axis=0) + HOLD - 1, COUNT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,5 +118,5 @@ def forecast(test: Rule, silent: Record, column: int | None, start: int) -> Fore
     if column is None:
         return Forecast(strength, None)
     seen = guard().bank.signature[:, column]
-    at = _lasting(np.all(strength[:, seen] >= 1, axis=1))
-    return Forecast(strength, None if at is None else at - start)
+    at = int(_lasting(np.all(strength[:, seen] >= 1, axis=1, keepdims=True))[0])
+    return Forecast(strength, at - start if at < COUNT else None)

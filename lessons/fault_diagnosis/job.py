@@ -10,33 +10,37 @@ import numpy as np
 from app.lesson.lesson import Design, Job, Outcome
 from app.text import text
 
-from .bank import DT, NAMES
-from .diagnosis import judge
-from .runs import BLIND, SWITCH, Case, draw, simulate
+from .bank import COUNT, DT, NAMES
+from .diagnosis import judged
+from .many import residuals_of
+from .runs import BLIND, SWITCH, Case, draw
 from .study import Study, Trials, case_of, metrics_of, test_of
 
-RUNS, AT_ONCE = 400, 4
+RUNS, AT_ONCE = 400, 40
 
 
-def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
+def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
     """Healthy runs for the false alarms and, where there is a fault, faulty ones for the verdicts."""
     s, seed = outcome.study, int(outcome.design["seed"])
     healthy, faulty = healthy_case(s.case), replace(s.case, kick=-1.0, loop=BLIND if s.case.loop == SWITCH else s.case.loop)
     alarms, some, windows, right, wrong = np.zeros(len(NAMES), dtype=int), 0, 0, 0, 0
     delays: list[float] = []
-    for count, drawn_seed in enumerate(np.random.SeedSequence([seed, 5]).generate_state(RUNS), start=1):
-        noise = draw(int(drawn_seed))
-        over = s.test.values(simulate(healthy, noise).residuals)[s.test.window - 1::s.test.window] > s.test.threshold
-        alarms, some, windows = alarms + over.sum(axis=0), some + int(over.any(axis=1).sum()), windows + len(over)
-        if s.column is not None:
-            v = judge(s.test, simulate(faulty, noise))
+    seeds = np.random.SeedSequence([seed, 5]).generate_state(RUNS)
+    for count in range(AT_ONCE, RUNS + 1, AT_ONCE):
+        noises = [draw(int(drawn_seed)) for drawn_seed in seeds[count - AT_ONCE:count]]
+        yield (count - 0.8 * AT_ONCE) / RUNS, None
+        over = s.test.values(residuals_of(healthy, noises))[s.test.window - 1::s.test.window] > s.test.threshold
+        alarms, some, windows = alarms + over.sum(axis=(0, 1)), some + int(over.any(axis=2).sum()), windows + over[..., 0].size
+        yield (count - 0.5 * AT_ONCE) / RUNS, None
+        ratios = s.test.values(residuals_of(faulty, noises)) / s.test.threshold if s.column is not None else np.empty((COUNT, 0))
+        for run in range(ratios.shape[1]):
+            v = judged(s.test, ratios[:, run])
             if v.who == s.case.place and v.decided is not None and v.decided >= s.case.start:
                 right += 1
                 delays.append(DT * (v.decided - s.case.start))
             elif v.who is not None:
                 wrong += 1
-        if count % AT_ONCE == 0:
-            yield count / RUNS, Trials(count, windows, alarms, some, right, wrong, tuple(delays))
+        yield count / RUNS, Trials(count, windows, alarms, some, right, wrong, tuple(delays))
 
 
 def healthy_case(case: Case) -> Case:
@@ -56,4 +60,4 @@ def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=study, metrics=metrics_of(study))
 
 
-JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, depends, shown, figure="rates")
+JOB = Job(text("Try {runs} runs", runs=RUNS), try_often, depends, shown, figure="rates", follows=True)

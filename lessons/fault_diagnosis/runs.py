@@ -65,14 +65,20 @@ class Noise:
 
 def draw(seed: int) -> Noise:
     """The draws of a seed; −1 is silence, every filter starting from the truth."""
-    g, kf = guard(), model()
+    g = guard()
     if seed < 0:
         return Noise(np.zeros((COUNT, 6)), np.zeros((COUNT, 4)), np.zeros(6), g.bank.start(np.zeros(6)))
     rng = np.random.default_rng([seed, 17])
-    w = rng.standard_normal((COUNT, 6)) @ root(kf.Q).T
+    shake, spread = _roots()
+    w = rng.standard_normal((COUNT, 6)) @ shake.T
     v = SIGMA * rng.standard_normal((COUNT, 4))
     bank = g.bank.start(np.zeros(6), rng=rng)
-    return Noise(w, v, -root(g.whole.P) @ rng.standard_normal(6), bank)
+    return Noise(w, v, -spread @ rng.standard_normal(6), bank)
+
+
+@lru_cache(maxsize=1)
+def _roots() -> tuple[np.ndarray, np.ndarray]:
+    return root(model().Q), root(guard().whole.P)
 
 
 drawn = lru_cache(maxsize=8)(draw)

@@ -10,6 +10,7 @@ from app.engine.observers import FaultBank, binomial_band
 from lessons.fault_diagnosis.bank import COUNT, DT, PLACES, gain, guard, model, truth
 from lessons.fault_diagnosis.diagnosis import ENERGY, HOLD, MEAN, Rule, judge
 from lessons.fault_diagnosis.lesson import LESSON
+from lessons.fault_diagnosis.many import residuals_of
 from lessons.fault_diagnosis.reach import TONES, gathered, least, over_tones
 from lessons.fault_diagnosis.runs import BLIND, DRIFT, NONE, OPEN, STUCK, SWITCH, Case, drawn, quiet, simulate, switched
 from lessons.fault_diagnosis.study import unknown_coil
@@ -225,6 +226,16 @@ def test_the_run_is_what_stepping_through_it_gives(case):
     assert np.allclose(after.x, x, atol=1e-12) and np.allclose(after.xhat, xhat, atol=1e-12)
     assert np.array_equal(after.y[:verdict.decided], before.y[:verdict.decided])
     assert judge(Rule(), after).decided == verdict.decided
+
+
+def test_runs_beside_each_other_are_those_one_by_one():
+    noises = [drawn(seed) for seed in (1, 2, 3)]
+    for case in (Case(), Case("VL", size=1.0), Case("HR", DRIFT, 2.0, at=7.0), Case("u2", size=0.6, loop=OPEN, stiffer=0.1),
+                 Case("VR", STUCK, at=3.0, loop=OPEN), Case("HL", size=1.0, at=0.0)):
+        together = residuals_of(case, noises)
+        for run, noise in enumerate(noises):
+            alone = simulate(case, noise).residuals
+            assert np.allclose(together[:, run], alone, rtol=0, atol=1e-12 * np.abs(alone).max()), case
 
 
 def test_a_drift_that_nobody_notices_tilts_the_deck_and_acting_levels_it():

@@ -144,6 +144,10 @@ class FaultBank:
         return tuple(slice(int(e) - m.size, int(e)) for e, m in zip(ends, self.members, strict=True))
 
     @cached_property
+    def _spreads(self) -> tuple[np.ndarray, ...]:
+        return tuple(root(m.P) for m in self.members)
+
+    @cached_property
     def system(self) -> Plant:
         """The block system with inputs (u, y) and the residuals of all members as outputs."""
         F = np.asarray(block_diag(*(m.F for m in self.members)))
@@ -163,7 +167,7 @@ class FaultBank:
         if x.size != self.model.n:
             raise ShapeError("x0 must have {n} entries; it has {x_size}.", n=self.model.n, x_size=x.size)
         xi = np.zeros(self.model.n) if rng is None else rng.standard_normal(self.model.n)
-        return np.concatenate([m.project @ x - root(m.P) @ xi[:m.size] for m in self.members])
+        return np.concatenate([m.project @ x - spread @ xi[:m.size] for m, spread in zip(self.members, self._spreads, strict=True)])
 
     @gated(y=RECORD, u=array(), start=array())
     def run(self, y: object, u: object, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
