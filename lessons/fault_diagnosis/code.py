@@ -42,7 +42,7 @@ def code(outcome: Outcome[Study]) -> Code:
         Shown("L", outcome.gains["L"]), *poles, Shown("x", s.record.x), Shown("xhat", s.record.xhat), Shown("y", s.record.y),
         Shown("asked", s.record.asked), Shown("applied", s.record.applied), Shown("statistics", s.verdict.values),
         *(Shown(name, m[name]) for name in ("threshold", "dof", "needed", "hourly", "accused", "right_verdict", "delay", "expected_delay",
-                                            "pitch"))), "Shares over many runs", (
+                                            "pitch"))), "Shares over many runs, and the cumulative sum", (
         Given("w", noise.w), Given("v", noise.v), Given("first_error", noise.whole, "of the filter that the loop believes"),
         Given("first_starts", np.array([noise.bank[part] for part in bank.slices[:4]]), "of the members that leave out a sensor"),
     ), DT)

@@ -9,6 +9,7 @@ from app.lesson.lesson import Outcome
 from app.text import Text, listed, same, text, text_in
 
 from .bank import COILS, COUNT, DT, NAMES, PLACE_NAMES, PLACES, guard
+from .cusum import cusum
 from .diagnosis import POWER
 from .reach import TONES, least, least_force
 from .runs import NONE, OPEN, SWITCH
@@ -28,7 +29,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     s: Study = outcome.study
     return (_residuals(s, "sensors", text("leaving out one sensor"), range(4)),
             _residuals(s, "coils", text("ignoring one coil"), range(4, 7)), _reading(s),
-            isolation(s), _members(), _pitch(s), _across(s), _forces(s), _rates(s), _counts(s), _tones(s), _least(s))
+            isolation(s), _members(), _pitch(s), _across(s), _forces(s), _rates(s), _counts(s), _cusum(s), _tones(s), _least(s))
 
 
 # --- residuals ---------------------------------------------------------------------------------------------------------
@@ -206,6 +207,32 @@ def _counts(s: Study) -> TableFigure:
     said = (text("One threshold for all members: about {hourly:.2g} false alarms an hour.", hourly=hourly))
     return TableFigure("counts", text("design of the threshold"), (text("quantity"), text("value")),
                        tuple(rows), said, RATE_TAB)
+
+
+def _cusum(s: Study) -> LineFigure:
+    """The window of the loudest member beside its cumulative sum, both over their thresholds."""
+    both = cusum(s.test, s.blind)
+    member = int(np.argmax(s.verdict.values.max(axis=0)))
+    curves = [values[:, member] for values in (judged(s), both.values)]
+    window, total = (_crossing(values) for values in curves)
+    hours = both.mean * DT / 3600
+    said = text("The window crosses at {window}, the sum at {total}. Either would give a false alarm of one member every {hours:.2g} h.",
+                window=window, total=total, hours=hours)
+    return LineFigure("cusum", text("window and cumulative sum of {member}", member=NAMES[member]), T,
+                      (Curve(text("window"), np.maximum(curves[0], FLOOR), "plant"),
+                       Curve(text("cumulative sum"), np.maximum(curves[1], FLOOR), "error", "dash"),
+                       Curve(text("threshold"), np.ones(COUNT), "reference", "dash", 1.4)), text("over its threshold"), log_y=True,
+                      window=(0.1, 10.0), caption=said, tab=RATE_TAB)
+
+
+def judged(s: Study) -> np.ndarray:
+    """The window's statistic over its threshold in the run in which nobody acts (COUNT, 7)."""
+    return s.test.values(s.blind.residuals) / s.test.threshold
+
+
+def _crossing(values: np.ndarray) -> Text:
+    over = np.flatnonzero(values > 1)
+    return text("{at:.2f} s", at=DT * over[0]) if len(over) else text("no time")
 
 
 # --- reach -------------------------------------------------------------------------------------------------------------

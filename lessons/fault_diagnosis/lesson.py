@@ -22,7 +22,7 @@ LESSON = Lesson(
     "fault-diagnosis", 17, KNOBS, compute, figures, answer=0, answering="isolation", tasks=TASKS, exams=EXAMS,
     source="Chen and Patton, Robust Model-Based Fault Diagnosis for Dynamic Systems (1999), chapter 3; platform report (003), section 3.1",
     place=PLACES["fault-diagnosis"],
-    again=Again(("window",), 0, {"bias": 1.5, "window": 100}, ("sensors", "isolation", "members")),
+    again=Again(("window",), 0, {"bias": 1.5, "window": 100}, ("sensors", "isolation", "members", "cusum")),
     words=read_prose(Path(__file__).parent), key=("place", "bias", "drift", "loss", "rate"),
     aside=("force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived)
