@@ -29,7 +29,8 @@ DIVERGED = 1e12
 class BilinearRun:
     """Time-first: t (n_t,), u (n_t,), x (n_t, n), z (n_t, q), y (n_t, m), g, estimate and error (n_t, r).
 
-    error = estimate − g = ĝ − g, the sign of the source. `diverged_at`: where the run was cut off, or None.
+    error = estimate − g = ĝ − g, the sign of the source. y is what the sensors say, noise and all. `diverged_at`: where the
+    run was cut off, or None.
     """
 
     t: np.ndarray
@@ -45,14 +46,15 @@ class BilinearRun:
 
 def simulate_bilinear(
     plant: BilinearPlant, form: BilinearForm, K: np.ndarray, u: Callable[[np.ndarray], Any], x0: object, z0: object,
-    *, horizon: float = 1.0, dt: float = 0.002
+    *, horizon: float = 1.0, dt: float = 0.002, noise: object = None
 ) -> BilinearRun:
     """ẋ = A x + B u + u F x beside ż = A_z z + Y y + B_z u + u U y + R ẏ, by Gauss's method of order 6 on the grid.
 
     `u` maps an array of times to as many numbers. For a given u(t) the pair is linear in (x, z, 1), so all steps are
     computed at once and then chained; the method keeps every linear relation that the exact flow keeps, hence the
-    decay of the error also where u jumps. x0 (n,), z0 (q,); horizon and dt in s. Raises ShapeError for starts of the
-    wrong length, EngineError for a grid or an input that is not finite or has too many steps.
+    decay of the error also where u jumps. x0 (n,), z0 (q,); horizon and dt in s. `noise` (n_t, m) is what the sensors add to
+    C x, held over each step; ẏ in R ẏ stays the true one. Raises ShapeError for starts or noise of the wrong length,
+    EngineError for a grid or an input that is not finite or has too many steps.
 
     >>> A, F = [[-1, 1], [0, -2]], [[0.1, 0], [0, 0]]
     >>> found = bilinear_functional_observer(A, [[0], [1]], F, [[1, 0]], [[0, 1]], -5)
@@ -72,26 +74,42 @@ def simulate_bilinear(
         raise EngineError("The horizon must be positive and hold between 1 and {most_steps} steps dt.",
                           most_steps=MOST_STEPS)
     t = np.arange(round(horizon / dt) + 1) * dt
-    states = np.empty((t.size, x0.size + z0.size + 1))
-    states[0] = z = np.concatenate([x0, z0, [1.0]])
-    constant, slope = _joint(plant, form)
+    heard = _noise(noise, t.size, plant.m)
+    n, still = x0.size, x0.size + z0.size
+    states = np.empty((t.size, still + 1 + heard.shape[1]))
+    states[:, still + 1:] = heard
+    states[0, :still + 1] = np.concatenate([x0, z0, [1.0]])
+    constant, slope = _joint(plant, form, bool(heard.size))
     count = 1
     for begin in range(0, t.size - 1, CHUNK):
         steps = _steps(constant, slope, _input(u, t[begin:begin + CHUNK + 1][:-1, None] + NODES * dt), dt)
-        steps[:, :x0.size, x0.size:-1] = 0.0  # x never hears the observer: no rounding of a run away may reach it
+        steps[:, :n, n:still] = steps[:, :n, still + 1:] = 0.0  # x hears neither observer nor noise: no rounding of them may reach it
         for step in steps:
-            z = step @ z
+            z = step[:still + 1] @ states[count - 1]
             if not np.abs(z).max() < DIVERGED:
                 return _record(plant, form, K, u, t[:count], states[:count], float(t[count]))
-            states[count] = z
+            states[count, :still + 1] = z
             count += 1
     return _record(plant, form, K, u, t, states, None)
 
 
+def _noise(noise: object, count: int, outputs: int) -> np.ndarray:
+    """The noise (count, m), of no columns where there is none."""
+    if noise is None:
+        return np.zeros((count, 0))
+    heard = as_matrix(noise, "noise")
+    if heard.shape != (count, outputs):
+        raise ShapeError("noise must be {count}×{outputs}, a row for each time; it is {rows}×{columns}.",
+                         count=count, outputs=outputs, rows=heard.shape[0], columns=heard.shape[1])
+    return heard
+
+
 def _record(plant: BilinearPlant, form: BilinearForm, K: np.ndarray, u: Callable[[np.ndarray], Any], t: np.ndarray,
             states: np.ndarray, diverged_at: float | None) -> BilinearRun:
-    x, z = states[:, :plant.n], states[:, plant.n:-1]
+    q = form.A.shape[0]
+    x, z, heard = states[:, :plant.n], states[:, plant.n:plant.n + q], states[:, plant.n + q + 1:]
     y, g = x @ plant.C.T, x @ K.T
+    y = y + heard if heard.size else y
     estimate = y @ form.G_y.T + z @ form.G_z.T
     return BilinearRun(t, _input(u, t), x, z, y, g, estimate, estimate - g, diverged_at)
 
@@ -106,14 +124,17 @@ def _input(u: Callable[[np.ndarray], Any], t: np.ndarray) -> np.ndarray:
     return values
 
 
-def _joint(plant: BilinearPlant, form: BilinearForm) -> tuple[np.ndarray, np.ndarray]:
-    """d/dt (x, z, 1) = (constant + u slope)(x, z, 1); ẏ = C ẋ enters through R."""
-    n, q = plant.n, form.A.shape[0]
-    constant, slope = np.zeros((n + q + 1, n + q + 1)), np.zeros((n + q + 1, n + q + 1))
-    constant[:n, :n], slope[:n, :n], slope[:n, -1:] = plant.A, plant.F, plant.B
+def _joint(plant: BilinearPlant, form: BilinearForm, noisy: bool) -> tuple[np.ndarray, np.ndarray]:
+    """d/dt (x, z, 1, v) = (constant + u slope)(x, z, 1, v); ẏ = C ẋ enters through R, the noise v as y does, if there is any."""
+    n, q, m = plant.n, form.A.shape[0], plant.m if noisy else 0
+    seen, one, heard = slice(n, n + q), slice(n + q, n + q + 1), slice(n + q + 1, n + q + 1 + m)
+    constant, slope = np.zeros((n + q + 1 + m, n + q + 1 + m)), np.zeros((n + q + 1 + m, n + q + 1 + m))
+    constant[:n, :n], slope[:n, :n], slope[:n, one] = plant.A, plant.F, plant.B
     RC = form.R @ plant.C
-    constant[n:-1, :n], constant[n:-1, n:-1] = form.Y @ plant.C + RC @ plant.A, form.A
-    slope[n:-1, :n], slope[n:-1, -1:] = form.U @ plant.C + RC @ plant.F, form.B + RC @ plant.B
+    constant[seen, :n], constant[seen, seen] = form.Y @ plant.C + RC @ plant.A, form.A
+    slope[seen, :n], slope[seen, one] = form.U @ plant.C + RC @ plant.F, form.B + RC @ plant.B
+    if noisy:
+        constant[seen, heard], slope[seen, heard] = form.Y, form.U
     return constant, slope
 
 

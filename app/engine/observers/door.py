@@ -28,7 +28,7 @@ from ..systems.gates import (
     vector,
 )
 from ..systems.plant import Plant
-from . import bilinear, bilinear_run, fault_bank, functional, functional_loop, perturbation, unknown_input
+from . import bilinear, bilinear_run, bilinear_steps, fault_bank, functional, functional_loop, perturbation, unknown_input
 from .existence import Existence as Existence  # through the door: its module has the name of a call
 from .existence import existence as _existence
 from .residual_threshold import alarm_probability as _alarm_probability
@@ -54,9 +54,9 @@ _SEARCH = MappingProxyType({"plant": _PLANT, "K": _MATRIX, "wrong": _WRONG, "nor
                             "seed": SEED, "worst_condition": number(1)})
 
 bilinear_functional_observer = gated(A=_MATRIX, B=_MATRIX, F=_MATRIX, C=_MATRIX, K=_MATRIX, pole=POLES)(
-    bilinear.bilinear_functional_observer)
+    bilinear_steps.bilinear_functional_observer)
 simulate_bilinear = gated(plant=instance(bilinear.BilinearPlant), form=instance(bilinear.BilinearForm), K=_MATRIX, u=FUNCTION, x0=_MATRIX,
-                          z0=_MATRIX, horizon=SECONDS, dt=SECONDS)(bilinear_run.simulate_bilinear)
+                          z0=_MATRIX, horizon=SECONDS, dt=SECONDS, noise=_MAYBE)(bilinear_run.simulate_bilinear)
 alarm_probability = gated(noncentrality=array(), dof=_DOF, false_alarm=SHARE)(_alarm_probability)
 binomial_band = gated(count=count(1, 10**9), rate=SHARE, level=LEVEL)(_binomial_band)
 needed_noncentrality = gated(dof=_DOF, false_alarm=SHARE, power=SHARE)(_needed_noncentrality)

@@ -38,6 +38,16 @@ class Canonisation:
         """M̃ = M̃ᴿ M̃ᴸ, the summary canoniser (q×p)."""
         return self.unit_right @ self.unit_left
 
+    @property
+    def left(self) -> np.ndarray:
+        """[unit_left; zero_left] (p×p)."""
+        return np.vstack([self.unit_left, self.zero_left])
+
+    @property
+    def right(self) -> np.ndarray:
+        """[unit_right, zero_right] (q×q)."""
+        return np.hstack([self.unit_right, self.zero_right])
+
     def flipped(self) -> Canonisation:
         """The canonisation of Mᵀ, which has left and right exchanged."""
         return Canonisation(frozen(self.unit_right.T), frozen(self.zero_right.T), frozen(self.unit_left.T),
@@ -70,9 +80,13 @@ def canonise(M: np.ndarray) -> Canonisation:
         work[rank, rank + 1:] = 0.0
         left[rank] /= pivot
         rank += 1
-    values = np.linalg.svd(M, compute_uv=False) if min(M.shape) else np.zeros(0)
     return Canonisation(frozen(left[:rank]), frozen(left[rank:]), frozen(right[:, :rank]), frozen(right[:, rank:]),
-                        frozen(values))
+                        frozen(singular_values(M)))
+
+
+def singular_values(M: np.ndarray) -> np.ndarray:
+    """Those of M, none of an empty one."""
+    return np.linalg.svd(M, compute_uv=False) if min(M.shape) else np.zeros(0)
 
 
 def canonise_right(M: np.ndarray) -> Canonisation:

@@ -15,16 +15,18 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 from scipy.io import savemat
 
+from .arrays import as_matrix
 from .errors import EngineError, phrase
+from .file_gate import MAX_BYTES, MAX_STATES, bytes_of, full, kind_of, number, parse, rows, text_of
 from .matfile import read_mat
 from .plant import Plant
 
 if TYPE_CHECKING:
     import control  # imported where it is used: it takes a second to load
 
-__all__ = ["from_control", "from_json", "from_mat", "load_plant", "read_plant", "to_control", "to_json", "to_mat"]
+__all__ = ["from_control", "from_json", "from_mat", "load_plant", "read_matrix", "read_plant", "to_control", "to_json", "to_mat"]
 
-MAX_STATES, MAX_SIGNALS, MAX_BYTES, MAX_NAME = 30, 16, 1_000_000, 100
+MAX_SIGNALS, MAX_NAME = 16, 100
 _FORMAT = "observer-lab plant"
 _MATRICES = ("A", "B", "C", "D")
 _NAMES = ("states", "inputs", "outputs")
@@ -38,11 +40,6 @@ def _bounded(plant: Plant) -> Plant:
         raise EngineError("A plant needs 1 to {max_signals} inputs and outputs; this one has {m} and {p}.",
                           max_signals=MAX_SIGNALS, m=plant.m, p=plant.p)
     return plant
-
-
-def _check_size(count: int) -> None:
-    if count > MAX_BYTES:
-        raise EngineError("The file is larger than 1 MB; a plant with 30 states needs far less.")
 
 
 def _word(value: object, what: str) -> str:
@@ -62,26 +59,6 @@ def _units(value: object) -> tuple[tuple[str, str], ...]:
     if not isinstance(value, dict) or len(value) > MAX_STATES + 2 * MAX_SIGNALS:
         raise EngineError("units must be an object that maps a signal name to its unit.")
     return tuple((_word(k, phrase("A unit's signal")), _word(v, phrase("A unit"))) for k, v in value.items())
-
-
-def _number(value: object, what: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise EngineError("{what} must hold real numbers only.", what=what)
-    try:
-        return float(value)
-    except OverflowError as problem:
-        raise EngineError("{what} holds a number too large to store.", what=what) from problem
-
-
-def _rows(value: object, what: str) -> list[list[float]]:
-    rows = value if isinstance(value, list) else None
-    if not rows or len(rows) > MAX_STATES or not all(isinstance(row, list) for row in rows):
-        raise EngineError("{what} must be a list of 1 to {max_states} rows, each a list of numbers.",
-                          what=what, max_states=MAX_STATES)
-    if len({len(row) for row in rows}) != 1 or not 1 <= len(rows[0]) <= MAX_STATES:
-        raise EngineError("The rows of {what} must be equally long, with 1 to {max_states} numbers each.",
-                          what=what, max_states=MAX_STATES)
-    return [[_number(entry, what) for entry in row] for row in rows]
 
 
 def _labels(plant: Plant) -> dict[str, Any]:
@@ -115,23 +92,6 @@ def to_json(plant: Plant) -> str:
                       ensure_ascii=False)
 
 
-def _constant(word: str) -> float:
-    raise EngineError("The file holds {word}; every number must be finite.", word=word)
-
-
-def _parse(text: str) -> dict[str, Any]:
-    _check_size(len(text))
-    try:
-        data = json.loads(text, parse_constant=_constant)
-    except EngineError:
-        raise
-    except (ValueError, RecursionError) as problem:
-        raise EngineError("This is not readable JSON; save the plant again from the lab.") from problem
-    if not isinstance(data, dict):
-        raise EngineError("The JSON must be one object with the matrices A, B, C and optionally D.")
-    return data
-
-
 def from_json(text: str) -> Plant:
     """A plant from `to_json`'s text, or from any object with A, B, C and optionally the other keys.
 
@@ -141,11 +101,11 @@ def from_json(text: str) -> Plant:
     >>> from_json(to_json(Plant([[-1]], [[1]], [[1]]))).A
     array([[-1.]])
     """
-    data = _parse(text)
+    data = parse(text)
     if data.get("format", _FORMAT) != _FORMAT or data.get("version", 1) != 1:
         raise EngineError("This JSON is not a plant of version 1; export it again with this version of the lab.")
-    matrices = {key: _rows(data[key], key) for key in _MATRICES if data.get(key) is not None}
-    return _build(matrices, _number(data.get("dt", 0.0), "dt"), data)
+    matrices = {key: rows(data[key], key) for key in _MATRICES if data.get(key) is not None}
+    return _build(matrices, number(data.get("dt", 0.0), "dt"), data)
 
 
 def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
@@ -167,27 +127,6 @@ def to_mat(plant: Plant, path: str | os.PathLike[str] | IO[bytes]) -> None:
             appendmat=False, do_compression=True)
 
 
-def _full(found: dict[str, Any], key: str) -> np.ndarray:
-    value = found[key]
-    if not isinstance(value, np.ndarray) or max(value.shape) > MAX_STATES:
-        raise EngineError("{key} must be a full real matrix of at most {max_states}×{max_states} numbers.",
-                          key=key, max_states=MAX_STATES)
-    return value
-
-
-def _bytes_of(source: str | os.PathLike[str] | bytes) -> bytes:
-    if isinstance(source, bytes):
-        _check_size(len(source))
-        return source
-    try:
-        with open(source, "rb") as file:
-            data = file.read(MAX_BYTES + 1)
-    except (OSError, ValueError) as problem:
-        raise EngineError("The file {name} cannot be read; check its name and place.", name=Path(source).name) from problem
-    _check_size(len(data))
-    return data
-
-
 def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
     """A plant from a .mat file (a path or its bytes) with the variables A, B, C, optionally D, Ts or dt, labels.
 
@@ -200,13 +139,13 @@ def from_mat(source: str | os.PathLike[str] | bytes) -> Plant:
     >>> from_mat(file.getvalue()).A
     array([[-1.]])
     """
-    found = read_mat(_bytes_of(source), MAX_BYTES)
-    period = [_full(found, key) for key in ("Ts", "dt") if key in found][:1] or [np.zeros((1, 1))]
+    found = read_mat(bytes_of(source), MAX_BYTES)
+    period = [full(found, key) for key in ("Ts", "dt") if key in found][:1] or [np.zeros((1, 1))]
     if period[0].size != 1:
         raise EngineError("Ts must be one number: the sampling period in seconds, or 0.")
     labels = found.get("labels")
-    matrices = {key: _full(found, key) for key in _MATRICES if key in found}
-    return _build(matrices, float(period[0].item()), _parse(labels) if isinstance(labels, str) else {})
+    matrices = {key: full(found, key) for key in _MATRICES if key in found}
+    return _build(matrices, float(period[0].item()), parse(labels) if isinstance(labels, str) else {})
 
 
 def load_plant(path: str | os.PathLike[str]) -> Plant:
@@ -218,27 +157,26 @@ def load_plant(path: str | os.PathLike[str]) -> Plant:
     >>> load_plant(path).A
     array([[-1.]])
     """
-    _known(Path(path).name)
-    return read_plant(Path(path).name, _bytes_of(path))
+    kind_of(Path(path).name)
+    return read_plant(Path(path).name, bytes_of(path))
 
 
 def read_plant(name: str, data: bytes) -> Plant:
     """A plant from the bytes of a file of that name, as `load_plant` reads it."""
-    if _known(name) == ".mat":
-        return from_mat(data)
-    _check_size(len(data))
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as problem:
-        raise EngineError("The JSON file must be UTF-8 text; save it again from the lab.") from problem
-    return from_json(text)
+    return from_mat(data) if kind_of(name) == ".mat" else from_json(text_of(data))
 
 
-def _known(name: str) -> str:
-    suffix = Path(name).suffix.lower()
-    if suffix not in (".json", ".mat"):
-        raise EngineError("A plant file must end in .json or .mat.")
-    return suffix
+def read_matrix(name: str, data: bytes, key: str) -> np.ndarray | None:
+    """A further matrix in the file of a plant, at most 30×30, None where there is none; gated as `read_plant` gates A.
+
+    >>> read_matrix("plant.json", b'{"F": [[2]]}', "F")
+    array([[2.]])
+    """
+    mat = kind_of(name) == ".mat"
+    found = read_mat(bytes_of(data), MAX_BYTES) if mat else parse(text_of(data))
+    if found.get(key) is None and not (mat and key in found):
+        return None
+    return as_matrix(full(found, key) if mat else rows(found[key], key), key)
 
 
 def to_control(plant: Plant) -> control.StateSpace:

@@ -85,6 +85,7 @@ from_control = convert.from_control
 from_json = gated(text=NAME)(convert.from_json)
 from_mat = gated(source=instance(str, os.PathLike, bytes))(convert.from_mat)
 load_plant = gated(path=instance(str, os.PathLike))(convert.load_plant)
+read_matrix = gated(name=NAME, data=instance(bytes), key=NAME)(convert.read_matrix)
 read_plant = gated(name=NAME, data=instance(bytes))(convert.read_plant)
 to_control = gated(plant=_PLANT)(convert.to_control)
 to_json = gated(plant=_PLANT)(convert.to_json)

@@ -238,6 +238,68 @@ def test_requests_that_make_no_sense_get_one_sentence(change, error, word):
         bilinear_functional_observer(**request)
 
 
+@settings(max_examples=25, deadline=None, derandomize=True, database=None)
+@given(st.integers(0, 10**6), st.sampled_from([(4, 3, 1), (5, 3, 1), (6, 2, 1), (7, 5, 1), (8, 5, 2), (8, 6, 2), (9, 7, 2), (10, 8, 2)]))
+def test_units_decide_nothing(seed, shape):
+    """x = X x′, u = U u′, y = Y y′, g = S g′, t = τ t′: the case, its poles and the law of the error are the same, whatever the units."""
+    n, m, r = shape
+    plant, rng = plant_of(seed, n, m), np.random.default_rng(seed + 1)
+    K = rng.standard_normal((r, n))
+    X, Y, S = (10 ** rng.uniform(-6, 6, k) for k in (n, m, r))
+    U, tau = 10 ** rng.uniform(-6, 6), 10 ** rng.uniform(-3, 3)
+    poles = np.array([-2.0, -3.5][:r])
+    own = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, poles)
+    other = bilinear_functional_observer(tau * plant.A * X / X[:, None], tau * plant.B * U / X[:, None], tau * plant.F * X * U / X[:, None],
+                                         plant.C * X / Y[:, None], K * X / S[:, None], tau * poles)
+    assert (other.case, other.order, other.solved, other.controllable, other.advised) == (
+        own.case, own.order, own.solved, own.controllable, own.advised)
+    if own.case == 1:
+        return
+    np.testing.assert_allclose(np.poly(other.reached / tau), np.poly(own.reached), rtol=1e-6, atol=1e-6)
+    if own.case == 2:  # one observer: its answers to y are one map
+        told = other.without_derivative.G_y * S[:, None] / Y
+        np.testing.assert_allclose(told, own.without_derivative.G_y, rtol=1e-5, atol=1e-6 * np.abs(own.without_derivative.G_y).max())
+    T, V = np.hstack(other.T) / X[:, None], np.vstack(other.V) * X
+    np.testing.assert_allclose(V @ T, np.eye(n), atol=1e-6 * max(np.abs(np.abs(V) @ np.abs(T)).max(), 1))
+    c = other.canonical_Q
+    shape = np.zeros(other.Q.shape)
+    shape[:c.rank, :c.rank] = np.eye(c.rank)
+    np.testing.assert_allclose(c.left @ other.Q @ c.right, shape, atol=1e-7 * (np.abs(c.left) @ np.abs(other.Q) @ np.abs(c.right)).max())
+
+
+def test_one_pole_serves_every_state_and_the_pair_says_what_it_could_do():
+    plant = plant_of(3, 8, 6)
+    o = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, np.random.default_rng(4).standard_normal((2, 8)), -4.0)
+    assert o.order == 2 and o.asked.tolist() == [-4, -4] and o.observable
+    np.testing.assert_allclose(np.poly(o.reached), [1, 8, 16], rtol=1e-6)
+    blind = bilinear_functional_observer(np.diag([0.0, 0, -1]), np.ones((3, 1)), np.zeros((3, 3)), np.eye(3)[:2], [[0, 0, 1]], -5)
+    assert not blind.observable
+
+
+@settings(max_examples=6, deadline=None, derandomize=True, database=None)
+@given(st.integers(0, 10**6))
+def test_noise_is_heard_as_the_exact_response_to_held_values_says(seed):
+    """At u = 0 what noise adds to ĝ is G_y v + G_z z with ż = A z + Y v, v held: by matrix exponentials."""
+    plant, rng = plant_of(seed, 5, 4), np.random.default_rng(seed + 1)
+    o = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, rng.standard_normal((1, 5)), -4.0)
+    form, h, count = o.without_derivative, 0.01, 60
+    v = rng.standard_normal((count + 1, 4))
+    x0 = rng.standard_normal(5)
+
+    def run(noise):
+        return simulate_bilinear(o.plant, form, o.K, lambda t: 0.0 * t, x0, [0.3], horizon=count * h, dt=h, noise=noise)
+    still, noisy = run(None), run(v)
+    np.testing.assert_allclose(noisy.x, still.x, rtol=1e-9, atol=1e-12 * np.abs(still.x).max())
+    np.testing.assert_allclose(noisy.y - still.y, v, atol=1e-12 * np.abs(still.y).max() + 1e-12)
+    a, z, added = form.A.item(), 0.0, []
+    for heard in v:
+        added.append((form.G_y @ heard + form.G_z[:, 0] * z).item())
+        z = np.exp(a * h) * z + (np.exp(a * h) - 1) / a * (form.Y @ heard).item()
+    np.testing.assert_allclose((noisy.estimate - still.estimate)[:, 0], added, atol=1e-9 * np.abs(added).max())
+    with pytest.raises(ShapeError, match="a row for each time"):
+        run(v[:-1])
+
+
 # --- canonisation --------------------------------------------------------------------------------------------------
 
 
