@@ -13,7 +13,7 @@ from ..engine import EngineError, load_plant
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
 from ..plants.examples import EXAMPLES, example
-from ..plants.own import canonical
+from ..plants.own import read
 from ..tab.state import TOO_LARGE, Saved, read_state
 from ..tab.token import is_token, read_token
 from .options import CommandError, cause
@@ -42,7 +42,8 @@ def plant_in(name: str) -> str:
         if name in EXAMPLES:
             return example(name)
         _plain_file(name)
-        return canonical(load_plant(name))
+        load_plant(name)  # says what is wrong with the file before it is read whole
+        return read(Path(name).name, Path(name).read_bytes())
     except EngineError as problem:
         raise CommandError(str(problem)) from problem
     except (OSError, ValueError) as problem:

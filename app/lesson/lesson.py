@@ -13,7 +13,7 @@ import numpy as np
 from ..engine.simulation import Run
 from ..plants.body import Body
 from ..plants.model import Model
-from ..plants.own import own_model, plant_of, without_hold
+from ..plants.own import model_of, plant_of
 from ..text import NO_WORDS, Text, joined, text
 from .again import Again
 from .code import Code
@@ -24,6 +24,7 @@ from .exam import Exam
 from .figures import Figure
 from .knobs import Knob, KnobError, Poles
 from .typed import Typed
+from .whose import whose
 
 S = TypeVar("S")  # a lesson's study: what it computes of its own
 R = TypeVar("R")  # what a lesson's job finds
@@ -221,6 +222,7 @@ class Lesson(Generic[S]):
     pick: Callable[[Outcome[S], float, float], Mapping[str, Any]] | None = None
     adapt: Callable[[Lesson, Model], Lesson] | None = None
     universal: bool = False
+    bilinear: bool = False
     code: Callable[[Outcome[S]], Code] | None = None
     plant: str = ""
     origin: Lesson | None = None
@@ -277,24 +279,12 @@ class Lesson(Generic[S]):
 def _fitted(origin: Lesson, text: str) -> Lesson:
     """The lesson built for a plant, with a line at its head that says whose plant is shown and whose the text means."""
     assert origin.adapt is not None
-    plant, universal = plant_of(text), origin.universal
-    model = own_model(plant if universal else without_hold(plant))
+    model = model_of(text, held=origin.universal)
     lesson = origin.adapt(origin, model)
+    head = whose(model, origin.universal, origin.bilinear, bool(plant_of(text).dt))
     kept = {task.id for task in lesson.tasks}
     words = {language: replace(
-        prose, introduction=f"{_whose(model, universal, bool(plant.dt))(language)}\n\n{prose.introduction}",
+        prose, introduction=f"{head(language)}\n\n{prose.introduction}",
         tasks={key: task for key, task in prose.tasks.items() if key in kept}) for language, prose in lesson.words.items()}
     derived = no_numbers if lesson.derived is origin.derived else lesson.derived  # made for the lesson's own study
     return replace(lesson, words=words, plant=text, origin=origin, derived=derived, again=None)
-
-
-def _whose(model: Model, universal: bool, sampled: bool) -> Text:
-    p = model.plant
-    name = text("“{name}”", name=model.label) if p.name else model.label
-    shown = text("**This page shows {name}** (states {n}, inputs {m}, outputs {p}).",
-                 name=name, n=p.n, m=p.m, p=p.p)
-    if universal:
-        return shown
-    others = text("Text, prediction and exams speak of the lesson's own plant.")
-    hold = text("It came sampled; here it is the continuous plant that a held input turns into those samples.")
-    return joined(shown, others, hold) if sampled else joined(shown, others)

@@ -30,6 +30,7 @@ EXAMPLES: Mapping[str, Example] = MappingProxyType({
     "tanks": Example("tanks.json", text("Four tanks")),
     "pendulum": Example("pendulum.json", text("Inverted pendulum, sampled")),
     "beam": Example("beam.mat", text("Flexible beam, 16 states")),
+    "exchanger": Example("exchanger.json", text("Heat exchanger, bilinear")),
 })
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..engine import Plant
 from ..engine.design import StartingGain
 from ..text import Text
+from .beyond import NOTHING, Beyond
 from .body import Body
 
 
@@ -45,7 +46,8 @@ class Model:
     drive, all of them if empty, the others being disturbances.
 
     A plant that a person brought has gains to start from, `controller` and `observer`; its `controller_poles` and
-    `observer_poles` are those that stand on a board, and the others stay where these gains put them.
+    `observer_poles` are those that stand on a board, and the others stay where these gains put them. `beyond` is what its
+    file says of a bilinear term.
     """
 
     id: str
@@ -69,6 +71,7 @@ class Model:
     controls: tuple[int, ...] = ()
     controller: StartingGain | None = None
     observer: StartingGain | None = None
+    beyond: Beyond = NOTHING
 
     @property
     def controlled(self) -> Plant:

@@ -36,10 +36,16 @@ SIGNALS: Mapping[str, Mapping[str, Text]] = MappingProxyType({
         text_in("signal", "lean")),
     "Flexible beam": _signals(
         text_in("signal", "force"), text_in("signal", "middle"), text_in("signal", "end")),
+    "Heat exchanger": _signals(
+        text_in("signal", "hot 1"), text_in("signal", "hot 2"), text_in("signal", "hot 3"), text_in("signal", "wall 1"),
+        text_in("signal", "wall 2"), text_in("signal", "wall 3"), text_in("signal", "cold 1"), text_in("signal", "cold 2"),
+        text_in("signal", "cold 3"), text_in("signal", "flow"), text_in("signal", "sensor hot 1"), text_in("signal", "sensor hot 2"),
+        text_in("signal", "sensor hot 3"), text_in("signal", "sensor cold 1"), text_in("signal", "sensor cold 2"),
+        text_in("signal", "sensor cold 3")),
 })
 TITLES: Mapping[str, Text] = MappingProxyType({title.id: title for title in (
     text("Aircraft, lateral motion"), text("Motor with a flexible shaft"), text("Four tanks"),
-    text("Inverted pendulum, sampled"), text("Flexible beam"))})
+    text("Inverted pendulum, sampled"), text("Flexible beam"), text("Heat exchanger"))})
 
 
 def title_of(plant: Plant) -> Text:

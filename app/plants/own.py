@@ -6,20 +6,21 @@ names that are plain words, so that no page, formula or file that shows them has
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..engine import EngineError, Plant, Scenario, from_json, simulate, to_json
+from ..engine import EngineError, Plant, Scenario, from_json, simulate
 from ..engine.design import StartingGain, starting_feedback, starting_observer, typical_rate
 from ..engine.simulation import Run
 from ..engine.systems import continuous_of, natural_scale, read_plant
 from ..text import Text, text, text_in, told
+from .beyond import NOTHING, Beyond, beyond_in, beyond_of, written
 from .model import Model, Signal, Window
 from .names import called, title_of
 from .own_body import tubes_body
 
-__all__ = ["Misfit", "canonical", "own_model", "plant_of", "read", "without_hold"]
+__all__ = ["Misfit", "board_of", "canonical", "cleaned", "model_of", "own_model", "plant_of", "read", "without_hold"]
 
 SAMPLES = 400  # of a run
 LONGEST_NAME, LONGEST_UNIT, LONGEST_TITLE = 18, 10, 40
@@ -43,21 +44,28 @@ class Misfit(EngineError):
 def read(name: str, data: bytes) -> str:
     """The canonical text of the plant in a file of that name (.json or .mat). Raises Misfit, in one sentence."""
     try:
-        return canonical(read_plant(name, data))
+        plant = read_plant(name, data)
+        return canonical(plant, beyond_in(name, data, plant))
     except EngineError as problem:
         raise Misfit(text_in("file", "{why}", why=told(problem))) from problem
 
 
-def canonical(plant: Plant) -> str:
+def cleaned(text: str) -> str:
+    """The canonical text of a plant in any JSON text. Raises Misfit."""
+    plant = plant_of(text)
+    return canonical(plant, _beyond(text, plant))
+
+
+def canonical(plant: Plant, beyond: Beyond = NOTHING) -> str:
     """The plant as the text that a design carries: JSON that reads back exactly, its names made plain words."""
     names = {name: _plain(name, LONGEST_NAME) for name in (*plant.state_names, *plant.input_names, *plant.output_names)}
     units = tuple((names[k], _plain(v, LONGEST_UNIT)) for k, v in plant.units if k in names)
 
     def called(given: tuple[str, ...], letter: str) -> tuple[str, ...]:
         return tuple(names[name] or f"{letter}{i + 1}" for i, name in enumerate(given))
-    return to_json(Plant(plant.A, plant.B, plant.C, plant.D, plant.dt, called(plant.state_names, "x"),
+    return written(Plant(plant.A, plant.B, plant.C, plant.D, plant.dt, called(plant.state_names, "x"),
                          called(plant.input_names, "u"), called(plant.output_names, "y"), units,
-                         _plain(plant.name, LONGEST_TITLE)))
+                         _plain(plant.name, LONGEST_TITLE)), beyond)
 
 
 def _plain(words: str, longest: int) -> str:
@@ -74,6 +82,13 @@ def plant_of(text: str) -> Plant:
         raise Misfit(text_in("plant", "{why}", why=told(problem))) from problem
 
 
+def _beyond(text: str, plant: Plant) -> Beyond:
+    try:
+        return beyond_of(text, plant)
+    except EngineError as problem:
+        raise Misfit(text_in("plant", "{why}", why=told(problem))) from problem
+
+
 def without_hold(plant: Plant) -> Plant:
     """The continuous plant behind a sampled one. Raises Misfit where there is none."""
     try:
@@ -84,8 +99,16 @@ def without_hold(plant: Plant) -> Plant:
 
 
 # --- the model ---------------------------------------------------------------------------------------------------------
+def model_of(text: str, *, held: bool) -> Model:
+    """The model of a canonical text, with F and K of a bilinear plant; `held`: a sampled plant stays as it is. Raises Misfit."""
+    plant = plant_of(text)
+    return replace(own_model(plant if held else without_hold(plant)), beyond=_beyond(text, plant))
+
+
 @dataclass(frozen=True)
-class _Board:
+class Shown:
+    """The poles that stand on a board, in conjugate pairs, and its window."""
+
     poles: tuple[complex, ...]
     window: Window
 
@@ -97,7 +120,7 @@ def own_model(plant: Plant) -> Model:
     far faster than the rest. The run begins one unit away from rest and is as long as the slowest of these poles needs.
     """
     K, L = starting_feedback(plant), starting_observer(plant)
-    left, right = (_board(found, plant.dt) for found in (K, L))
+    left, right = (board_of(found, plant.dt) for found in (K, L))
     horizon, dt = _grid(plant, K, L)
     x0 = _start(plant)
     run = _first_run(plant, K.gain, L.gain, x0, horizon, dt)
@@ -121,7 +144,7 @@ def _round(value: float) -> float:
     return float(f"{value:.2g}")
 
 
-def _board(found: StartingGain, dt: float) -> _Board:
+def board_of(found: StartingGain, dt: float) -> Shown:
     """The poles to show, in conjugate pairs, and a window that holds them with room to drag."""
     heads = sorted((p for p in found.moved if p.imag >= 0), key=abs if not dt else _slowness)
     if not dt and heads:
@@ -133,7 +156,7 @@ def _board(found: StartingGain, dt: float) -> _Board:
         if len(shown) + len(pair) <= ON_BOARD and (p.imag == 0 or np.any(found.moved == np.conj(p))):
             shown += pair
     shown.sort(key=lambda p: (p.real, p.imag))
-    return _Board(tuple(shown), _disc_window(shown) if dt else _window(shown, found.bolted))
+    return Shown(tuple(shown), _disc_window(shown) if dt else _window(shown, found.bolted))
 
 
 def _slowness(pole: complex) -> float:

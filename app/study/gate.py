@@ -15,10 +15,10 @@ import numpy as np
 
 from lessons import LESSONS
 
-from ..engine import EngineError, from_json
+from ..engine import EngineError
 from ..lesson.knobs import Knob, KnobError, Number
 from ..lesson.lesson import Lesson
-from ..plants.own import canonical, plant_of
+from ..plants.own import cleaned, plant_of
 from .plan import MOST, Axis, Study, StudyError
 from .points import SEED, design_at, entry_of, numbers, outcome_of, seed_knob
 
@@ -110,7 +110,7 @@ def _plant(given: Any, plant_in: Callable[[str], str]) -> str:
     if isinstance(given, str):
         return plant_in(given)
     if isinstance(given, dict):
-        return canonical(from_json(json.dumps(given)))
+        return cleaned(json.dumps(given))
     raise StudyError("plant is the name of a file or of an example, or a plant as such a file holds it.")
 
 

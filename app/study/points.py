@@ -15,6 +15,7 @@ from ..engine import EngineError, Plant
 from ..engine.kernels import SHELF
 from ..lesson.knobs import KnobError, Number
 from ..lesson.lesson import Design, Lesson, Outcome
+from ..plants.beyond import beyond_of
 from ..plants.own import canonical, plant_of
 from .plan import Axis, Row, Study, StudyError, programs
 
@@ -88,7 +89,7 @@ def design_at(study: Study, index: int) -> tuple[Lesson, Design]:
         changed = plant_of(plant)
         for axis, value in turned:
             changed = with_value(changed, axis, value)
-        plant = canonical(changed)
+        plant = canonical(changed, beyond_of(plant, changed))
     seed = seed_at(study, index)
     if seed is not None:
         changes[SEED] = seed

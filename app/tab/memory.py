@@ -18,7 +18,7 @@ from ..lesson.course import Progress
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson, Verdict
 from ..lesson.typed import LONGEST
-from ..plants.own import canonical, plant_of
+from ..plants.own import cleaned
 from ..text import languages, text
 from .desk import Desk
 from .history import History
@@ -174,7 +174,7 @@ def _solved(solved: object) -> Verdict | None:
 def _plant(data: object) -> str:
     """The plant that the person brought."""
     try:
-        return canonical(plant_of(json.dumps(data))) if data is not None else ""
+        return cleaned(json.dumps(data)) if data is not None else ""
     except (EngineError, RecursionError, OverflowError):
         return ""
 

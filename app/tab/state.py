@@ -17,7 +17,7 @@ from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
 from ..plants.examples import EXAMPLES, example
-from ..plants.own import canonical, plant_of
+from ..plants.own import cleaned
 from ..text import Text, languages, listed, same, text, told
 
 VERSION = 1
@@ -113,7 +113,7 @@ def _with_plant(lesson: Lesson, plant: object) -> Lesson:
     """The lesson for the plant that a state brings. What a file says of a plant passes the same gate as an upload."""
     if plant is None:
         return lesson
-    return lesson.fit(example(plant) if isinstance(plant, str) else canonical(plant_of(json.dumps(plant))))
+    return lesson.fit(example(plant) if isinstance(plant, str) else cleaned(json.dumps(plant)))
 
 
 def _index(value: object, count: int) -> bool:

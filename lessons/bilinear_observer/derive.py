@@ -1,4 +1,4 @@
-"""The numbers that stand now in the derivation of lesson 16: the eight steps at the present problem and pole."""
+"""The numbers that stand now in the derivation of lesson 16: the eight steps at the present problem and pole, or on an own plant."""
 
 from __future__ import annotations
 
@@ -10,9 +10,12 @@ from app.lesson.derivation import Value
 from app.lesson.lesson import Outcome
 from app.plants.bilinear import X0
 
+from ..toolkit.latex import MOST_ENTRIES
+from .drive import FILTERED, form_index
+from .own_words import Story
 from .page import base_of, pole_of
 from .problems import COMPUTED
-from .study import DT, FILTERED, Study, form_index
+from .study import DT, Study
 
 LATER = 20  # steps after which the error of the run is compared
 
@@ -30,7 +33,32 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
         pole = pole_of(o, o.L)
         known |= {"base4": float(base_of(o)[0, -1]), "pi": o.pi.item(), "free4": float(o.canonical_Q.zero_left[0, -1]),
                   "L4": float(o.L[0, -1]), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole, "p": float(o.asked[0].real)}
-        if design["gain"] == COMPUTED and design["form"] != FILTERED and design["kick"] < 0 and len(run.t) > LATER:
+        if design["gain"] == COMPUTED and not design["noise"] and design["form"] != FILTERED and design["kick"] < 0 and len(run.t) > LATER:
             errors = run.errors[:, form_index(design)]
             known |= {"time": LATER * DT, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
+    return known
+
+
+def own_derived(outcome: Outcome[Story]) -> Mapping[str, Value]:
+    """The same on a person's own plant, as far as an equation of the derivation is about what this plant has: one row, one state."""
+    s, design = outcome.study, outcome.design
+    o, run, x0 = s.wanted.solved, s.run, np.array(s.here.model.x0)
+    seen, rest = o.K @ o.T[0] @ o.V[0] @ x0, o.K @ o.T[1] @ o.V[1] @ x0
+    known: dict[str, Value] = {"rows": float(o.Q.shape[0]), "columns": float(o.Q.shape[1])}
+    if len(o.K) == 1:
+        known |= {"g_seen": seen.item(), "g_rest": rest.item(), "g": (seen + rest).item()}
+    if o.case == 1:
+        return known
+    if o.Q.shape[1] * o.order <= MOST_ENTRIES and s.L.size <= MOST_ENTRIES:
+        known |= {"LQ": s.L @ o.Q, "W": o.right, "L": s.L}
+    pi = s.wanted.pi(design[f"poles_{s.wanted.id}"] if s.wanted.poles else ())
+    pole = float(s.poles[0].real)
+    if pi is not None and o.order == 1 and o.B_star.size == 1 and np.any(o.B_star):
+        known |= {"pi": pi.item(), "A_star": o.A_star.item(), "B_star": o.B_star.item(), "pole": pole}
+    if o.order == 1:
+        known |= {"p": pole}
+        if len(o.K) == 1 and design["form"] != FILTERED and not design["noise"] and design["kick"] < 0 and len(run.t) > LATER:
+            errors = run.errors[:, form_index(design), 0]
+            if abs(errors[LATER]) > 1e-9 * float(np.abs(run.estimates).max()):  # beyond that it is rounding
+                known |= {"time": LATER * s.here.dt, "eps0": float(errors[0]), "eps1": float(errors[LATER])}
     return known

@@ -14,9 +14,10 @@ from app.plants.bilinear import POLE
 from app.text import same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
+from .drive import HORIZON, form_index
 from .page import DOUBTED, LINES, words
 from .problems import PAPER, PROBLEMS
-from .study import FORM_NAMES, HORIZON, Study, Watch, form_index
+from .study import FORM_NAMES, Study, Watch
 
 STEPS_TAB = text("Eight steps")
 CASES_TAB, FORMS_TAB = text("Three cases"), text("With and without ẏ")
@@ -76,7 +77,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
     design, observer, run = outcome.design, outcome.study.observer, outcome.study.run
     return (_functional(outcome, run), _error(outcome, run), _input(run),
             *steps_figures(design["problem"], observer, int(design["step"]), design["line"]),
-            _lights(outcome.checks), _singular(observer), _problems(design["problem"]),
+            lights(outcome.checks), _singular(observer), _problems(design["problem"]),
             _forms(run), _fed(run, design["tau"]))
 
 
@@ -111,7 +112,8 @@ def _input(run: Watch) -> LineFigure:
                       caption=text("Largest |u|: {peak:.3g}.", peak=peak))
 
 
-def _lights(checks: tuple[Check, ...]) -> TableFigure:
+def lights(checks: tuple[Check, ...]) -> TableFigure:
+    """Which statements hold."""
     lit = sum(c.holds for c in checks)
     return TableFigure("lights", text("lights"), (text("statement"), text("holds")),
                        tuple((c.text, YES if c.holds else NO) for c in checks), tab=CASES_TAB,

@@ -7,10 +7,11 @@ import numpy as np
 from app.engine.observers import BilinearForm, BilinearObserver
 from app.lesson.lesson import Formula
 
-from ..toolkit.latex import matrix, number
+from ..toolkit.latex import MOST_ENTRIES, matrix, number, pole_words
 from .page import base_of, pole_of
 
 BLOCK = r"\begin{bmatrix} FT_2 & AT_3 & FT_3 \end{bmatrix}"
+P = "(V_2 - LV_1)"
 EMPTY = r"\varnothing"
 ROW = rf"W = V_2 {BLOCK}"
 
@@ -20,8 +21,9 @@ def _shown(M: np.ndarray, digits: int = 4) -> str:
 
 
 def _is(name: str, left: str, M: np.ndarray, digits: int = 4) -> Formula:
-    """The present entries of a matrix."""
-    return Formula(name, f"{left} = {_shown(M, digits)}")
+    """The present entries of a matrix, its size where they are too many to read."""
+    return Formula(name, f"{left} = {_shown(M, digits)}" if M.size <= MOST_ENTRIES else
+                   rf"{left}: \; {M.shape[0]} \times {M.shape[1]}, \; \| {left} \| = {number(float(np.linalg.norm(M, 2)), digits)}")
 
 
 def formulas_of(o: BilinearObserver, L: np.ndarray, plain: BilinearForm, step: int) -> tuple[Formula, ...]:
@@ -36,7 +38,8 @@ def formulas_of(o: BilinearObserver, L: np.ndarray, plain: BilinearForm, step: i
                     _is("QR", r"\bar Q^R", c.zero_right, 3), _is("Qs", r"\tilde Q^{\mathsf T}", c.summary.T, 3))
         case 3:
             defect = o.defect if o.case == 1 else np.zeros_like(o.defect)
-            return (Formula("W", ROW), Formula("21", r"W \bar Q^R = 0 \;?"), _is("right", "W", o.right, 3),
+            return (Formula("14", rf"\dot w = {P}(AT_2 + uFT_2)\,w - {P}(AT_3 + uFT_3)\,\eta"),
+                    Formula("W", ROW), Formula("21", r"W \bar Q^R = 0 \;?"), _is("right", "W", o.right, 3),
                     _is("defect", r"W \bar Q^R", defect, 3))
         case 4:
             return (Formula("W", ROW), Formula("22", r"L = W \tilde Q + \pi \bar Q^L"), _is("base", r"W \tilde Q", base_of(o)),
@@ -77,3 +80,27 @@ def _eighth(plain: BilinearForm) -> tuple[Formula, ...]:
         Formula("Y", rf"Y^{{\mathsf T}} = {_shown(plain.Y.T, 5)}, \; U^{{\mathsf T}} = {_shown(plain.U.T, 4)}"),
         Formula("G", rf"G = {_shown(plain.G_y, 4)}"),
     )
+
+
+def own_formulas(o: BilinearObserver, L: np.ndarray, plain: BilinearForm, pi: np.ndarray | None, poles: np.ndarray,
+                 step: int) -> tuple[Formula, ...]:
+    """The same for an observer of any order: π (q×k) that runs and the poles it leads to."""
+    if step < 6:
+        return formulas_of(o, L, plain, step)
+    reached = Formula("A_L", rf"\mathrm{{eig}}\,(V_2 - LV_1)AT_2 = \{{{_poles(poles)}\}}")
+    if step == 6:
+        none = Formula("none", r"\pi = " + EMPTY)
+        return (Formula("place", r"A^* - B^* \pi^{\mathsf T}"), none if pi is None else _is("pi", r"\pi", pi), reached)
+    if step == 7:
+        return (_is("L", "L", L), reached)
+    return (
+        Formula("18", r"\dot\chi = A_L\chi + Y y + b u + u\,U y"),
+        Formula("19", r"\hat g = G y + H\chi"),
+        _is("AL", "A_L", plain.A), _is("Y", "Y", plain.Y), _is("b", "b", plain.B), _is("U", "U", plain.U), _is("G", "G", plain.G_y),
+        _is("H", "H", plain.G_z),
+    )
+
+
+def _poles(poles: np.ndarray) -> str:
+    words = pole_words([complex(p) for p in poles][:6]).replace("−", "-").replace("±", r"\pm ")
+    return words + (r", \ldots" if len(poles) > 6 else "")

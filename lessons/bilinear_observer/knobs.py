@@ -7,9 +7,10 @@ from app.plants.bilinear import POLE
 from app.text import same, text, text_in
 
 from ..toolkit.knobs import run_knobs
+from .drive import FORMS, HORIZON, PLAIN
 from .page import OPTIONS
 from .problems import COMPUTED, PAPER, PRINTED, PROBLEMS, ROUNDED, TYPED
-from .study import FORM_NAMES, FORMS, HORIZON, OBSERVER_WINDOW, PLAIN
+from .study import FORM_NAMES, OBSERVER_WINDOW
 
 MOST_INPUT = 4.0
 MOVING = ("sine", "square", "sweep")
@@ -47,6 +48,8 @@ KNOBS = (
            hint=text("Which estimate the ghost shows; the first is (18) with (19), the second (17) with (13).")),
     Number("tau", r"\tau", text("differentiator's time constant"), "s", low=0.001, high=0.1, default=0.02,
            scale="log", hint=text("ẏ is replaced by s/(τs + 1) y.")),
+    Number("noise", r"\sigma", text("noise of each sensor"), low=0.0, high=0.1, default=0.0, step=0.001,
+           hint=text("The standard deviation of what each sensor adds to y, drawn anew every 5 ms.")),
     Number("chi0", r"\chi(0)", text("first χ"), low=-30.0, high=30.0, default=0.0, step=0.5,
            hint=text("The paper starts at 0; ĝ then starts 15.5 below g.")),
     Choice("line", "", text("printed line in doubt"), default=OPTIONS[0][0], options=OPTIONS,

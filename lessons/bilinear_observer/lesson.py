@@ -14,6 +14,7 @@ from .derive import derived
 from .exams import EXAMS
 from .figures import figures
 from .knobs import KNOBS
+from .own import adapted
 from .study import compute
 from .tasks import TASKS
 
@@ -22,6 +23,6 @@ LESSON = Lesson("bilinear-observer", 16, KNOBS, compute, figures, answer=2, answ
                        "equations (1)–(24) and the worked example",
                 place=PLACES["bilinear-observer"],
                 again=Again(("form",), 1, {"form": "filtered", "pole": (-60 + 0j,)}, ("forms", "error")),
-    words=read_prose(Path(__file__).parent), key=("step", "input", "form"),
-    aside=("amplitude", "omega", "seed", "tau", "chi0", "line"), code=code,
+    words=read_prose(Path(__file__).parent), key=("step", "input", "form"), adapt=adapted, bilinear=True,
+    aside=("amplitude", "omega", "seed", "tau", "noise", "chi0", "line"), code=code,
     derived=derived)

@@ -18,14 +18,12 @@ from app.text import Text, text
 
 from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
+from .drive import HORIZON, form_index, joined, noise_values, promised, signal
 from .formulas import formulas_of
 from .page import pole_of, words
 from .problems import COMPUTED, PAPER, PRINTED, PROBLEMS, ROUNDED, nearest_gain
 
-HORIZON, DT = 2.0, 0.005
-HOLD = 0.1  # s for which a random input is held
-PLAIN, EXACT, FILTERED = "plain", "exact", "filtered"
-FORMS = (PLAIN, EXACT, FILTERED)
+DT = 0.005
 KICK = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
 
 
@@ -33,6 +31,7 @@ KICK = (0.0, 0.0, 0.0, 0.0, 2.0, 0.0)
 class Watch:
     """One run: t, u (n_t,), x (n_t, 6), g (n_t,), estimates and errors ε = ĝ − g (n_t, 3) in the order of FORMS.
 
+    heard (n_t, 3) is the part of the errors that the sensors' noise made.
     law (n_t,): ε of the chosen form at its start, or after the kick, times e^{pole t}. fed (n_t, 2): L ẏ, true and as
     the differentiator gives it. `whole`: the run was not cut off because it diverged.
     """
@@ -43,6 +42,7 @@ class Watch:
     g: np.ndarray
     estimates: np.ndarray
     errors: np.ndarray
+    heard: np.ndarray
     law: np.ndarray
     fed: np.ndarray
     whole: bool
@@ -56,44 +56,6 @@ class Study:
     run: Watch
 
 
-def signal(design: Design) -> Callable[[np.ndarray], np.ndarray]:
-    """u(t) as the student chose it."""
-    kind, size, omega = design["input"], design["amplitude"], design["omega"]
-    if kind == "sine":
-        return lambda t: size * np.sin(omega * t)
-    if kind == "step":
-        return lambda t: np.full(np.shape(t), size)
-    if kind == "square":
-        return lambda t: np.where(np.floor(t * omega / np.pi + 1e-9) % 2 == 0, size, -size)
-    if kind == "sweep":
-        return lambda t: size * np.cos(omega * t**2)
-    if kind == "random":
-        values = random_values(design)
-        return lambda t: values[np.minimum(t / HOLD + 1e-9, len(values) - 1).astype(int)]
-    if kind == "hand" and design["hand"]:
-        times, drawn = np.array(design["hand"]).T
-        held = np.concatenate([[0.0], drawn])
-        return lambda t: held[np.searchsorted(times, t + 1e-9, side="right")]
-    return lambda t: np.zeros(np.shape(t))
-
-
-def random_values(design: Design) -> np.ndarray:
-    """What a random input holds, one value after the other."""
-    return np.random.default_rng(int(design["seed"])).uniform(-design["amplitude"], design["amplitude"], round(HORIZON / HOLD) + 1)
-
-
-def joined(plain: BilinearForm, exact: BilinearForm, tau: float) -> BilinearForm:
-    """One form with the states (χ, μ̂, μ̂ of the differentiator, d): ḋ = (L y − d)/τ stands for L ẏ in the third."""
-    A = np.diag([plain.A[0, 0], exact.A[0, 0], exact.A[0, 0], -1 / tau])
-    A[2, 3] = -1 / tau
-    L, none, still = exact.R, np.zeros_like(exact.R), np.zeros((1, 1))
-    G_z = np.zeros((3, 4))
-    G_z[[0, 1, 2], [0, 1, 2]] = plain.G_z[0, 0], exact.G_z[0, 0], exact.G_z[0, 0]
-    return BilinearForm(A, np.vstack([plain.Y, exact.Y, exact.Y + L / tau, L / tau]),
-                        np.vstack([plain.B, exact.B, exact.B, still]), np.vstack([plain.U, exact.U, exact.U, none]),
-                        np.vstack([none, L, none, none]), np.vstack([plain.G_y, exact.G_y, exact.G_y]), G_z)
-
-
 def watch(plant: BilinearPlant, K: np.ndarray, plain: BilinearForm, exact: BilinearForm, design: Design) -> Watch:
     """Run all forms from χ(0), μ̂(0) = χ(0) + L y(0). A kick moves x, and through ẏ the exact form, never χ."""
     tau, u = design["tau"], signal(design)
@@ -101,19 +63,17 @@ def watch(plant: BilinearPlant, K: np.ndarray, plain: BilinearForm, exact: Bilin
     x0, start = np.array(X0), (exact.R @ plant.C @ X0).item()
     z0 = np.array([design["chi0"], design["chi0"] + start, design["chi0"] + start, start])
     at = int(design["kick"] / DT + 1e-9) if design["kick"] >= 0 else None
-
-    def run(x: np.ndarray, z: np.ndarray, begin: int, end: int) -> BilinearRun:
-        return simulate_bilinear(plant, form, rows, lambda t: u(t + begin * DT), x, z, horizon=(end - begin) * DT,
-                                 dt=DT)
-
     last = round(HORIZON / DT)
-    pieces = [run(x0, z0, 0, last)] if at is None else _kicked(plant, form, run, x0, z0, min(at, last - 1), last)
-    return _watch(plant, exact, tau, form_index(design), plain.A[0, 0], pieces, last)
+    noise = design["noise"] * noise_values(design, last + 1, plant.m) if design["noise"] else None
 
-
-def form_index(design: Design) -> int:
-    """Which of the three estimates the ghost shows."""
-    return FORMS.index(design["form"])
+    def ran(noise: np.ndarray | None) -> list[BilinearRun]:
+        def run(x: np.ndarray, z: np.ndarray, begin: int, end: int) -> BilinearRun:
+            return simulate_bilinear(plant, form, rows, lambda t: u(t + begin * DT), x, z, horizon=(end - begin) * DT, dt=DT,
+                                     noise=None if noise is None else noise[begin:end + 1])
+        return [run(x0, z0, 0, last)] if at is None else _kicked(plant, form, run, x0, z0, min(at, last - 1), last)
+    still = ran(None)
+    pieces = still if noise is None else ran(noise)
+    return _watch(plant, exact, tau, form_index(design), plain.A[0, 0], still, pieces, last)
 
 
 def _kicked(plant: BilinearPlant, form: BilinearForm, run: Callable[..., BilinearRun], x0: np.ndarray, z0: np.ndarray,
@@ -128,20 +88,21 @@ def _kicked(plant: BilinearPlant, form: BilinearForm, run: Callable[..., Bilinea
     return [before, run(before.x[-1] + jump, before.z[-1] + leap, at, last)]
 
 
-def _watch(plant: BilinearPlant, exact: BilinearForm, tau: float, chosen: int, pole: float, pieces: list[BilinearRun],
-           last: int) -> Watch:
-    def whole(name: str) -> np.ndarray:  # the sample at the kick is the one just after it
-        parts = [getattr(p, name) for p in pieces]
+def _watch(plant: BilinearPlant, exact: BilinearForm, tau: float, chosen: int, pole: float, still: list[BilinearRun],
+           pieces: list[BilinearRun], last: int) -> Watch:
+    def whole(name: str, of: list[BilinearRun] = pieces) -> np.ndarray:  # the sample at the kick is the one just after it
+        parts = [getattr(p, name) for p in of]
         return np.concatenate([*(p[:-1] for p in parts[:-1]), parts[-1]])
 
-    x, u, z, errors = whole("x"), whole("u"), whole("z"), whole("error")
+    x, u, z, y, errors, calm = whole("x"), whole("u"), whole("z"), whole("y"), whole("error"), whole("error", still)
     t = DT * np.arange(len(x))
-    laws = [p.error[0, chosen] * np.exp(pole * p.t) for p in pieces]
-    law = np.concatenate([*(part[:-1] for part in laws[:-1]), laws[-1]])
+    laws = [p.error[0, chosen] * np.exp(pole * p.t) for p in still]
+    law = np.concatenate([*(part[:-1] for part in laws[:-1]), laws[-1]])[:len(x)]
     rate = x @ plant.A.T + u[:, None] * (x @ plant.F.T + plant.B[:, 0])
-    L = exact.R[0]
-    fed = np.column_stack([rate @ plant.C.T @ L, (x @ plant.C.T @ L - z[:, 3]) / tau])
-    return Watch(t, u, x, whole("g")[:, 0], whole("estimate"), errors, law, fed, len(x) == last + 1)
+    L, count = exact.R[0], min(len(errors), len(calm))
+    fed = np.column_stack([rate @ plant.C.T @ L, (y @ L - z[:, 3]) / tau])
+    return Watch(t[:count], u[:count], x[:count], whole("g")[:count, 0], whole("estimate")[:count], errors[:count],
+                 errors[:count] - calm[:count], law[:count], fed[:count], len(x) == last + 1)
 
 
 FORM_NAMES = (text("without ẏ"), text("with the true ẏ"), text("with a "
@@ -163,6 +124,8 @@ def compute(design: Design) -> Outcome[Study]:
     run = watch(problem.plant, problem.K, plain, exact, design)
     pole = PRINTED_FORM.A.item() if plain is PRINTED_FORM else pole_of(observer, L)
     metrics = _metrics(design, observer, run, pole)
+    if design["noise"]:
+        metrics |= _noise(design, run, joined(plain, exact, design["tau"]), problem.plant.m)
     return Outcome(design, {"L": L}, {"observer": np.array([complex(pole)]), "plant": PLANT_POLES}, metrics,
                    _checks(observer, metrics), None, _boards(design, observer, pole), _stage(problem.body, design, run),
                    formulas_of(observer, L, plain, int(design["step"])), _live(design, observer, metrics), Study(observer, run))
@@ -197,6 +160,13 @@ def _metrics(design: Design, observer: BilinearObserver, run: Watch, pole: float
     return found
 
 
+def _noise(design: Design, run: Watch, form: BilinearForm, outputs: int) -> dict[str, float]:
+    """The rms of what noise adds to the estimate in the second half of the run, and what its law promises at u = 0."""
+    index, late = form_index(design), run.heard[len(run.t) // 2:]
+    says = promised(form, np.full(outputs, design["noise"]), DT)
+    return {"noise_rms": float(np.sqrt(np.mean(late[:, index] ** 2))), "noise_promised": float(min(says[index], 1e15))}
+
+
 def _checks(o: BilinearObserver, metrics: dict[str, float]) -> tuple[Check, ...]:
     gap = metrics["law_gap"]
     return (
@@ -207,6 +177,17 @@ def _checks(o: BilinearObserver, metrics: dict[str, float]) -> tuple[Check, ...]
               float(np.max(np.abs(o.B_star), initial=0.0))),
         Check("stable", text("the pole in use is on the left"), metrics["pole"] < 0, metrics["pole"]),
         Check("law", text("ε follows its pole under this u"), gap <= 1e-6, gap),
+        *promises(o),
+    )
+
+
+def promises(o: BilinearObserver) -> tuple[Check, Check, Check]:
+    """What sizes and a pair of matrices promise before anything is solved."""
+    n, m, q = o.plant.n, o.plant.m, o.order
+    return (
+        Check("fewer", text("r < n − m: fewer states than Luenberger's reduced observer"), q < n - m, float(n - m - q)),
+        Check("advised", text("3m + r ≥ 2n: (21) is to be expected"), o.advised, float(3 * m + q - 2 * n)),
+        Check("pair", text("(V₂AT₂, V₁AT₂) observable: any pole, if (21) asked nothing of L"), o.observable, float(o.order)),
     )
 
 
@@ -237,6 +218,9 @@ def _live(design: Design, o: BilinearObserver, m: dict[str, float]) -> Text:
                     late=late)
     if m["pole"] >= 0:
         return text("The observer's pole is {pole}: ε grows and reaches {late}.", pole=pole, late=late)
+    if design["noise"]:
+        return claim(text("The sensors' noise moves ĝ by {rms:.2g} (rms, second half of the run); at rest and u = 0 its law says "
+                          "{promised:.2g}.", rms=m["noise_rms"], promised=m["noise_promised"]), m["noise_rms"], above=0.0)
     return claim(text("Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.", case=o.case, pole=pole),
                  m["law_gap"], below=1e-6, otherwise=text(
                      "The pole is {pole}, but something still drives ε: it ends at {late}.", pole=pole, late=late))

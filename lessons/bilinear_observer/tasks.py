@@ -9,9 +9,10 @@ from app.lesson.typed import Typed
 from app.plants.bilinear import POLE
 from app.text import text
 
+from .drive import FILTERED
 from .page import FATAL, NONE
 from .problems import COMPUTED, PAPER, TYPED
-from .study import FILTERED, Study
+from .study import Study
 
 TO_TYPE, AT_FIRST = 0.1, 0.05  # rad/s that the pole may be off, and |ε(0)|
 LONGEST = 16.7  # of the row G − Y/p

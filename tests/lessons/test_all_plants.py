@@ -300,7 +300,7 @@ def test_a_plant_file_that_cannot_be_used_is_status_2_and_one_sentence(content, 
 
 
 def test_a_lesson_that_takes_no_plant_and_two_sources_of_one_are_status_2(capsys, tmp_path: Path) -> None:
-    assert main(["run", "bilinear-observer", "--plant", "motor"]) == 2
+    assert main(["run", "decoupling", "--plant", "motor"]) == 2
     assert "its own plant" in capsys.readouterr().err
     for command in (["run"], ["export", "--to", "json"], ["link"], ["replay"]):
         assert main([command[0], "separation", *command[1:], "--plant", "motor", "--state", "x.json"]) == 2

@@ -1,0 +1,23 @@
+"""Whose plant a page shows: the line at the head of a lesson on a person's own plant."""
+
+from __future__ import annotations
+
+from ..plants.model import Model
+from ..text import Text, joined, text
+
+__all__ = ["whose"]
+
+
+def whose(model: Model, universal: bool, bilinear: bool, sampled: bool) -> Text:
+    """What is shown, what the text means, and what of the plant is left out."""
+    p = model.plant
+    name = text("“{name}”", name=model.label) if p.name else model.label
+    shown = text("**This page shows {name}** (states {n}, inputs {m}, outputs {p}).",
+                 name=name, n=p.n, m=p.m, p=p.p)
+    if model.beyond.F is not None and not bilinear:
+        shown = joined(shown, text("Its bilinear term u F x is left out here: this is the plant linearised at x = 0 and u = 0."))
+    if universal:
+        return shown
+    others = text("Text, prediction and exams speak of the lesson's own plant.")
+    hold = text("It came sampled; here it is the continuous plant that a held input turns into those samples.")
+    return joined(shown, others, hold) if sampled else joined(shown, others)

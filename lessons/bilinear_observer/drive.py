@@ -1,0 +1,85 @@
+"""What drives a run: u(t) as the student chose it, the noise of the sensors, and the three forms of one observer as one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.linalg import expm, solve_discrete_lyapunov
+
+from app.engine.observers import BilinearForm
+from app.lesson.lesson import Design
+
+PLAIN, EXACT, FILTERED = "plain", "exact", "filtered"
+FORMS = (PLAIN, EXACT, FILTERED)
+HORIZON = 2.0
+HELD = 20  # values that a random input holds in a run, and one for its end
+NOISE = 1  # stands beside the seed where noise is drawn
+
+
+def form_index(design: Design) -> int:
+    """Which of the three estimates the ghost shows."""
+    return FORMS.index(design["form"])
+
+
+def signal(design: Design, *, horizon: float = HORIZON) -> Callable[[np.ndarray], np.ndarray]:
+    """u(t) as the student chose it, for a run of `horizon` s."""
+    kind, size, omega = design["input"], design["amplitude"], design["omega"]
+    if kind == "sine":
+        return lambda t: size * np.sin(omega * t)
+    if kind == "step":
+        return lambda t: np.full(np.shape(t), size)
+    if kind == "square":
+        return lambda t: np.where(np.floor(t * omega / np.pi + 1e-9) % 2 == 0, size, -size)
+    if kind == "sweep":
+        return lambda t: size * np.cos(omega * t**2 * 2.0 / horizon)
+    if kind == "random":
+        values = random_values(design)
+        return lambda t: values[np.minimum(t / (horizon / HELD) + 1e-9, len(values) - 1).astype(int)]
+    if kind == "hand" and design["hand"]:
+        times, drawn = np.array(design["hand"]).T
+        held = np.concatenate([[0.0], drawn])
+        return lambda t: held[np.searchsorted(times, t + 1e-9 * horizon, side="right")]
+    return lambda t: np.zeros(np.shape(t))
+
+
+def random_values(design: Design) -> np.ndarray:
+    """What a random input holds, one value after the other."""
+    return np.random.default_rng(int(design["seed"])).uniform(-design["amplitude"], design["amplitude"], HELD + 1)
+
+
+def noise_values(design: Design, count: int, outputs: int) -> np.ndarray:
+    """What noise of deviation one adds to each sensor (count, m), held over each step."""
+    return np.random.default_rng([int(design["seed"]), NOISE]).standard_normal((count, outputs))
+
+
+def joined(plain: BilinearForm, exact: BilinearForm, tau: float) -> BilinearForm:
+    """One form with the states (χ, μ̂, μ̂ of the differentiator, d), q each: ḋ = (L y − d)/τ stands for L ẏ in the third."""
+    q = len(exact.A)
+    one, none, still = np.eye(q), np.zeros_like(exact.R), np.zeros((q, 1))
+    A, L = np.zeros((4 * q, 4 * q)), exact.R
+    for k, block in enumerate((plain.A, exact.A, exact.A, -one / tau)):
+        A[k * q:(k + 1) * q, k * q:(k + 1) * q] = block
+    A[2 * q:3 * q, 3 * q:] = -one / tau
+    r = len(exact.G_z)
+    G_z = np.zeros((3 * r, 4 * q))
+    for k, block in enumerate((plain.G_z, exact.G_z, exact.G_z)):
+        G_z[k * r:(k + 1) * r, k * q:(k + 1) * q] = block
+    return BilinearForm(A, np.vstack([plain.Y, exact.Y, exact.Y + L / tau, L / tau]),
+                        np.vstack([plain.B, exact.B, exact.B, still]), np.vstack([plain.U, exact.U, exact.U, none]),
+                        np.vstack([none, L, none, none]), np.vstack([plain.G_y, exact.G_y, exact.G_y]), G_z)
+
+
+def promised(form: BilinearForm, deviations: np.ndarray, dt: float) -> np.ndarray:
+    """What noise of these deviations (m,), held over dt, makes of each estimate (r,) at rest and u = 0: its rms.
+
+    P = Φ P Φᵀ + Γ S Γᵀ, var ĝ = G_y S G_yᵀ + G_z P G_zᵀ with S = diag(deviations²); infinite where A is not stable.
+    """
+    q, m = form.Y.shape
+    if np.max(np.real(np.linalg.eigvals(form.A))) >= 0:
+        return np.full(len(form.G_y), np.inf)
+    step: np.ndarray = expm(np.block([[form.A, form.Y * deviations], [np.zeros((m, q + m))]]) * dt)
+    gamma = step[:q, q:]
+    P = solve_discrete_lyapunov(step[:q, :q], gamma @ gamma.T)
+    variance = np.sum((form.G_y * deviations) ** 2, axis=1) + np.einsum("ij,jk,ik->i", form.G_z, P, form.G_z)
+    return np.sqrt(np.maximum(variance, 0.0))

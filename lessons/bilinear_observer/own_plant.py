@@ -1,0 +1,220 @@
+"""A person's own bilinear plant: does it fit, which numbers g = K x may be wanted of it, and the scales of its run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.engine import BilinearPlant, EngineError, Plant, bilinear_functional_observer, simulate_bilinear
+from app.engine.design import StartingGain, shift_poles, starting_feedback, typical_rate
+from app.engine.observers import BilinearForm, BilinearObserver
+from app.lesson.knobs import KnobError
+from app.plants import Model
+from app.plants.body import Body
+from app.plants.model import Window
+from app.plants.names import called
+from app.plants.own import board_of
+from app.plants.own_body import tubes_body
+from app.text import Text, lowered, same, text
+
+from .page import base_of
+
+STEPS = 400  # of a run
+MOST_SINGLE = 8  # states that may be wanted one by one
+SPAN, GROWTH = 6.0, 8.0  # a run is this many typical times long, or e^GROWTH of what grows fastest
+QUICK = 25.0  # how eager the observer begins
+
+
+@dataclass(frozen=True, eq=False)
+class Wanted:
+    """One choice of g = K x: its name, its rows and theirs, the eight steps, the gain π to begin with and its board, a body."""
+
+    id: str
+    label: Text
+    rows: tuple[Text, ...]
+    units: tuple[str, ...]
+    solved: BilinearObserver
+    start: StartingGain | None
+    poles: tuple[complex, ...]
+    window: Window
+    body: Body
+    sizes: np.ndarray  # (r,): the largest |g| of the first run
+
+    @property
+    def K(self) -> np.ndarray:
+        """The rows wanted (r×n)."""
+        return self.solved.K
+
+    @property
+    def bolted(self) -> tuple[complex, ...]:
+        """Poles that no L of the family moves."""
+        return () if self.start is None else tuple(map(complex, self.start.bolted))
+
+    def gain(self, asked: tuple[complex, ...]) -> np.ndarray:
+        """L (q×m) with the poles on the board where they are asked for; the one L where there is one, the nearest where there is none."""
+        o = self.solved
+        if o.case == 1:
+            return nearest(o)
+        pi = self.pi(asked)
+        return base_of(o) if pi is None else base_of(o) + pi @ o.canonical_Q.zero_left
+
+    def pi(self, asked: tuple[complex, ...]) -> np.ndarray | None:
+        """π (q×k) of the family, None where there is none."""
+        o = self.solved
+        if self.start is None:
+            return None
+        return (shift_poles(o.A_star, o.B_star, self.start.gain, self.poles, asked) if self.poles else self.start.gain).T
+
+
+def nearest(o: BilinearObserver) -> np.ndarray:
+    """L of least squares for (20), each condition and each output as heavy as any other."""
+    stacked = np.vstack([o.Q, o.right])
+    wide = np.linalg.norm(stacked, axis=0)
+    wide = np.where(wide > 0, wide, 1.0)
+    tall = np.linalg.norm(o.Q / wide, axis=1)
+    tall = np.where(tall > 0, tall, 1.0)
+    return (o.right / wide) @ np.linalg.pinv(o.Q / wide / tall[:, None]) / tall
+
+
+@dataclass(frozen=True, eq=False)
+class Here:
+    """A plant for this lesson: what may be wanted, the input's natural size, how long a run is, what each sensor reads at most."""
+
+    model: Model
+    plant: BilinearPlant
+    wanted: tuple[Wanted, ...]
+    strength: float
+    horizon: float
+    readings: np.ndarray  # (m,)
+
+    @property
+    def name(self) -> Text:
+        """What u is called."""
+        return called(self.model.plant, self.model.plant.input_names[0])
+
+    @property
+    def linear(self) -> bool:
+        """Whether u multiplies nothing."""
+        return not np.any(self.plant.F)
+
+    @property
+    def dt(self) -> float:
+        """The step of a run in s."""
+        return self.horizon / STEPS
+
+    def of(self, id: str) -> Wanted:
+        """The choice of that name."""
+        return next(w for w in self.wanted if w.id == id)
+
+    @property
+    def scale(self) -> np.ndarray:
+        """Powers of two (n,) about as large as the states."""
+        return 2.0 ** np.round(np.log2(np.maximum(np.abs(np.array(self.model.x0)), 1e-300)))
+
+    @property
+    def inner(self) -> BilinearPlant:
+        """The plant in states of like size, in which it is simulated."""
+        p, D = self.plant, self.scale
+        return BilinearPlant(p.A * D / D[:, None], p.B / D[:, None], p.F * D / D[:, None], p.C * D)
+
+
+def fitted(model: Model) -> Here:
+    """What the lesson needs of a plant. Raises KnobError or EngineError, in one sentence, where it does not fit."""
+    p, beyond = model.plant, model.beyond
+    if p.m != 1 and beyond.F is not None:
+        raise KnobError(text("This lesson has one input u, which also multiplies the state; the plant has {count}: keep one column of B.",
+                             count=p.m))
+    if np.any(p.D[:, 0]):
+        raise KnobError(text("This lesson has y = C x: leave out D, or take y − D u for the output."))
+    F = np.zeros_like(p.A) if beyond.F is None else beyond.F
+    plant = BilinearPlant(p.A, p.B[:, :1], F, p.C)  # of a linear plant the first input is u, the others rest
+    rate = typical_rate(p)
+    growing = float(np.max(np.real(p.poles)))
+    horizon = float(f"{min(SPAN / rate, GROWTH / growing if growing > 0 else np.inf):.2g}")
+    here = Here(model, plant, (), _strength(model, plant, rate), horizon, np.ones(p.p))
+    x, u = _first_run(here)
+    readings = np.max(np.abs(x @ p.C.T), axis=0)
+    full = np.maximum(np.max(np.abs(x), axis=0), 1e-300)
+    wanted = []
+    for id, label, rows, units, K in _choices(model):
+        try:
+            solved = bilinear_functional_observer(p.A, plant.B, F, p.C, K, -rate)
+        except EngineError:
+            if id == "K":
+                raise
+            continue  # the sensors read this row already
+        sizes = np.max(np.abs(x @ K.T), axis=0)
+        wanted.append(_choice(here, id, label, rows, units, solved, full, np.where(sizes > 0, sizes, 1.0), float(np.max(np.abs(u)))))
+    return Here(model, plant, tuple(wanted), here.strength, horizon, np.where(readings > 0, readings, 1.0))
+
+
+def _strength(model: Model, plant: BilinearPlant, rate: float) -> float:
+    """The input with which u F is half as fast as the plant; without F its own natural size."""
+    D = np.abs(np.array(model.x0))
+    size = float(np.linalg.norm(plant.F * D / D[:, None], 2))
+    return float(f"{0.5 * rate / size if size > 0 else model.u_max:.2g}")
+
+
+def _first_run(here: Here) -> tuple[np.ndarray, np.ndarray]:
+    """x and u of the plant alone under the sine that the knobs begin with."""
+    p = here.inner
+    none = np.zeros((1, p.m))
+    still = BilinearForm(np.zeros((1, 1)), none, np.zeros((1, 1)), none, none, none, np.zeros((1, 1)))
+    omega = omega_of(here.horizon)
+    run = simulate_bilinear(p, still, np.ones((1, p.n)), lambda t: here.strength * np.sin(omega * t), np.array(here.model.x0) / here.scale,
+                            [0.0], horizon=here.horizon, dt=here.dt)
+    return run.x * here.scale, run.u
+
+
+def omega_of(horizon: float) -> float:
+    """The frequency that the input begins with: about two periods in a run."""
+    return float(f"{4 * np.pi / horizon:.2g}")
+
+
+def _choices(model: Model) -> list[tuple[str, Text, tuple[Text, ...], tuple[str, ...], np.ndarray]]:
+    """All rows of K together, each alone, and states one by one: id, label, names and units of the rows, the rows."""
+    p, K, one = model.plant, model.beyond.K, np.eye(model.plant.n)
+    found = []
+    if K is not None:
+        names = tuple(same("g" if len(K) == 1 else lowered(f"g{i + 1}")) for i in range(len(K)))
+        found.append(("K", text("g = K x of the file, {count} numbers", count=len(K)) if len(K) > 1 else text("g = K x of the file"),
+                      names, ("",) * len(K), K))
+        if len(K) > 1:
+            found += [(f"g{i + 1}", text("row {row} of K alone", row=i + 1), (names[i],), ("",), K[i:i + 1]) for i in range(len(K))]
+    unseen = [i for i in range(p.n) if np.linalg.matrix_rank(np.vstack([_even(p.C), one[i]]), 1e-9) > p.p]
+    found += [(f"x{i + 1}", text("state {name}", name=called(p, p.state_names[i])), (called(p, p.state_names[i]),),
+               (p.unit(p.state_names[i]),), one[i:i + 1]) for i in unseen[:MOST_SINGLE]]
+    return found
+
+
+def _even(C: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(C, axis=1, keepdims=True)
+    return C / np.where(size > 0, size, 1.0)
+
+
+def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tuple[str, ...], o: BilinearObserver, full: np.ndarray,
+            sizes: np.ndarray, strongest: float) -> Wanted:
+    p = here.model.plant
+    start = starting_feedback(Plant(o.A_star, o.B_star, np.eye(o.order)), eager=QUICK) if o.case == 3 else None
+    if start is not None:
+        shown = board_of(start, 0.0)
+        poles, window = shown.poles, shown.window
+    else:
+        known = np.linalg.eigvals(_error_matrix(o)).astype(complex)
+        shown = board_of(StartingGain(np.zeros((0, 0)), known, np.zeros(0, dtype=complex)), 0.0)
+        poles, window = (), shown.window
+    measured = tuple(k for k in range(p.n) if any(np.flatnonzero(row).tolist() == [k] for row in p.C))
+    body = tubes_body([*(called(p, name) for name in p.state_names), *rows], [*full.tolist(), *sizes.tolist()], measured,
+                      [strongest if strongest > 0 else 1.0])
+    return Wanted(id, label, rows, units, o, start, poles, window, body, sizes)
+
+
+def _error_matrix(o: BilinearObserver) -> np.ndarray:
+    L = nearest(o) if o.case == 1 else base_of(o)
+    return error_matrix(o, L)
+
+
+def error_matrix(o: BilinearObserver, L: np.ndarray) -> np.ndarray:
+    """(V₂ − L V₁) A T₂ (q×q)."""
+    return (o.V[1] - L @ o.V[0]) @ o.plant.A @ o.T[1]
