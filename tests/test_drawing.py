@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 
 import numpy as np
@@ -135,12 +136,33 @@ def test_a_signal_is_named_as_in_a_formula(name: str, shown: str) -> None:
     assert symbol(name) == shown
 
 
+def boxes(drawing: str, large: bool) -> list[tuple[str, Box]]:
+    """What every word of a drawing that is not turned covers, in usual or in large print."""
+    out = []
+    for look, said in re.findall(r"<text ([^>]*)>([^<]*)</text>", drawing):
+        found = dict(re.findall(r'([-\w]+)="([^"]*)"', look))
+        if "transform" in found or not said.strip():
+            continue
+        own = re.search(r"--large:([\d.]+)px", look)
+        size = float(own[1]) if own and large else 14.6 if large and "font-size" not in found else float(found.get("font-size", 11))
+        wide = width(html.unescape(said), size)
+        left = float(found["x"]) - wide * {"start": 0.0, "middle": 0.5, "end": 1.0}[found.get("text-anchor", "start")]
+        out.append((said, Box(left, float(found["y"]) - 0.72 * size, left + wide, float(found["y"]) + 0.2 * size)))
+    return out
+
+
 @pytest.mark.parametrize("language", ["en", "zh"])
 @pytest.mark.parametrize("lesson", LESSONS.values(), ids=lambda lesson: lesson.id)
-def test_every_drawing_of_a_lesson_can_be_drawn(lesson: Lesson, language: str) -> None:
+def test_every_drawing_of_a_lesson_can_be_drawn_and_no_words_lie_on_words(lesson: Lesson, language: str) -> None:
+    """Nor does an axis count logarithms: powers of ten stand there as such."""
     for figure in lesson.figures(lesson.compute(lesson.start())):
-        if not isinstance(figure, LineFigure):
-            assert figure.title(language)[:4] in draw(figure, language)
+        if isinstance(figure, LineFigure):
+            continue
+        drawing = draw(figure, language)
+        assert figure.title(language)[:4] in drawing and "log₁₀" not in drawing
+        for large in (False, True):
+            said = boxes(drawing, large)
+            assert not [(a, b) for i, (a, p) in enumerate(said) for b, q in said[:i] if p.meets(q)], (figure.id, large)
 
 
 # --- sliders that move in decades ------------------------------------------------------------------------------------

@@ -19,6 +19,7 @@ from ..lesson.figures import (
     MatrixFigure,
     PlaneFigure,
     TableFigure,
+    axes_of,
 )
 from ..lesson.lesson import Design, Outcome
 from ..text import languages, wording
@@ -82,7 +83,8 @@ def _axes(figure: Figure) -> tuple[str, str]:
     """What stands at a figure's axes, with units; nothing where it has none."""
     if isinstance(figure, (MatrixFigure, TableFigure)):
         return "", ""
-    return wording(figure.x_label, "en"), wording(figure.y_label, "en")
+    return axes_of(figure) if isinstance(figure, PlaneFigure) and figure.powers else (
+        wording(figure.x_label, "en"), wording(figure.y_label, "en"))
 
 
 def _curves(id: str, kind: str, curves: tuple[Curve, ...], common: np.ndarray | None) -> Iterator[Row]:

@@ -22,6 +22,7 @@ from ..lesson.figures import (
     axis_range,
     finite,
 )
+from ..lesson.scales import decades
 from ..text import wording
 from .labels import label_curves
 from .style import GRID, INK, RULE, SMALL, pen, words
@@ -85,6 +86,10 @@ def draw_plane(axes: Axes, figure: PlaneFigure, language: str) -> None:
     axes.set_ylim(*y_range)
     axes.set_xlabel(words(wording(figure.x_label, language)))
     axes.set_ylabel(words(wording(figure.y_label, language)))
+    for axis, (low, high), name in ((axes.xaxis, x_range, "x"), (axes.yaxis, y_range, "y")):
+        if name in figure.powers:
+            at, named = decades(10.0**low, 10.0**high)
+            axis.set_ticks(np.log10(at), [words(each) for each in named])
     for draw, (low, high) in ((axes.axvline, x_range), (axes.axhline, y_range)):
         if low < 0 < high:
             draw(0.0, color=RULE, linewidth=0.5, zorder=0.5)

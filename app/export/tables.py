@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..lesson.figures import Curve, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure
+from ..lesson.figures import Curve, Figure, LineFigure, MapFigure, MatrixFigure, PlaneFigure, axes_of
 from ..text import wording
 from .data import distinct, plain
 
@@ -50,7 +50,7 @@ def table(figure: Figure, language: str = "en") -> tuple[list[str], Rows]:
         columns = [np.asarray(figure.x, dtype=float), *(np.asarray(curve.y, dtype=float) for curve in figure.curves)]
         return [figure.x_label, *distinct(names)], [tuple(map(float, row)) for row in zip(*columns, strict=True)]
     if isinstance(figure, PlaneFigure):
-        return ["series", *_axes(figure, language)], _plane(figure, language)
+        return ["series", *axes_of(figure, language)], _plane(figure, language)
     if isinstance(figure, MatrixFigure):
         matrix = np.asarray(figure.matrix, dtype=float)
         named = [wording(name, language) for name in figure.columns] or [str(j) for j in range(matrix.shape[1])]
@@ -58,7 +58,7 @@ def table(figure: Figure, language: str = "en") -> tuple[list[str], Rows]:
         return ["", *distinct(named)], [(name, *map(float, row)) for name, row in zip(beside, matrix, strict=True)]
     if isinstance(figure, MapFigure):
         names = [name(language) for name, _ in figure.categories]
-        return [*_axes(figure, language), "category"], [
+        return [*axes_of(figure, language), "category"], [
             (float(x), float(y), names[int(k)] if k >= 0 else "")
             for y, row in zip(figure.y, np.asarray(figure.values), strict=True) for x, k in zip(figure.x, row, strict=True)]
     return ([column(language) for column in figure.columns],
@@ -69,10 +69,6 @@ def _with_unit(name: str, axis: str) -> str:
     """A curve's name with the unit of its axis, where it has none of its own."""
     unit = UNIT.search(axis)
     return name if unit is None or UNIT.search(name) else f"{name} {unit[0]}".strip()
-
-
-def _axes(figure: PlaneFigure | MapFigure, language: str) -> tuple[str, str]:
-    return wording(figure.x_label, language) or "x", wording(figure.y_label, language) or "y"
 
 
 def _plane(figure: PlaneFigure, language: str) -> Rows:

@@ -122,6 +122,7 @@ class PlaneFigure:
     unstable: bool = False  # shade Re s > 0
     caption: Text = NO_WORDS
     tab: Text = PLANE
+    powers: Literal["", "x", "y", "xy"] = ""  # the axes over which exponents of ten run, and which are numbered 10⁻³, 1, 10³
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,21 +243,22 @@ def columns(figure: Figure) -> tuple[list[str], np.ndarray]:
     if isinstance(figure, LineFigure):
         return [figure.x_label, *(c.name("en") for c in figure.curves)], np.column_stack([figure.x, *(c.y for c in figure.curves)])
     if isinstance(figure, PlaneFigure):
-        rows = [(float(p.x), float(p.y)) for p in figure.points]
-        rows += [(float(a), float(b)) for c in figure.curves for a, b in zip(_xs(c), c.y, strict=True)]
-        return [*_axes(figure)], np.array(rows, dtype=float).reshape(-1, 2)
+        rows = [(p.x, p.y) for p in figure.points] + [at for c in figure.curves for at in zip(_xs(c), c.y, strict=True)]
+        return [*axes_of(figure)], np.array(rows, dtype=float).reshape(-1, 2)
     if isinstance(figure, MatrixFigure):
         named = figure.columns or map(str, range(figure.matrix.shape[1]))
         return [wording(name, "en") for name in named], np.asarray(figure.matrix, dtype=float)
     if isinstance(figure, MapFigure):
         x, y = np.meshgrid(figure.x, figure.y)
-        return [*_axes(figure), "category"], np.column_stack(
-            [x.ravel(), y.ravel(), figure.values.ravel()])
+        return [*axes_of(figure), "category"], np.column_stack([x.ravel(), y.ravel(), figure.values.ravel()])
     return [c("en") for c in figure.columns], np.empty((0, len(figure.columns)))
 
 
-def _axes(figure: PlaneFigure | MapFigure) -> tuple[str, str]:
-    return wording(figure.x_label, "en") or "x", wording(figure.y_label, "en") or "y"
+def axes_of(figure: PlaneFigure | MapFigure, language: str = "en") -> tuple[str, str]:
+    """What the numbers of a figure are, as a table says it: an exponent is a logarithm."""
+    def axis(label: Text | str, name: str) -> str:
+        return "log₁₀ " * (name in getattr(figure, "powers", "")) + (wording(label, language) or name)
+    return axis(figure.x_label, "x"), axis(figure.y_label, "y")
 
 
 def _xs(curve: Curve) -> np.ndarray:

@@ -11,6 +11,7 @@ import numpy as np
 import viser
 
 from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, same_axis, same_key, thin
+from ..lesson.scales import decades
 from ..text import raised, wording
 from .prose import with_minus
 from .sizes import Sizes
@@ -40,30 +41,6 @@ def data_of(figure: LineFigure, span: tuple[float, float]) -> tuple[np.ndarray, 
     if figure.log_y:
         return rows[0], *(np.clip(np.abs(y), max(span[0] / 1e3, FLOOR), span[1] * 1e3) for y in rows[1:])
     return rows[0], *(np.clip(y, span[0] - reach, span[1] + reach) for y in rows[1:])
-
-
-def decades(low: float, high: float, most: int = 6) -> tuple[tuple[float, ...], tuple[str, ...]]:
-    """Powers of ten within [low, high], about `most` of them at most, and their names: 0.1, 1, 10, 10³.
-
-    A range that holds fewer than three of them, which would hardly be a scale, is marked at 1, 2 and 5 as well.
-    """
-    first, last = math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9)
-    if last - first < 2:
-        finer = [m * 10.0 ** k for k in range(first - 1, last + 1) for m in (1, 2, 5)]
-        kept = tuple(v for v in finer if low * (1 - 1e-9) <= v <= high * (1 + 1e-9))
-        return kept, tuple(_named(v) for v in kept)
-    step = max(1, math.ceil((last - first + 1) / most))
-    powers = range(last - (last - first) // step * step, last + 1, step)
-    return tuple(10.0 ** k for k in powers), tuple(_named(10.0 ** k) for k in powers)
-
-
-def _named(value: float) -> str:
-    """0.02, 5, 100, 10³, 2·10⁻⁴."""
-    power = math.floor(math.log10(value) + 1e-9)
-    if -2 <= power <= 2:
-        return f"{value:.6g}"
-    times = round(value / 10.0 ** power)
-    return ("" if times == 1 else f"{times}·") + "10" + raised(power)
 
 
 def on_the_clock(figure: Figure, horizon: float) -> bool:

@@ -51,19 +51,21 @@ class Name(NamedTuple):
 
 
 def beside(x: float, y: float, words: str, frame: Box, taken: Sequence[Box], drawn: np.ndarray) -> Name:
-    """The best place for the name of a mark at (x, y): inside the frame, off other names and marks, on few points of curves."""
-    wide = width(words)
+    """The best place for the name of a mark at (x, y): inside the frame, off other names and marks, on few points of curves; room
+    is kept for large print."""
+    wide = width(words, LARGE)
 
     def place(dx: float, dy: float, anchor: str) -> Name:
         left = x + dx - {"start": 0.0, "middle": wide / 2, "end": wide}[anchor]
-        return Name(x + dx, y + dy, anchor, Box(left, y + dy - 9, left + wide, y + dy + 2))
+        return Name(x + dx, y + dy, anchor, Box(left, y + dy - 0.85 * LARGE, left + wide, y + dy + 0.25 * LARGE))
 
     def trouble(name: Name) -> float:
         box = name.box
         out = box.left < frame.left or box.right > frame.right or box.top < frame.top or box.bottom > frame.bottom
         return 1000.0 * out + 100.0 * sum(box.meets(other) for other in taken) + min(box.holds(drawn), 60)
-    return min((place(8, -6, "start"), place(-8, -6, "end"), place(8, 14, "start"), place(-8, 14, "end"),
-                place(0, -12, "middle"), place(0, 20, "middle")), key=trouble)
+    return min((place(8, -6, "start"), place(-8, -6, "end"), place(8, 16, "start"), place(-8, 16, "end"),
+                place(0, -12, "middle"), place(0, 22, "middle"), place(8, -30, "start"), place(-8, -30, "end"),
+                place(8, 40, "start"), place(-8, 40, "end")), key=trouble)
 
 
 def along(curves: Sequence[np.ndarray], names: Sequence[str], frame: Box, taken: Sequence[Box]) -> list[Name | None]:

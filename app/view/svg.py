@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from ..lesson.figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
+from ..lesson.scales import decades
 from ..text import symbol, wording
 from .lettering import DASHES, LARGE, SIZE, Box, Name, along, beside, key, width
 from .prose import with_minus
@@ -57,25 +58,28 @@ class _Axes:
     def at(self, x: float, y: float) -> tuple[float, float]:
         return LEFT + (x - self.x[0]) * self._sx, H - BOTTOM - (y - self.y[0]) * self._sy
 
-    def draw(self, x_label: str, y_label: str) -> str:
+    def draw(self, x_label: str, y_label: str, powers: str = "") -> str:
         out = [f'<rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" height="{H - TOP - BOTTOM}" fill="none" '
                'stroke="#c9ced6"/>']
-        for v in ticks(*self.x, 6):
+        for v, name in _numbers(*self.x, 6, "x" in powers):
             px, _ = self.at(v, 0)
             out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP}" y2="{H - BOTTOM}" stroke="#e8ebf0"/>'
-                       f'<text x="{px:.1f}" y="{H - BOTTOM + 13}" text-anchor="middle">{_number(v)}</text>')
-        for v in ticks(*self.y, 5):
+                       f'<text x="{px:.1f}" y="{H - BOTTOM + 14}" text-anchor="middle">{name}</text>')
+        for v, name in _numbers(*self.y, 5, "y" in powers):
             _, py = self.at(0, v)
             out.append(f'<line x1="{LEFT}" x2="{W - RIGHT}" y1="{py:.1f}" y2="{py:.1f}" stroke="#e8ebf0"/>'
-                       f'<text x="{LEFT - 5}" y="{py + 4:.1f}" text-anchor="end">{_number(v)}</text>')
+                       f'<text x="{LEFT - 5}" y="{min(py + 4, H - BOTTOM):.1f}" text-anchor="end">{name}</text>')
         out.append(f'<text x="{(LEFT + W - RIGHT) / 2}" y="{H - 6}" text-anchor="middle">{html.escape(x_label)}</text>'
                    f'<text transform="translate(14 {(TOP + H - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
                    f"{html.escape(y_label)}</text>")
         return "".join(out)
 
 
-def _number(value: float) -> str:
-    return f"{value:.6g}".replace("-", "−")
+def _numbers(low: float, high: float, most: int, powers: bool) -> list[tuple[float, str]]:
+    """Places and names of the numbers of an axis; over one of exponents the powers of ten."""
+    if powers:
+        return [(math.log10(value), name) for value, name in zip(*decades(10.0**low, 10.0**high, most), strict=True)]
+    return [(v, f"{v:.6g}".replace("-", "−")) for v in ticks(low, high, most)]
 
 
 def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
@@ -85,7 +89,7 @@ def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
         left, _ = axes.at(max(0.0, axes.x[0]), 0)
         out.append(f'<rect x="{left:.1f}" y="{TOP}" width="{W - RIGHT - left:.1f}" height="{H - TOP - BOTTOM}" '
                    f'fill="{COLOURS["unstable"]}"/>')
-    out.append(axes.draw(wording(figure.x_label, language), wording(figure.y_label, language)))
+    out.append(axes.draw(wording(figure.x_label, language), wording(figure.y_label, language), figure.powers))
     out.append(f'<clipPath id="clip-{figure.id}"><rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" '
                f'height="{H - TOP - BOTTOM}"/></clipPath><g clip-path="url(#clip-{figure.id})">')
     drawn = []

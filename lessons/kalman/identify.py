@@ -90,5 +90,5 @@ def fit_figure(outcome: Outcome[Study]) -> PlaneFigure:
                  q=found.q, r=found.r))
     return PlaneFigure("fit", text("which Q and R explain this record"),
                        (Curve(text("R chosen best"), np.minimum(found.excess, 2 * TALL), "estimate", x=x),), tuple(points),
-                       text("log₁₀ q/r"), text("−2 log L a sample, above its least"), (-3.0, 3.0), (-0.1 * TALL, TALL), caption=said,
-                       tab=FIT_TAB)
+                       "q/r", text("−2 log L a sample, above its least"), (-3.0, 3.0), (-0.1 * TALL, TALL), caption=said,
+                       tab=FIT_TAB, powers="x")

@@ -149,15 +149,15 @@ def _means(outcome: Outcome[Study]) -> PlaneFigure:
         points += [Point(float(p), float(min(_log(np.array(v)), top)), role, mark)  # type: ignore[arg-type]
                    for values, role, mark in ((s.trials.means, "estimate", "cross"), (s.trials.medians, "plant", "dot"))
                    for p, v in zip(OVER, values, strict=False)]
-    words = (text("After {samples} samples, log₁₀. Crosses: mean of {runs} runs; dots: their median. At high loss "
+    words = (text("After {samples} samples. Crosses: mean of {runs} runs; dots: their median. At high loss "
                   "the crosses can miss the rare runs that carry the mean. Circle: this run.",
                   samples=SAMPLES, runs=RUNS)
              if s.trials is not None else
-             text("After {samples} samples, log₁₀. Circle: this run. Press “Average {runs} runs” for means and "
+             text("After {samples} samples. Circle: this run. Press “Average {runs} runs” for means and "
                   "medians.",
                   samples=SAMPLES, runs=RUNS))
     return PlaneFigure("means", text("mean variance over the share lost"), tuple(curves), tuple(points),
-                       "p", "log₁₀ σ²/σ₀²", (0.0, 1.0), (-0.3, top), caption=words, tab=MEAN_TAB)
+                       "p", "σ²/σ₀²", (0.0, 1.0), (-0.3, top), caption=words, tab=MEAN_TAB, powers="y")
 
 
 def _limits(outcome: Outcome[Study]) -> TableFigure:

@@ -49,7 +49,7 @@ def _valley(outcome: Outcome[Study], i: int) -> PlaneFigure:
          Curve(text("force noise"), _log(ray.process[:, i]) / 2, "disturbance", "dash", 1.8, x),
          Curve(text("sensor noise"), _log(ray.sensor[:, i]) / 2, "second", "dot", 1.8, x),
          Curve(text("least possible"), np.full(2, least), "reference", "dash", 1.2, np.array([-0.5, 2.5]))),
-        tuple(points), "log₁₀ |p| [rad/s]", f"log₁₀ σ [{UNITS[i]}]", (-0.5, 2.5), (float(low), float(low) + 3.0), tab=SPEED_TAB,
+        tuple(points), "|p| [rad/s]", f"σ [{UNITS[i]}]", (-0.5, 2.5), (float(low), float(low) + 3.0), tab=SPEED_TAB, powers="xy",
         caption=_valley_words(outcome, i))
 
 
@@ -83,7 +83,7 @@ def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
         "peaks", text("peak of the velocity error, without noise"),
         (Curve(text("for 1 m of starting error"), y, "error", x=x),),
         (Point(float(_log(np.array(m["speed"]))), at, "estimate", "cross", text("yours")),),
-        "log₁₀ |p| [rad/s]", "log₁₀ max|e₂| [m/s]", (-0.5, 2.5), (-0.5, 2.5), tab=SPEED_TAB,
+        "|p| [rad/s]", "max|e₂| [m/s]", (-0.5, 2.5), (-0.5, 2.5), tab=SPEED_TAB, powers="xy",
         caption=said)
 
 

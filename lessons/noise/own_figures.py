@@ -46,9 +46,9 @@ def _valley(outcome: Outcome[Study], signal: Signal) -> PlaneFigure:
         Curve(text("both noises"), total, "error", x=x),
         Curve(text("process noise"), process, "disturbance", "dash", 1.8, x),
         Curve(text("sensor noise"), sensor, "second", "dot", 1.8, x)),
-        (Point(0.0, float(total[len(x) // 2]), "reference", "circle", text("Kalman")), *here), "log₁₀ b",
-        f"log₁₀ σ [{signal.unit}]",
-        (-3.0, 3.0), (low, max(low + 2.0, float(total.max()) + 0.2)), tab=SPEED_TAB, caption=text(
+        (Point(0.0, float(total[len(x) // 2]), "reference", "circle", text("Kalman")), *here), "b",
+        f"σ [{signal.unit}]",
+        (-3.0, 3.0), (low, max(low + 2.0, float(total.max()) + 0.2)), tab=SPEED_TAB, powers="xy", caption=text(
             "σ = {rms:.3g} {unit}, {sensor_share:.0f} % of σ² from the sensor; the least is {least_rms:.3g}.",
             rms=m["rms"], unit=signal.unit, sensor_share=sensor_share, least_rms=m["least_rms"]))
 
@@ -59,8 +59,8 @@ def _peaks(outcome: Outcome[Study]) -> PlaneFigure:
         "yours")),)
     return PlaneFigure("peaks", text("peak of the error from x(0), without noise"),
                        (Curve(text("start as wrong as x(0)"), y, "error", x=np.log10(RUNGS)),), points,
-                       "log₁₀ b", "log₁₀ max|e|",
-                       (-3.0, 3.0), (float(np.floor(y.min())) - 0.2, float(np.ceil(y.max())) + 0.2), tab=SPEED_TAB,
+                       "b", "max|e|",
+                       (-3.0, 3.0), (float(np.floor(y.min())) - 0.2, float(np.ceil(y.max())) + 0.2), tab=SPEED_TAB, powers="xy",
                        caption=text("In this run the estimate is wrong by up to {peak:.3g}, noise aside.",
                                     peak=outcome.metrics["peak"]))
 

@@ -54,8 +54,8 @@ def _sizes(found: Study, rtol: float) -> PlaneFigure:
                     lost=lost, count=len(levels), levels=10 ** levels[-1])
                if built.sizes[0] > 0 else text("No sensor is on: O is zero."))
     return PlaneFigure(
-        "sizes", text("singular values of O, log₁₀(σ/σ₁)"), (line,), points, "k", "log₁₀(σ/σ₁)",
-        (0.5, n + 0.5), (LOWEST - 0.5, 0.5), tab=MATRIX_TAB, caption=caption)
+        "sizes", text("singular values of O, σ/σ₁"), (line,), points, "k", "σ/σ₁",
+        (0.5, n + 0.5), (LOWEST - 0.5, 0.5), tab=MATRIX_TAB, caption=caption, powers="y")
 
 
 def _value(value: float) -> str:
@@ -162,10 +162,10 @@ def _sweep(sweep: Sweep, found: Study) -> PlaneFigure:
     words = (f"{10**best:.2g}" if sweep.log else f"{best:.3g}").replace("-", "−")
     return PlaneFigure(
         "sweep", text("one knob moved, all else kept"),
-        (Curve(text("weakest mode, log₁₀"), sweep.distance, "plant", "solid", 2.4, sweep.along),
-         Curve(text("σ_min/σ_max(O), log₁₀"), sweep.ratio, "second", "dash", 1.8, sweep.along)),
-        (Point(sweep.at, now, "reference", "circle", text("now")),), sweep.label, "log₁₀",
-        (float(sweep.along.min()), float(sweep.along.max())), (LOWEST - 0.5, 1.0), tab=MODES_TAB,
+        (Curve(text("weakest mode"), sweep.distance, "plant", "solid", 2.4, sweep.along),
+         Curve(same("σ_min/σ_max(O)"), sweep.ratio, "second", "dash", 1.8, sweep.along)),
+        (Point(sweep.at, now, "reference", "circle", text("now")),), sweep.label, text("distance, ratio"),
+        (float(sweep.along.min()), float(sweep.along.max())), (LOWEST - 0.5, 1.0), tab=MODES_TAB, powers="xy" if sweep.log else "y",
         caption=text("The weakest mode is farthest from hidden at {words}. Both curves count time in "
                      "seconds; in another unit of time they are others.",
                      words=words)

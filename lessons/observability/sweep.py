@@ -48,7 +48,7 @@ def _axis(design: Design) -> tuple[str, str, tuple[float, ...], bool]:
     if plant == "notes":
         return "angle", "φ [°]", tuple(np.linspace(-90, 90, 73).tolist()), False
     if plant == "pair":
-        return "gap", "log₁₀ ε", tuple(np.logspace(-8, 0, 33).tolist()), True
+        return "gap", "ε", tuple(np.logspace(-8, 0, 33).tolist()), True
     if plant == "many":
         return "count", "n", tuple(float(n) for n in range(2, 21)), False
     name = "left" if design["left_on"] or not design["right_on"] else "right"

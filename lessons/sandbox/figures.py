@@ -112,7 +112,7 @@ def _bar(mode: Mode) -> str:
 # --- structure ---------------------------------------------------------------------------------------------------------
 def sizes_plane(found: Structure, rtol: float) -> PlaneFigure:
     """Singular values of O and of the controllability matrix against the tolerance."""
-    title = text("singular values of O and [B, AB, …], log₁₀(σ/σ₁)")
+    title = text("singular values of O and [B, AB, …], σ/σ₁")
     points, said = [], []
     for report, role, mark in ((found.seen, "estimate", "dot"), (found.reached, "plant", "cross")):
         if isinstance(report, Refusal):
@@ -125,7 +125,8 @@ def sizes_plane(found: Structure, rtol: float) -> PlaneFigure:
     n = len(said) and found.seen.matrix.shape[1]  # type: ignore[union-attr]
     line = Curve(text("tolerance τ"), np.full(2, np.log10(rtol)), "reference", "dash", 1.6, np.array([0.5, n + 0.5]))
     (o, o_true), (c, c_true) = said
-    return PlaneFigure("sizes", title, (line,), tuple(points), "k", "log₁₀(σ/σ₁)", (0.5, n + 0.5), (LOWEST - 0.5, 0.5), tab=STRUCTURE_TAB,
+    return PlaneFigure("sizes", title, (line,), tuple(points), "k", "σ/σ₁", (0.5, n + 0.5), (LOWEST - 0.5, 0.5), tab=STRUCTURE_TAB,
+                       powers="y",
                        caption=text("At this tolerance rank(O) = {o} (dots) and rank[B, AB, …] = {c} (crosses) of "
                                     "{n}; the staircase finds {o_true} and {c_true}.",
                                     o=o, c=c, n=n, o_true=o_true, c_true=c_true))
@@ -149,7 +150,7 @@ def decomposition_map(found: Structure, plant_states: int) -> MatrixFigure:
 
 def hankel_plane(found: Structure) -> PlaneFigure:
     """Hankel singular values of the stable part."""
-    values, title = found.hankel, text("Hankel singular values, log₁₀(σ/σ₁)")
+    values, title = found.hankel, text("Hankel singular values, σ/σ₁")
     if isinstance(values, Refusal):
         return empty_plane("hankel", title, STRUCTURE_TAB, why(values))
     levels = decades(values / values[0]) if values[0] > 0 else np.full(len(values), LOWEST)
@@ -157,7 +158,7 @@ def hankel_plane(found: Structure) -> PlaneFigure:
     aside = (text("Unstable states, set aside first: {kept}.", kept=found.kept)
              if found.kept else NO_WORDS)
     return PlaneFigure("hankel", title, (), tuple(Point(k + 1.0, float(v), "plant", "dot") for k, v in enumerate(levels)), "k",
-                       "log₁₀(σ/σ₁)", (0.5, len(values) + 0.5), (min(float(levels.min()), -3.0) - 0.5, 0.5), tab=STRUCTURE_TAB,
+                       "σ/σ₁", (0.5, len(values) + 0.5), (min(float(levels.min()), -3.0) - 0.5, 0.5), tab=STRUCTURE_TAB, powers="y",
                        caption=joined(text("{strong} of {count} are above a hundredth of the largest: about so many states matter "
                                            "between u and y.", strong=strong, count=len(values)), aside))
 

@@ -113,8 +113,8 @@ def valley(found: Noise | Refusal, belief: float) -> PlaneFigure:
     return PlaneFigure("valley", title, (Curve(text("both noises"), total, "error", x=x),
                                          Curve(text("process noise"), process, "disturbance", "dash", 1.8, x),
                                          Curve(text("sensor noise"), sensor, "second", "dot", 1.8, x)), tuple(points),
-                       "log₁₀ b", "log₁₀ σ", (float(x[0]), float(x[-1])),
-                       (low, max(low + 2.0, float(total.max()) + 0.2)), tab=NOISE_TAB, caption=said)
+                       "b", "σ", (float(x[0]), float(x[-1])),
+                       (low, max(low + 2.0, float(total.max()) + 0.2)), tab=NOISE_TAB, caption=said, powers="xy")
 
 
 def nis_figure(found: Trial | Refusal, outputs: int) -> LineFigure:
@@ -198,7 +198,7 @@ def recovery_plane(steps: tuple[tuple[float, float, float], ...], total: int, re
         "{count} of {total} steps so far.",
         count=len(steps), total=total)
     return PlaneFigure("recovery", title, (Curve(text("disk margin by the estimate"), alpha, "force", x=x),
-                                           Curve(text("x known"), target, "reference", "dash", 1.4, x)), (), "log₁₀ q", "α",
-                       (-3.0, 3.0), (0.0, top), tab=ROBUST_TAB,
+                                           Curve(text("x known"), target, "reference", "dash", 1.4, x)), (), "q", "α",
+                       (-3.0, 3.0), (0.0, top), tab=ROBUST_TAB, powers="x",
                        caption=joined(text("With q = {q:.3g} the disk margin is {alpha:.3g}; with the state known it is {target:.3g}.",
                                            q=q[-1], alpha=alpha[-1], target=target[-1]), done))

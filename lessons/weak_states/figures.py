@@ -48,8 +48,8 @@ def _sizes(outcome: Outcome[Study]) -> PlaneFigure:
     low, high = min(reached[-1], seen[-1], level), max(reached[0], seen[0], level)
     return PlaneFigure(
         "sizes", text("singular values of both matrices"), curves, tuple(points), "k",
-        "log₁₀(σ/σ₁)" if against else "log₁₀ σ", (0.5, STATES + 0.5), (float(low - 1), float(high + 1)),
-        tab=RANK_TAB,
+        "σ/σ₁" if against else "σ", (0.5, STATES + 0.5), (float(low - 1), float(high + 1)),
+        tab=RANK_TAB, powers="y",
         caption=text("Time in units of {clock} s: smallest over largest {reached} and {seen}.",
                      clock=show(r.clock), reached=show(r.reached[-1] / r.reached[0], 2),
                      seen=show(r.seen[-1] / r.seen[0], 2)))
@@ -68,7 +68,7 @@ def _ranks(outcome: Outcome[Study]) -> PlaneFigure:
               for rank, role in zip(now, ("force", "estimate"), strict=True)]
     return PlaneFigure(
         "ranks", text("rank against tolerance"), tuple(curves), tuple(points),
-        "log₁₀ τ", text("rank"), (-18.0, 0.0), (0.0, 11.5), tab=RANK_TAB,
+        "τ", text("rank"), (-18.0, 0.0), (0.0, 11.5), tab=RANK_TAB, powers="x",
         caption=text("At this tolerance: rank {now} of controllability, {now2} of observability, of {states}.",
                      now=now[0], now2=now[1], states=STATES))
 
@@ -96,8 +96,8 @@ def _staircase(outcome: Outcome[Study]) -> PlaneFigure:
     widest = int(np.argmax(ratio))
     after = same("") if widest == 7 else text("; after 8 it is {ratio:.0f}", ratio=ratio[7])
     return PlaneFigure(
-        "staircase", text("Hankel singular values"), tuple(curves), tuple(points), "i", "log₁₀ σ",
-        (0.3, STATES + 0.7), (floor, 4.0), tab=HANKEL_TAB,
+        "staircase", text("Hankel singular values"), tuple(curves), tuple(points), "i", "σ",
+        (0.3, STATES + 0.7), (floor, 4.0), tab=HANKEL_TAB, powers="y",
         caption=text("The widest gap, a factor of {ratio:.0f}, lies after {widest}{after}. Dots: the pair on the "
                      "stage.",
                      ratio=ratio[widest], widest=widest + 1, after=after))
@@ -194,7 +194,7 @@ def _gains(outcome: Outcome[Study]) -> PlaneFigure:
         curves.append(Curve(name, y, role, x=x, width=2.2))
     return PlaneFigure(
         "gains", text("gains on the k-th pair of balanced states"), tuple(curves), (), "k",
-        "log₁₀ ‖·‖", (0.4, PAIRS + 0.6), (lowest, 10.0), tab=LQG_TAB,
+        "‖·‖", (0.4, PAIRS + 0.6), (lowest, 10.0), tab=LQG_TAB, powers="y",
         caption=NOTHING_CUT if order == STATES else
         text("On 10 states ‖K‖ is {growth} % larger than on {order}; the last pair's share of it is {k}.",
              growth=show(100 * c.growth, 2), order=order, k=show(float(c.full.K[-1] / np.linalg.norm(c.full.K)), 2)))
