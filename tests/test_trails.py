@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.lesson.lesson import Lesson, Stage
-from app.view.trails import ERRORS, NOWHERE, SEGMENTS, STEP, ErrorLines, PoleTrail, faded
+from app.view.trails import DARK_GROUND, ERRORS, LIGHT_GROUND, NOWHERE, SEGMENTS, STEP, ErrorLines, PoleTrail, faded, ghostly
 from lessons import LESSONS
 
 RED, WHITE = (200, 40, 10), (250, 250, 250)
@@ -71,10 +71,20 @@ def test_where_calm_is_asked_for_there_is_no_trail() -> None:
     assert np.all(points[errors:] == NOWHERE) and not np.all(points[:errors] == NOWHERE)
 
 
-def test_a_trail_fades_from_its_colour_to_nearly_that_of_the_ground() -> None:
+def test_a_trail_fades_from_its_colour_towards_that_of_the_ground() -> None:
     ends = faded(RED, WHITE).astype(int)
-    assert tuple(ends[0, 0]) == RED and np.abs(ends[-1, 1] - WHITE).max() < 0.2 * 250
+    assert tuple(ends[0, 0]) == RED and np.abs(ends[-1, 1] - WHITE).max() < 0.35 * 250
     assert np.all(np.diff(ends.reshape(-1, 3).sum(axis=1)) >= 0) and np.array_equal(ends[1:, 0], ends[:-1, 1])
+
+
+@pytest.mark.parametrize("dark, ground", [(False, LIGHT_GROUND), (True, DARK_GROUND)], ids=["light", "dark"])
+def test_a_ghosts_trail_stands_out_from_its_ground(dark: bool, ground: tuple[int, int, int]) -> None:
+    """Contrasts as WCAG defines them: 3 where the trail begins, 1.7 in its middle, 1.3 at its end."""
+    def light(colour: Any) -> float:
+        parts = np.asarray(colour) / 255
+        return float(np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4) @ (0.2126, 0.7152, 0.0722)) + 0.05
+    ratios = [max(light(end), light(ground)) / min(light(end), light(ground)) for end in ghostly(dark)[:, 0]]
+    assert ratios[0] >= 3.0 and ratios[SEGMENTS // 2] >= 1.7 and ratios[-1] >= 1.3, ratios
 
 
 def test_the_trail_of_a_pole_is_the_way_of_the_hand_and_its_mirror_image() -> None:

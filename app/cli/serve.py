@@ -149,6 +149,7 @@ def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], ob
     """Serve until interrupted; `tell` is called first."""
     try:
         tell()
+        server.prepare()
         prepare()
         server.wait()
     finally:

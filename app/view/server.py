@@ -8,8 +8,11 @@ import sys
 import threading
 import time
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from importlib import import_module
 
 import viser
+from PIL import Image
 
 from ..lesson.lesson import Lesson
 from ..tab.commands import Refuse
@@ -28,6 +31,7 @@ from .version import version
 
 log = logging.getLogger(__name__)
 
+NEEDED = ("imageio.v3", "babel.numbers")  # by which viser packs pictures, and a language its decimal sign
 STOPPING = 5.0  # s within which a server has stopped, whatever its tabs are doing
 SWITCH = 5e-4  # s that a computing thread keeps the interpreter for, while the one that talks to all browsers waits
 FAREWELL = 0.5  # s in which the last word goes out
@@ -118,11 +122,17 @@ class LabServer:
             self._seat.leave()
             session.close()
 
+    def prepare(self) -> None:
+        """Load what the first scene needs, before anybody waits for it."""
+        for module in NEEDED:
+            with suppress(ImportError):  # then the first tab finds out
+                import_module(module)
+        Image.init()
+
     def wait(self) -> None:
         """Serve until interrupted."""
         while True:
             self._seat.note(WATCH.stuck)
-            self._server.get_event_loop().call_soon_threadsafe(self._seat.beat)  # one that is blocked is as good as dead
             time.sleep(NOTED)
 
     def stop(self) -> None:

@@ -176,7 +176,7 @@ class StageView:
         for part in body.parts:
             self._solid.add(part, part.colour, part.opacity)
             if part.twin and stage.xhat is not None:
-                self._ghost.add(part, GHOST_COLOUR, 0.42)
+                self._ghost.add(part, GHOST_COLOUR, 0.55 if self._dark else 0.42)
         none = np.array(_segments([]), np.float32).reshape(-1, 2, 3)
         self._scene.add_arrows("/forces", none, rgb(COLOURS["force"]), shaft_radius=0.035,
                                head_radius=0.09, head_length=0.16)

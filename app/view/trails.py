@@ -16,17 +16,18 @@ from .moves import Frame, flat
 from .solids import rgb
 
 ERRORS = "/errors"
-THIN, SHORTEST = 0.028, 0.015  # stage units: width of a line of the error, and the length below which it is not drawn
+THIN, SHORTEST = 0.042, 0.015  # stage units: width of a line of the error, and the length below which it is not drawn
 SEGMENTS = 12  # of one trail
 REACH = 1 / 12  # of the run that a ghost's trail reaches back
 MOST = 3  # anchors of a body that draw a trail
 FRONT = 0.1  # stage units: the anchors that lie this near the foremost one draw it
-PALEST = 0.12  # of a trail's colour that its oldest piece has, the rest is that of the ground
+PALEST = 0.3  # of a trail's colour that its oldest piece has, the rest is that of the ground
 WIDE = 0.03  # stage units
 STEP = 0.06  # stage units between two points of a pole's way
 Pair = tuple[Vector, Vector]
 Colour = tuple[int, int, int]
 LIGHT_GROUND, DARK_GROUND = (238, 242, 247), (38, 45, 54)  # behind the stage
+LIT = 0.35  # of white in a ghost's trail in the dark
 NOWHERE: Pair = ((0.0, 0.0, -9.0), (0.0, 0.0, -9.0))  # of a line that is not seen
 
 
@@ -35,6 +36,18 @@ def faded(colour: Colour, ground: Colour) -> np.ndarray:
     share = np.linspace(1.0, PALEST, SEGMENTS + 1)[:, None]
     ends = np.round(share * np.array(colour) + (1 - share) * np.array(ground)).astype(np.uint8)
     return np.stack([ends[:-1], ends[1:]], axis=1)
+
+
+def ghostly(dark: bool) -> np.ndarray:
+    """The colours of a ghost's trail, by day or in the dark."""
+    red, green, blue = rgb(COLOURS["estimate"])
+    if not dark:
+        return faded((red, green, blue), LIGHT_GROUND)
+    return faded((_lit(red), _lit(green), _lit(blue)), DARK_GROUND)
+
+
+def _lit(part: int) -> int:
+    return round(part + LIT * (255 - part))
 
 
 def filled(pairs: Sequence[Pair], count: int) -> list[Pair]:
@@ -86,7 +99,7 @@ class ErrorLines:
         colours: Colour | np.ndarray = rgb(COLOURS["error"])
         count = 1
         if self._trail is not None:
-            fading = faded(rgb(COLOURS["estimate"]), DARK_GROUND if dark else LIGHT_GROUND)
+            fading = ghostly(dark)
             colours = np.concatenate([np.full((self._room, 2, 3), colours, np.uint8), *[fading] * self._trail.count])
             count = len(colours)
         scene.add_line_segments(ERRORS, np.array([NOWHERE] * count, np.float32), colours, thickness=THIN)

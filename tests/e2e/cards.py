@@ -17,9 +17,11 @@ sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parent)]
 from conftest import chromium, serving  # type: ignore[import-not-found]
 from PIL import Image
 from playwright.sync_api import sync_playwright
-from tab import FLAGS, Tab  # type: ignore[import-not-found]
+from tab import FLAGS, Tab, eventually  # type: ignore[import-not-found]
 
 from app.lesson.living import living
+from app.view.style import digits_of
+from app.view.transport import step_of
 from lessons import LESSONS
 
 WINDOW = (1366, 768)
@@ -39,13 +41,24 @@ def take(tab: Tab, name: str) -> Image.Image:
     tab.choose_lesson(lesson.words["en"].title, lesson.words["en"].question)
     tab.predict("skip")
     stage = lesson.compute(lesson.start()).stage
-    if stage is not None:
-        part = living(stage, 0.0)
-        tab.type_number("time t [s]", f"{max(part.peak, part.begin + 0.03 * (part.end - part.begin)):.3g}")
-    tab.page.evaluate("document.activeElement.blur()")
-    tab.key("2")
-    tab.drawn()
-    picture = Image.open(io.BytesIO(tab.page.screenshot()))
+    horizon = 0.0 if stage is None else float(stage.t[-1])
+    part = None if stage is None else living(stage, 0.0)
+    moment = 0.0 if part is None else max(part.peak, part.begin + 0.03 * (part.end - part.begin))
+
+    def shown() -> bool:
+        """Whether the stage shows that moment, as near as the clock tells."""
+        return stage is None or abs(tab.clock() - moment) <= step_of(horizon) + 0.1 ** digits_of(horizon) + 0.005 * moment
+
+    def shot() -> bytes:
+        """The page, if it shows the moment before and after it is taken: what played until now may go on over what is typed."""
+        if stage is not None:
+            tab.type_number("time t [s]", f"{moment:.3g}")
+        tab.page.evaluate("document.activeElement.blur()")
+        tab.key("2")
+        tab.drawn()
+        before, seen = shown(), tab.page.screenshot()
+        return seen if before and shown() else b""
+    picture = Image.open(io.BytesIO(eventually(shot, bool, f"the moment {moment:.3g} s")))
     left, right = tab.page.evaluate(BETWEEN)
     bottom = TOP + (right - left) * SIZE[1] / SIZE[0]
     return picture.crop((int(left), TOP, int(right), int(bottom))).resize(SIZE, Image.Resampling.LANCZOS).convert("RGB")
