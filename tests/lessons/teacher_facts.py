@@ -67,6 +67,8 @@ PLAIN: tuple[Fact, ...] = (
     ("robust-observer", {"pole": (-1.3 + 0j,)}, {"J": "14.1", "worst_gain": "0.820"}),
     ("robust-observer", {"example": "2", "w12": 1.2}, {"J": "46.65"}),
     ("robust-observer", {"example": "2", "w12": 0.0}, {"J": "42.40"}),
+    ("robust-observer", {"example": "3"}, {"J": "12.5", "worst_gain": "0.913"}),
+    ("robust-observer", {"example": "3", "free": -42.0}, {"J": "54.5", "worst_gain": "0.867"}),
     ("bilinear-observer", {"problem": "three-fitting"}, {"pole": "24.4"}),
     ("bilinear-observer", {"gain": "printed"}, {"pole": "5.02"}),
     ("bilinear-observer", {"form": "filtered", "tau": 0.02}, {"half_error": "0.097"}),
