@@ -48,6 +48,11 @@ class Mailbox:
             edits, self._edits = self._edits, []
             return edits
 
+    def wait_for_end(self, most: float) -> None:
+        """Wait until the box is closed, at most so many seconds; edits wait with it."""
+        with self._ready:
+            self._ready.wait_for(lambda: self.closed, most)
+
     def empty(self) -> bool:
         """Whether nothing waits."""
         return not self._edits

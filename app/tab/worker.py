@@ -12,6 +12,7 @@ from .mailbox import Mailbox
 log = logging.getLogger(__name__)
 
 PAUSE, LONGEST = 0.05, 1.0  # s after a step that failed; more after several in a row, at most LONGEST
+AGAIN, LATEST = 1.0, 30.0  # the same after a beginning that failed
 
 
 def start_worker(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None],
@@ -22,13 +23,18 @@ def start_worker(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[],
 
 def work(mailbox: Mailbox, begin: Callable[[], None], step: Callable[[], None], failed: Callable[[], None]) -> None:
     """Begin, then step until the mailbox is closed. Where a step fails, `failed` is called and the next comes a little
-    later."""
-    try:
-        begin()
-    except BaseException:
-        if not mailbox.closed:
-            log.exception("a session could not be opened")
-        return
+    later; where the beginning fails, as on a machine that is too busy, it is tried again."""
+    failures = 0
+    while not mailbox.closed:
+        try:
+            begin()
+            break
+        except BaseException:
+            if mailbox.closed:
+                return
+            failures += 1
+            log.exception("a session could not be opened; it is tried again")
+            mailbox.wait_for_end(min(AGAIN * failures, LATEST))
     failures = 0
     while not mailbox.closed:
         try:

@@ -27,6 +27,9 @@ from app.tab.commands import (
 )
 from app.tab.examined import AnotherVariant, AnswerExam
 from app.tab.history import MERGE
+from app.tab.mailbox import Mailbox
+from app.tab.watch import TooLong
+from app.tab.worker import work
 from app.text import Text, text
 
 GOOD = 2.0
@@ -181,3 +184,30 @@ def test_numbers_from_numpy_are_numbers() -> None:
     tab.set(gain=np.float64(3.0), mode=np.str_("b"))
     assert tab["gain"] == 3.0 and tab["mode"] == "b" and not tab.view.scolded()
     assert toy_compute(tab.picture.design).metrics["gain"] == 3.0
+
+
+def test_a_beginning_that_fails_is_tried_again_until_the_tab_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a machine that is too busy to open a lesson in time a page is late, and not empty for ever."""
+    monkeypatch.setattr("app.tab.worker.AGAIN", 0.0)
+    mailbox, tried = Mailbox(), list[str]()
+
+    def begin() -> None:
+        tried.append("begin")
+        if len(tried) < 3:
+            raise TooLong
+
+    def step() -> None:
+        tried.append("step")
+        mailbox.close()
+    work(mailbox, begin, step, lambda: None)
+    assert tried == ["begin"] * 3 + ["step"]
+
+    left, tries = Mailbox(), list[int]()
+
+    def never() -> None:
+        tries.append(1)
+        if len(tries) == 4:
+            left.close()
+        raise MemoryError
+    work(left, never, step, lambda: None)
+    assert len(tries) == 4
