@@ -166,7 +166,7 @@ def say_in(client: viser.ClientHandle, language: str) -> None:
 
 def run(client: viser.ClientHandle, name: str, **given: object) -> None:
     """Run a script of ours in one browser: only for what viser has no call for."""
-    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=page.call(name, **given)))
+    client._websock_connection.queue_message(_messages.RunJavascriptMessage(source=page.apart(name, **given)))
 
 
 def move(scene: viser.SceneApi, frame: Frame) -> None:

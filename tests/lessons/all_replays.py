@@ -33,7 +33,7 @@ LARGEST = 10_000_000  # bytes
 NEAR = 1.5e-4  # stage units: positions are written to four decimals
 MOMENTS = (0.0, 0.37, 1.0, 0.05)  # of the run, in no order: a slider goes back as well
 FIELDS = {"SetPositionMessage": "position", "SetOrientationMessage": "wxyz", "SetSceneNodeVisibilityMessage": "visible"}
-EMBEDDED, ARGUMENT = re.compile(r'"recording": "([^"]+)"'), re.compile(r"\n\}\n\)\((\{.*\})\)$", re.S)
+EMBEDDED, ARGUMENT = re.compile(r'"recording": "([^"]+)"'), re.compile(r".*\n\}\n\)\((\{.*\})\)\}\)$", re.S)
 
 
 class Reader(HTMLParser):

@@ -25,3 +25,9 @@ def call(name: str, **given: object) -> str:
     for sign, written in BREAKS:
         argument = argument.replace(sign, written)
     return f"// {name}.js\n(\n{source(name + '.js')})({argument})"
+
+
+def apart(name: str, **given: object) -> str:
+    """The same for a page that stands: an error is reported by itself, since viser would drop with it all that came in the same batch."""
+    head, _, rest = call(name, **given).partition("\n")
+    return f"{head}\n(\n{source('apart.js')})({{script: () =>\n{rest}}})"
