@@ -26,6 +26,7 @@ from app.plants.platform_channels import T_y
 from app.text import NO_WORDS, Text, joined, same, text, text_in
 
 from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels, lower_of
+from .margins import Margin, margins
 from .report import report_figures
 from .study import Study
 
@@ -203,9 +204,23 @@ def _facts(outcome: Outcome[Study]) -> TableFigure:
             worst = float(np.max(np.real(plant.poles))) if plant.n else -np.inf
             rows.append((name, text("order {n}, {worst}",
                                     n=plant.n, worst=text("unstable by itself") if worst > 0 else text("stable"))))
+    rows += [(text("{name} loop: delay it bears, min |1 + ℓ|", name=name), _bears(margin))
+             for name, margin in zip((VERTICAL, ROTATION, HORIZONTAL), _margins(outcome), strict=True) if margin is not None]
     return TableFigure("facts", text("what the controllers are"), (text("fact"), text("value")),
                        tuple(rows), tab=LOOP_TAB,
                        caption=text("Poles in rad/s, recomputed from the printed coefficients."))
+
+
+def _margins(outcome: Outcome[Study]) -> tuple[Margin | None, ...]:
+    if outcome.metrics["rightmost"] >= 0:
+        return (None, None, None)
+    s = outcome.study
+    return margins(s.controllers, s.mixed.S, lower_of(outcome.design), outcome.poles["loop"])
+
+
+def _bears(margin: Margin) -> str:
+    delay = "∞" if not np.isfinite(margin.delay) else f"{1e3 * margin.delay:.3g} ms" if margin.delay >= 1e-6 else "< 1 µs"
+    return f"{delay}, {margin.nearest:.2f}" if margin.nearest >= 0.01 else f"{delay}, < 0.01"
 
 
 def _root(p: complex) -> str:

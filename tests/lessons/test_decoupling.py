@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from app.engine import Plant, Scenario, frequency_response, simulate
+from app.engine import Plant, Scenario, frequency_response, loop_margins, simulate
+from app.engine.design import diagonal_controller
 from app.lesson.figures import axis_range
 from app.lesson.lesson import Outcome
 from app.plants import platform
@@ -16,7 +17,8 @@ from app.plants import platform_siso as siso
 from app.plants.platform_channels import HORIZONTAL, T_y
 from app.text.numbers import written
 from lessons.decoupling.lesson import LESSON
-from lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, run, shaking
+from lessons.decoupling.loops import DT, HORIZON, bare_run, channels, close, lower_of, run, shaking, three
+from lessons.decoupling.margins import margins
 from lessons.decoupling.report import LEVELS, apart
 
 POLES = {"horizontal": "poles"}
@@ -53,6 +55,31 @@ def test_beside_the_reports_levels_the_differences_are_those_of_the_step() -> No
     assert decibels("horizontal", ground="falling") == (0, -33) and decibels("rotation", ground="falling")[0] == -24
     drawn = next(f for f in LESSON.figures(outcome(ground="falling")) if f.id == "report-vertical")
     assert [c.y[0] for c in drawn.curves[2:]] == pytest.approx([1e4, 1e-6, 1e-5])  # (35), (36) in 1e-12 (m/s)²/Hz
+
+
+@pytest.mark.parametrize("changes", [{}, {"vertical": "shaped", "gain_v": 31250.0, "roll_off": 500.0, "lag": 2.0}, POLES,
+                                     {"horizontal": "gain", "pitch": True, "mix": "best", "lower": 3.0}])
+def test_the_margins_of_each_loop_are_those_of_the_engines_sweep(changes: dict[str, object]) -> None:
+    """C_v's drift pole moved 1e-4 rad/s to the left, so that the engine calls the loop stable."""
+    found = outcome(**changes)
+    built, S, lower = found.study.controllers, found.study.mixed.S, lower_of(found.design)
+    ours, plant, v = margins(built, S, lower, found.poles["loop"]), three(lower), built.vertical
+    assert v is not None
+    steady = Plant(v.A - 1e-4 * np.eye(v.n), v.B, v.C, v.D)
+    sweep = loop_margins(Plant(plant.A, plant.B @ S, plant.C),
+                         diagonal_controller((steady, built.rotation, built.horizontal), np.eye(3), np.eye(3)))
+    assert sweep.stable and (ours[1] is None) == (built.rotation is None)
+    for i, margin in enumerate(ours):
+        if margin is not None:
+            theirs = sweep.input(i)
+            assert margin.delay == pytest.approx(theirs.delay, rel=0.01)
+            assert margin.nearest == pytest.approx(theirs.nearest, rel=0.02, abs=1e-4)
+
+
+def test_the_delays_that_the_step_states_are_in_the_table() -> None:
+    facts = {row[0]("en"): row[1] for row in next(f for f in LESSON.figures(outcome()) if f.id == "facts").rows}  # type: ignore[union-attr,operator]
+    told = {name: value for name, value in facts.items() if "delay" in name}
+    assert [value.partition(",")[0] for value in told.values()] == ["0.294 ms", "0.0684 ms"] and len(told) == 2  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("gain", [29600.0, 31250.0, 32500.0])
