@@ -30,7 +30,7 @@ KNOWN = FUNCTIONS | frozenset(WORD.findall("""
     LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
     Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
     Julier Uhlmann sigma maxon
-    Observer Lab Hautus Popov Belevitch"""))
+    Observer Lab Hautus Popov Belevitch Page"""))
 
 TERM = re.compile(r"(?<=[\u4e00-\u9fff])（[A-Za-z][A-Za-z ]*）")
 
