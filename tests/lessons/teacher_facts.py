@@ -73,6 +73,8 @@ PLAIN: tuple[Fact, ...] = (
     ("bilinear-observer", {"gain": "printed"}, {"pole": "5.02"}),
     ("bilinear-observer", {"form": "filtered", "tau": 0.02}, {"half_error": "0.097"}),
     ("bilinear-observer", {"form": "filtered", "tau": 0.01}, {"half_error": "0.049"}),
+    ("bilinear-observer", {"noise": 0.01}, {"noise_rms": "0.33"}),
+    ("bilinear-observer", {"noise": 0.01, "form": "filtered", "tau": 0.02}, {"noise_rms": "0.15"}),
     ("bilinear-observer", {}, {"A*": "6.468", "B*": "2.532"}),
     ("fault-diagnosis", {}, {"delay": "0.46", "right_verdict": "1", "hourly": "50.4"}),
     ("fault-diagnosis", {"place": "HR"}, {"delay": "0.48", "right_verdict": "1"}),

@@ -216,6 +216,25 @@ def test_every_step_has_its_formulas_and_rows():
     assert len(seen) == 8 and KNOBS[0].name == "step"
 
 
+# --- noise on y, and what sizes promise -----------------------------------------------------------------------------
+def test_what_noise_does_is_as_the_step_says():
+    rms = {form: outcome(noise=0.01, form=form).metrics["noise_rms"] for form in ("plain", "filtered")}
+    assert f"{rms['plain']:.2f}" == "0.33" and f"{rms['filtered']:.2f}" == "0.15"
+    assert f"{outcome(noise=0.01, pole=[-8.4]).metrics['noise_rms']:.2f}" == "0.12"
+    assert f"{np.linalg.norm(outcome().study.observer.without_derivative.G_y):.0f}" == "31"
+    quick, slow = (outcome(noise=0.01, form="filtered", tau=tau).metrics["noise_promised"] for tau in (0.001, 0.1))
+    assert slow < quick < outcome(noise=0.01).metrics["noise_promised"], "a smaller τ passes more, up to the form without ẏ"
+    still, held = (outcome(noise=0.01, form="exact", input="step", amplitude=size).metrics["noise_rms"] for size in (0.0, 3.0))
+    assert held > 1.2 * still, "u multiplies noise"
+
+
+def test_sizes_and_the_pair_are_lights():
+    lit = {name: "".join("X" if c.holds else "." for c in outcome(problem=name).checks[6:]) for name in PROBLEMS}
+    assert lit == {PAPER: "XXX", BLIND: "X.X", TUNED: "X.X", STUCK: "XXX"}
+    n, m = 6, {name: len(problem.measured) for name, problem in PROBLEMS.items()}
+    assert all((lit[name][1] == "X") == (3 * m[name] + 1 >= 2 * n) for name in PROBLEMS)
+
+
 # --- tasks are not solved by the wrong design, nor by a knob at its stop -----------------------------------------------------
 @pytest.mark.parametrize("task, values", [
     ("slip", {"line": FATAL, "gain": "printed"}), ("slip", {"line": FATAL, "gain": "typed"}), ("slip", {"gain": "typed", "l4": 9.29}),

@@ -290,6 +290,60 @@ def _law(shown: Shown, _: Text) -> None:
     assert off < 1e-5, f"leaves the line by {off:.2g} of its peak"
 
 
+def _silent(shown: Shown) -> np.ndarray:
+    """(V₂ − L V₁) A T₂, if L takes u and the rest of the state out of the error: asked of its matrices."""
+    study = shown.outcome.study
+    o, L = study.wanted.solved if hasattr(study, "wanted") else study.observer, shown.outcome.gains["L"]
+    P, (_, T2, T3), A, F = o.V[1] - L @ o.V[0], o.T, o.plant.A, o.plant.F
+    for M, X in ((F, T2), (A, T3), (F, T3)):
+        terms = (np.abs(o.V[1]) + np.abs(L) @ np.abs(o.V[0])) @ np.abs(M) @ np.abs(X)
+        scale = np.maximum(terms, 1e-6 * terms.max(initial=0.0))
+        off = np.max(np.abs(P @ M @ X) / np.where(scale > 0, scale, 1.0), initial=0.0)
+        assert off < 1e-8, f"L lets u or the state into the error: {off:.2g}"
+    return P @ A @ T2
+
+
+def _silenced(shown: Shown, _: Text) -> None:
+    _silent(shown)
+
+
+def _dies_out(shown: Shown, _: Text) -> None:
+    run, pole = shown.outcome.study.run, rightmost(_silent(shown))
+    assert pole < 0, "the error does not die out"
+    if shown["kick"] < 0 and shown["form"] != "filtered":
+        size = np.abs(run.errors.reshape(len(run.t), 3, -1)[:, ("plain", "exact").index(shown["form"])])
+        floor = 1e-6 * max(1.0, float(np.abs(run.g).max()))
+        assert np.all(size[-1] <= 1e3 * np.exp(pole * run.t[-1]) * size.max() + floor), "the run ends with an error"
+
+
+def _noise_of(shown: Shown, words: Text) -> None:
+    """The promise at u = 0 as a sum over all past steps of what one held value does, by matrix exponentials."""
+    study = shown.outcome.study
+    own = hasattr(study, "wanted")
+    L = shown.outcome.gains["L"]
+    exact, plain = (study.wanted.solved if own else study.observer).forms(L)
+    sigma = shown["noise"] / 100 * study.here.readings if own else np.full(L.shape[1], shown["noise"])
+    size = np.maximum(np.abs(study.run.g).max(axis=0), 1e-300) if own else np.ones(1)
+    form, tau, h, q, m = shown["form"], shown["tau"], float(study.run.t[1]), len(L), L.shape[1]
+    A, Y, G, H = plain.A, plain.Y, plain.G_y, plain.G_z
+    if form != "plain":
+        A, Y, G, H = exact.A, exact.Y, exact.G_y, exact.G_z
+    if form == "filtered":  # (L y − d)/τ stands for L ẏ
+        A = np.block([[A, -np.eye(q) / tau], [np.zeros((q, q)), -np.eye(q) / tau]])
+        Y, H = np.vstack([Y + L / tau, L / tau]), np.hstack([H, np.zeros_like(H)])
+    step = expm(np.block([[A, Y * sigma], [np.zeros((m, len(A) + m))]]) * h)
+    Phi, z = step[:len(A), :len(A)], step[:len(A), len(A):]
+    total = np.sum((G * sigma) ** 2, axis=1)
+    for _ in range(200_000):
+        more = np.sum((H @ z) ** 2, axis=1)
+        total, z = total + more, Phi @ z
+        if np.all(more <= 1e-9 * total):
+            break
+    near(value(words, "promised"), float(np.max(np.sqrt(total) / size)), 1e-3)
+    late = study.run.heard.reshape(len(study.run.t), 3, -1)[len(study.run.t) // 2:, ("plain", "exact", "filtered").index(form)] / size
+    near(value(words, "rms"), float(np.max(np.sqrt(np.mean(late ** 2, axis=0)))), 1e-6)
+
+
 def _unstable_loop(shown: Shown, _: Text) -> None:
     assert shown.outcome.metrics["slowest_loop"] >= 0
 
@@ -493,6 +547,11 @@ WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
     "{lost} of the measurements are lost, {critical:.1f} % is the limit: the mean diverges.": _bounded(False),
     "The trace has gone flat: as far as the sensor can tell, all is at rest.": _flat,
     "|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.": _law,
+    "|ε| follows ẇ = A_L w to within {law_gap:.0e} of its peak, whatever u does.": _silenced,
+    "Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.": _dies_out,
+    "Case {case}: an observer of order {order} watches g, and ε dies out with the poles {poles} under this u.": _dies_out,
+    "The sensors' noise moves ĝ by {rms:.2g} (rms, second half of the run); at rest and u = 0 its law says {promised:.2g}.": _noise_of,
+    "The sensors' noise moves ĝ by {rms:.2g} of g (rms, second half of the run); at rest and u = 0 its law says {promised:.2g}.": _noise_of,
     "With the true plant the loop is unstable.": _unstable_loop,
     "On the true plant û misses the wanted input by up to {late_error:.2g} at the end.": _misses,
     "The {rows} rows of [T; C] have rank {rank}, and with K no more: N and M exist and are fixed.": _fixed,

@@ -1,0 +1,127 @@
+"""The bilinear observer on a person's own plant: through the door, in any units, and one sentence where a condition fails."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from claim_trials import tried
+from scipy.integrate import solve_ivp
+from scipy.io import savemat
+
+from app.cli.entry import main
+from app.engine import EngineError, Plant
+from app.lesson.knobs import KnobError
+from app.lesson.lesson import Lesson, Outcome
+from app.plants.beyond import Beyond
+from app.plants.examples import example
+from app.plants.own import canonical, cleaned, read
+from lessons import LESSONS
+from lessons.bilinear_observer.lesson import LESSON
+
+SHAPES = ((7, 5, 1, 3), (8, 5, 2, 3), (5, 3, 1, 2), (6, 2, 1, 1), (9, 7, 2, 3))  # n, m, r, and the case that is to be expected
+SMALL = {"A": [[-1, 0.4, 0], [0.2, -2, 0.5], [0, 0.7, -3]], "B": [[1], [0], [1]], "C": [[1, 0, 0], [0, 1, 0]],
+         "F": [[0.1, 0, 0.3], [0, 0.2, 0.1], [0, 0, -0.2]], "K": [[0, 0, 1]]}
+
+
+def outcome(lesson: Lesson, **changes: object) -> Outcome:
+    return lesson.compute(lesson.apply(lesson.start(), changes))
+
+
+def random_plant(seed: int, shape: tuple[int, int, int], decades: float) -> str:
+    """A stable bilinear plant, each of its signals and time in a unit up to 10^±decades away."""
+    (n, m, r), rng = shape, np.random.default_rng([seed, 16])
+    A = rng.standard_normal((n, n))
+    A -= (0.5 + np.linalg.eigvals(A).real.max()) * np.eye(n)
+    B, F, C, K = (rng.standard_normal(size) for size in ((n, 1), (n, n), (m, n), (r, n)))
+    X, Y, S = (10 ** rng.uniform(-decades, decades, k) for k in (n, m, r))
+    U, tau = 10 ** rng.uniform(-decades, decades), 10 ** rng.uniform(-decades / 2, decades / 2)
+    return canonical(Plant(tau * A * X / X[:, None], tau * B * U / X[:, None], C * X / Y[:, None]),
+                     Beyond(tau * F * U * X / X[:, None], K * X / S[:, None]))
+
+
+@pytest.mark.parametrize("decades", [0.0, 6.0], ids=["plain units", "any units"])
+def test_what_the_page_says_of_random_plants_is_so(decades: float) -> None:
+    """The case that counting leads to expect, the law of the error under every input, and every claim before its witness."""
+    for seed, (n, m, r, case) in enumerate(SHAPES):
+        own = LESSON.fit(random_plant(seed, (n, m, r), decades))
+        found = [outcome(own, **change) for change in ({}, {"input": "square", "form": "exact"}, {"noise": 1.0})]
+        held = {c.id: c.holds for c in found[0].checks}
+        assert (held["case1"], held["case2"], held["case3"]) == tuple(case == k for k in (1, 2, 3)), (seed, found[0].live)
+        assert held["fewer"] == (r < n - m) and held["advised"] == (3 * m + r >= 2 * n)
+        for one in found[:2]:
+            assert {c.id: c.holds for c in one.checks}["law"] == (case != 1), (seed, one.metrics["law_gap"])
+        told = tried(own, [one.design for one in found])
+        assert not told.lies and not told.unseen, (seed, told.lies, told.unseen)
+
+
+def test_the_run_is_that_of_an_adaptive_solver() -> None:
+    """Plant and observer from the file's matrices and the three matrices of (18) alone, g of two rows."""
+    own = LESSON.fit(example("exchanger"))
+    shown = outcome(own)
+    form, run, file = shown.study.plain, shown.study.run, json.loads(example("exchanger"))
+    A, B, F, C, K = (np.array(file[k]) for k in "ABFCK")
+    u0, omega = shown.design["amplitude"], shown.design["omega"]
+
+    def rate(t: float, s: np.ndarray) -> np.ndarray:
+        x, z, u = s[:9], s[9:], u0 * np.sin(omega * t)
+        y = C @ x
+        return np.concatenate([A @ x + u * (B[:, 0] + F @ x), form.A @ z + form.Y @ y + u * (form.B[:, 0] + form.U @ y)])
+    at = [100, 250, 400]
+    peer = solve_ivp(rate, (0, run.t[-1]), np.concatenate([run.x[0], [0, 0]]), "DOP853", run.t[at], rtol=1e-10, atol=1e-12).y.T
+    np.testing.assert_allclose(run.x[at], peer[:, :9], rtol=1e-7, atol=1e-7)
+    np.testing.assert_allclose(run.estimates[at, 0], peer[:, :9] @ C.T @ form.G_y.T + peer[:, 9:] @ form.G_z.T, rtol=1e-6, atol=1e-7)
+    np.testing.assert_allclose(run.g, run.x @ K.T, rtol=1e-9, atol=1e-12)
+    assert shown.metrics["order"] == 2 and np.allclose(np.linalg.eigvals(form.A).real.max(), shown.metrics["slowest"])
+
+
+# --- the door ----------------------------------------------------------------------------------------------------------
+def test_json_and_mat_say_the_same_and_come_back_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    words = json.dumps(SMALL)
+    text = read("mine.json", words.encode())
+    savemat(tmp_path / "mine.mat", {key: np.array(value, dtype=float) for key, value in SMALL.items()})
+    assert read("mine.mat", (tmp_path / "mine.mat").read_bytes()) == text == cleaned(text) == cleaned(words)
+    assert json.loads(text)["F"] == SMALL["F"] and json.loads(text)["K"] == SMALL["K"]
+    (tmp_path / "mine.json").write_text(words, encoding="utf-8")
+    told = []
+    for name in ("mine.json", "mine.mat"):
+        assert main(["run", LESSON.id, "--json", "--plant", str(tmp_path / name)]) in (0, 1)
+        told.append(json.loads(capsys.readouterr().out))
+    assert told[0] == told[1] and told[0]["plant"]["F"] == SMALL["F"] and told[0]["checks"]
+
+
+def test_elsewhere_the_plant_is_the_linear_one_and_the_page_says_so() -> None:
+    for id, own in (("separation", "left out"), ("sandbox", "left out"), (LESSON.id, "")):
+        head = {language: LESSONS[id].fit(example("exchanger")).words[language].introduction.split("\n")[0] for language in ("en", "zh")}
+        assert (own in head["en"]) and ("略去" in head["zh"]) == bool(own)
+
+
+@pytest.mark.parametrize(("change", "words"), [
+    ({"F": [[1, 2]]}, "F must be 3×3"), ({"F": "x"}, "F must be a list"), ({"F": [[1e999] * 3] * 3}, "finite"),
+    ({"K": [[1, 2]]}, "rows of 3 numbers"), ({"K": [[1, 0, 0]]}, "read from y directly"), ({"K": [[0, 0, 0]]}, "zero"),
+    ({"dt": 0.1}, "continuous time"), ({"B": [[1, 0], [0, 1], [1, 1]]}, "one input"), ({"D": [[1], [0]]}, "leave out D"),
+    ({"C": [[1, 0, 0], [2, 0, 0]]}, "depend on each other"), ({"C": np.eye(3).tolist()}, "nothing is left to observe"),
+])
+def test_what_does_not_fit_is_one_sentence_in_both_languages(change: dict[str, object], words: str) -> None:
+    with pytest.raises((EngineError, KnobError)) as problem:
+        LESSON.fit(read("mine.json", json.dumps(SMALL | change).encode()))
+    said = str(problem.value)
+    assert words in said and said.endswith(".") and said.count(". ") == 0 and "\n" not in said
+
+
+def test_where_a_condition_fails_the_sentence_says_which_and_what_to_change() -> None:
+    blind = json.loads(example("exchanger")) | {"D": None}
+    blind["C"], blind["outputs"] = blind["C"][:3], blind["outputs"][:3]
+    stuck = SMALL | {"A": np.diag([-1.0, -2.0, 3.0]).tolist(), "F": np.zeros((3, 3)).tolist()}
+    lone = {"A": [[-1, 1], [0, 2]], "B": [[1], [0]], "C": [[1, 0]], "F": [[0, 1], [0, 0.5]], "K": [[0, 1]]}  # L = 0.5, the pole 2 − L
+    for plant, which, change in ((blind, "(21) fails", "measure more, or want another g"), (stuck, "stays put", "Measure other states"),
+                                 (lone, "its pole 1.5 is not on the left", "Measure more, or want another g")):
+        live = outcome(LESSON.fit(read("mine.json", json.dumps(plant).encode()))).live
+        assert which in live("en") and change in live("en") and live("zh").endswith("。")
+
+
+def test_without_f_a_k_of_another_kind_is_no_concern_of_ours() -> None:
+    matrices = {key: SMALL[key] for key in "ABC"}
+    assert read("gain.json", json.dumps(matrices | {"K": [[1, 2]]}).encode()) == canonical(Plant(*matrices.values()))
