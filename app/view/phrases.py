@@ -137,8 +137,8 @@ OWN_PLANT = text("the lesson's own")
 YOURS = text("yours: {name}")
 EXAMPLE = text("example: {name}")
 UPLOAD = text("Upload a plant (.json, .mat)")
-UPLOAD_HINT = text("Your own A, B, C and D, up to 30 states and 1 MB: JSON as the command line writes it, or "
-                   "MATLAB's save -v7.")
+UPLOAD_HINT = text("Your own A, B, C and D, F and K too if it is bilinear, up to 30 states and 1 MB: JSON as the command line writes it, "
+                   "or MATLAB's save -v7.")
 STOPPED = text("The server has stopped. This tab keeps your designs.")
 LOADING = text("The lesson is being set up …")
 LOST = text("The server does not answer. This tab keeps your designs and goes on by itself when the server is back.")

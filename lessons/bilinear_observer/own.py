@@ -87,8 +87,9 @@ def _boards(design: Design, s: Story) -> tuple[Board, ...]:
 
 
 def _stage(design: Design, s: Story) -> Stage:
-    run = s.run
-    return Stage(s.wanted.body, run.t, np.hstack([run.x, run.g]), np.hstack([run.x, run.estimates[:, form_index(design)]]), run.u[:, None])
+    run, standing = s.run, s.wanted.standing
+    true, ghost = np.hstack([run.x, run.g]), np.hstack([run.x, run.estimates[:, form_index(design)]])
+    return Stage(s.wanted.body, run.t, true[:, standing], ghost[:, standing], run.u[:, None])
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:

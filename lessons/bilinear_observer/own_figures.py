@@ -86,7 +86,7 @@ def _step(outcome: Outcome[Story]) -> TableFigure:
              8: (("A_L", s.plain.A), ("Y", s.plain.Y), ("b", s.plain.B), ("U", s.plain.U), ("G", s.plain.G_y), ("H", s.plain.G_z))}[step]
     rows = tuple((same(name), f"{M.shape[0]} × {M.shape[1]}", _cells(M)) for name, M in shown)
     return TableFigure("step", HEADINGS[step - 1], (text("item"), text("size"), text("entries, row by row")), rows, tab=STEPS_TAB,
-                       caption=text("The entries, in the units of the file; of larger matrices the formulas give the norm."))
+                       caption=text("The entries, in the units of the file; larger matrices stand in the formulas."))
 
 
 def _cells(M: np.ndarray) -> str:
@@ -105,7 +105,7 @@ def _conditions(s: Story) -> TableFigure:
         (text("order n − m of Luenberger's reduced observer"), str(n - m)),
         (text("rows and columns of Q"), f"{o.Q.shape[0]}, {o.Q.shape[1]}"),
         (text("rank of Q"), str(o.canonical_Q.rank)),
-        (text("what is left of (21), relative"), f"{o.defect_size:.1e}".replace("-", "−")),
+        (text("what is left of (21), relative"), text("{left:.1e}", left=o.defect_size) if o.defect_size else "0"),
         (text("rows of Q to spare"), str(left)),
     )
     lower = (text("Order {q} instead of n − m = {most}: the functional observer is the smaller one.", q=q, most=n - m) if q < n - m else
@@ -128,7 +128,7 @@ def _wanted(s: Story) -> TableFigure:
         rows.append((name, str(o.case), fate, poles, str(o.order), f"{known} {'≥' if o.advised else '<'} {needed}"))
     met = sum(w.solved.case != 1 for w in s.here.wanted)
     return TableFigure("problems", text("what may be wanted of this plant"),
-                       (text("wanted"), text_in("bilinear-observer", "case"), text("solutions"), text("poles that stay put"), text("order"),
+                       (text("wanted"), text_in("bilinear-observer", "case"), text("solutions"), text("pole"), text("order"),
                         same("3m + r ≥ 2n")), tuple(rows), tab=CASES_TAB,
                        caption=text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(rows)))
 

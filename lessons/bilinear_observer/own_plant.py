@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from app.plants.body import Body
 from app.plants.model import Window
 from app.plants.names import called
 from app.plants.own import board_of
-from app.plants.own_body import tubes_body
+from app.plants.own_body import MOST_IN_ROW, tubes_body
 from app.text import Text, lowered, same, text
 
 from .page import base_of
@@ -39,6 +39,7 @@ class Wanted:
     poles: tuple[complex, ...]
     window: Window
     body: Body
+    standing: np.ndarray  # which entries of (x, g) stand on the stage
     sizes: np.ndarray  # (r,): the largest |g| of the first run
 
     @property
@@ -205,9 +206,14 @@ def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tup
         shown = board_of(StartingGain(np.zeros((0, 0)), known, np.zeros(0, dtype=complex)), 0.0)
         poles, window = (), shown.window
     measured = tuple(k for k in range(p.n) if any(np.flatnonzero(row).tolist() == [k] for row in p.C))
-    body = tubes_body([*(called(p, name) for name in p.state_names), *rows], [*full.tolist(), *sizes.tolist()], measured,
-                      [strongest if strongest > 0 else 1.0])
-    return Wanted(id, label, rows, units, o, start, poles, window, body, sizes)
+    few = p.n + len(rows) <= MOST_IN_ROW
+    states = [k for k in range(p.n) if few or k not in measured][:max(MOST_IN_ROW - len(rows), 1)]
+    told = (text("A tube for each state, lit where a sensor reads it alone, and on the right one for each row of g with its ghost ĝ; green "
+                 "arrow: u.") if few else
+            text("Tubes for states that no sensor reads alone, and on the right one for each row of g with its ghost ĝ; green arrow: u."))
+    body = replace(tubes_body([*(called(p, p.state_names[k]) for k in states), *rows], [*full[states].tolist(), *sizes.tolist()],
+                              measured if few else (), [strongest if strongest > 0 else 1.0]), caption=told)
+    return Wanted(id, label, rows, units, o, start, poles, window, body, np.array([*states, *range(p.n, p.n + len(rows))]), sizes)
 
 
 def _error_matrix(o: BilinearObserver) -> np.ndarray:

@@ -18,6 +18,8 @@ from app.lesson.lesson import Lesson, Outcome
 from app.plants.beyond import Beyond
 from app.plants.examples import example
 from app.plants.own import canonical, cleaned, read
+from app.tab.state import Saved, read_state, write_state
+from app.tab.token import read_token, write_token
 from lessons import LESSONS
 from lessons.bilinear_observer.lesson import LESSON
 
@@ -85,6 +87,9 @@ def test_json_and_mat_say_the_same_and_come_back_whole(tmp_path: Path, capsys: p
     assert read("mine.mat", (tmp_path / "mine.mat").read_bytes()) == text == cleaned(text) == cleaned(words)
     assert json.loads(text)["F"] == SMALL["F"] and json.loads(text)["K"] == SMALL["K"]
     (tmp_path / "mine.json").write_text(words, encoding="utf-8")
+    start = LESSON.fit(text).start()
+    for back in (read_token(write_token(LESSON, Saved(start)), LESSONS), read_state(write_state(LESSON, Saved(start)), LESSONS)):
+        assert back.design == start and "F" in json.loads(back.design.plant)
     told = []
     for name in ("mine.json", "mine.mat"):
         assert main(["run", LESSON.id, "--json", "--plant", str(tmp_path / name)]) in (0, 1)
