@@ -82,3 +82,9 @@ def test_what_comes_step_by_step_comes_whole_through_its_gate() -> None:
     scenario = Scenario(Plant([[-1.0]], [[1]], [[1]]), x0=[1.0], horizon=0.2)
     steps = list(engine.simulation.simulate_starts(scenario, np.ones((2, 2))))
     assert [z.shape for z in steps] == [(2, 2)] * scenario.n_t
+
+
+def test_a_size_of_zero_is_a_size() -> None:
+    with pytest.raises(EngineError, match="0×0"):
+        engine.systems.step_covariance(np.zeros((0, 0)), np.eye(3), 0.1)
+    assert engine.systems.step_covariance(np.zeros((0, 0)), np.zeros((0, 0)), 0.1).shape == (0, 0)

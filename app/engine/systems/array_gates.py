@@ -36,7 +36,7 @@ def covariance(size: str = "") -> Gate:
     """A symmetric positive semidefinite matrix; a number is that number times I where the size is known."""
     def gate(value: object, name: str, sizes: Sizes) -> np.ndarray:
         found = as_matrix(value, name)
-        found = as_covariance(found, name, sizes.get(size) or max(found.shape))
+        found = as_covariance(found, name, sizes.get(size, max(found.shape)))
         if size and found.shape != (1, 1):
             sizes.setdefault(size, len(found))
         return found

@@ -17,6 +17,8 @@ def step_covariance(A: np.ndarray, intensity: np.ndarray, duration: float) -> np
     overflow, then Q(2h) = Q(h) + Φ(h) Q(h) Φ(h)ᵀ up to the whole step.
     """
     n = len(A)
+    if not n:
+        return np.zeros((0, 0))
     doublings = max(0, int(np.ceil(np.log2(max(np.linalg.norm(A, 1) * duration, 1e-300)))) + 1)
     h = duration / 2**doublings
     exponential: np.ndarray = expm(np.block([[-A, intensity], [np.zeros((n, n)), A.T]]) * h)
