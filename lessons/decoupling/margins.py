@@ -28,7 +28,7 @@ def margins(built: Controllers, S: np.ndarray, lower: float, poles: np.ndarray) 
     S_ii = [(I − P K)⁻¹]_ii with P the mixed channels and K = diag(C_v, C_θ, C_h), signs included; 1 + ℓ = 1/S_ii. On a grid that
     has every frequency of the loop's poles on it; the loop must be stable but for drift.
     """
-    own = np.abs(np.concatenate([poles, poles.imag]))
+    own = np.abs(np.concatenate([poles, np.imag(poles)]))
     omega = np.unique(np.concatenate([WIDE, *(own[(own > WIDE[0]) & (own < WIDE[-1])] * near for near in NEAR)]))
     plant = three(lower)
     P = frequency_response(plant.A, plant.B @ S, plant.C, np.zeros((3, 3)), omega)

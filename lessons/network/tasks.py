@@ -1,4 +1,4 @@
-"""Tasks of the lesson: the edge, faster sampling, the gap between the bounds, the wall, both bounds by hand."""
+"""Tasks of the lesson: the edge, faster sampling, the gap between the bounds, the wall, both bounds by hand, a budget of packets."""
 
 from __future__ import annotations
 
@@ -72,6 +72,10 @@ NOISY_READINGS = Typed("R*(a^2-1)/(1-p*a^2)", ("a", "p", "R"), slips=(
     ("R*(a^2-1)", text("That is without any loss; a share p of the readings does not come.")),
     ("R*(a^2*(1-p)-1)", text("Only the gain term is weighed with 1 − p; the growth a² acts every time."))))
 
+BUDGET = Typed("exp(-2*a/R)", ("a", "R", "k"), slips=(
+    ("exp(-2*a*k/R)", text("So many of the samples may be lost; but a sample is lost only together with all its k copies.")),
+    ("exp(-a/R)", text("That is the edge for the error's mean size; the variance grows with its square."))))
+
 TASKS = (
     Task("edge", _edge, {"a": 1.4, "loss": 0.5}),
     Task("faster", _faster, {"case": CART, "loss": 0.8, "stretch": 0.6}),
@@ -79,4 +83,5 @@ TASKS = (
     Task("wall", _wall, {"case": CART, "delay": 2.0, "told": AHEAD}),
     pencil("perfect-readings", PERFECT_READINGS),
     pencil("noisy-readings", NOISY_READINGS),
+    pencil("budget", BUDGET),
 )

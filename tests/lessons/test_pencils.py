@@ -228,6 +228,13 @@ def noisy_readings(v: Letters) -> float:
     return float(np.roots(growing - (1 - v["p"]) * np.array([a2, 0.0, 0.0]) - np.polymul([1.0, 0.0], [1.0, R]))[0])
 
 
+def budget(v: Letters) -> float:
+    """The p at which the mean square, carried from packet to packet while none of a sample has come, neither grows nor fades."""
+    copies = 1 + int(v["k"])
+    way = np.roll(np.eye(copies), 1, axis=0) * np.exp(2 * v["a"] / v["R"])
+    return float(brentq(lambda p: np.abs(np.linalg.eigvals(p * way)).max() - 1, 1e-12, 1.0))
+
+
 def stroboscope(v: Letters) -> float:
     Phi = expm(v["h"] * np.array([[0.0, 1.0], [-v["w"] ** 2, 0.0]]))
     return float(np.linalg.det(np.vstack([FIRST, FIRST @ Phi])))
@@ -263,7 +270,7 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("network", "perfect-readings"): perfect_readings, ("sandbox", "deadbeat"): deadbeat,
     ("robust-observer", "one-observer"): one_observer,
     ("decoupling", "zero"): zero, ("weak-states", "almost-twins"): almost_twins, ("nonlinear", "drag"): drag,
-    ("network", "noisy-readings"): noisy_readings, ("sandbox", "stroboscope"): stroboscope,
+    ("network", "noisy-readings"): noisy_readings, ("network", "budget"): budget, ("sandbox", "stroboscope"): stroboscope,
     ("robust-observer", "wrong-sensor"): wrong_sensor, ("robust-observer", "no-say"): no_say,
     ("bilinear-observer", "blind-input"): blind_input,
     ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
