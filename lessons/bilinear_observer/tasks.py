@@ -15,6 +15,7 @@ from .problems import COMPUTED, PAPER, TYPED
 from .study import Study
 
 TO_TYPE, AT_FIRST = 0.1, 0.05  # rad/s that the pole may be off, and |ε(0)|
+NOISY = Verdict(False, text("Turn the sensors' noise off: this task is about the error that is left without it."))
 LONGEST = 16.7  # of the row G − Y/p
 
 
@@ -41,6 +42,8 @@ def _slip(outcome: Outcome[Study]) -> Verdict:
 def _runaway(outcome: Outcome[Study]) -> Verdict:
     m = outcome.metrics
     peak, late = m["late_g"], m["late_error"]
+    if outcome.design["noise"]:
+        return NOISY
     if abs(peak - 1000) > 100:
         return Verdict(False, text("In the last tenth of the run |g| is at most {peak}; let it be 1000, within 10 %.",
                                    peak=_number(peak)))
@@ -54,6 +57,8 @@ def _runaway(outcome: Outcome[Study]) -> Verdict:
 
 def _lag(outcome: Outcome[Study]) -> Verdict:
     late = outcome.metrics["half_error"]
+    if outcome.design["noise"]:
+        return NOISY
     if outcome.design["form"] != FILTERED:
         return Verdict(False, text("The ghost does not use the differentiator yet; choose that form."))
     if outcome.metrics["pole"] >= 0 or outcome.design["problem"] != PAPER:
@@ -70,6 +75,8 @@ def _lag(outcome: Outcome[Study]) -> Verdict:
 
 def _three(outcome: Outcome[Study]) -> Verdict:
     observer, m = outcome.study.observer, outcome.metrics
+    if outcome.design["noise"]:
+        return NOISY
     if observer.plant.m > 3:
         return Verdict(False, text("Four sensors are still in use; the task allows three."))
     if not observer.solved:
