@@ -84,7 +84,7 @@ def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
 def _functional(outcome: Outcome[Study], run: Watch) -> LineFigure:
     guess = run.estimates[:, form_index(outcome.design)]
     met = outcome.metrics["settled_after"]
-    caption = (text("After {met:.3f} s the error of ĝ stays below 2 % of what it was at first.", met=met) if met <= HORIZON
+    caption = (text("After {met:.3g} s the error of ĝ stays below 2 % of its peak.", met=met) if met <= HORIZON
                else text("Within this run ĝ does not settle on g."))
     return LineFigure("functional", text("the number wanted, g = K x"), run.t,
                       (Curve(same("g"), run.g), Curve(same("ĝ"), guess, "estimate", "dash")), "g", window=(-10.0, 30.0),
