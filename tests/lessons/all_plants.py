@@ -17,11 +17,12 @@ if __name__ == "__main__":
     sys.path[:0] = [str(tests.parent), str(tests), str(tests / "engine"), str(tests / "lessons")]
 
 from lesson_checks import check_figures, numbers_of
-from unit_cases import random_case, random_units
+from unit_cases import ones, random_case, random_units
 
-from app.engine import EngineError
+from app.engine import EngineError, Plant
 from app.lesson.knobs import KnobError
 from app.lesson.lesson import Lesson, Outcome
+from app.plants.beyond import Beyond
 from app.plants.own import canonical
 from lessons import LESSONS
 
@@ -61,11 +62,16 @@ def wrong_on(lesson: Lesson, plant: str) -> str:
             return f"{type(problem).__name__}: {problem}".replace("\n", " ")
 
 
-def random_plant(seed: tuple[int, ...], sampled: bool = False) -> str:
-    """In its own units, or in others up to six decades away."""
+def random_plant(seed: tuple[int, ...], sampled: bool = False, bilinear: bool = False) -> str:
+    """In its own units, or in others up to six decades away; a bilinear one has one input, F, and one to three rows of K."""
     rng = np.random.default_rng(seed)
     case = random_case(rng, sampled)
-    return canonical((case if rng.random() < 0.5 else case.to(random_units(case, rng))).plant)
+    z = ones(case) if rng.random() < 0.5 else random_units(case, rng)
+    plant = case.to(z).plant
+    if not bilinear or sampled:
+        return canonical(plant)
+    F, K = rng.standard_normal((plant.n, plant.n)), rng.standard_normal((int(rng.integers(1, 4)), plant.n))
+    return canonical(Plant(plant.A, plant.B[:, :1], plant.C), Beyond(z.tau * F * z.X / z.X[:, None] * z.U[0], K * z.X))
 
 
 def main(plants: int = 200, seed: int = 1, *ids: str) -> None:
@@ -76,7 +82,7 @@ def main(plants: int = 200, seed: int = 1, *ids: str) -> None:
         found: Counter[str] = Counter()
         example = ""
         for k in range(plants):
-            wrong = wrong_on(lesson, random_plant((seed, k), sampled=k % 4 == 3))
+            wrong = wrong_on(lesson, random_plant((seed, k), sampled=k % 4 == 3, bilinear=lesson.bilinear))
             found["refused" if wrong == "refused" else "wrong" if wrong else "whole"] += 1
             example = example or (f"plant {k}: {wrong}" if wrong not in ("", "refused") else "")
         print(f"{lesson.id:18s} {found['wrong']:4d} wrong, {found['refused']:4d} refused of {plants}  {example[:150]}", flush=True)

@@ -102,7 +102,7 @@ def test_any_plant_gives_a_finite_picture_or_one_sentence(lesson: Lesson, plant:
 @adaptable
 def test_no_figure_contradicts_another(lesson: Lesson) -> None:
     """Two plants of those that the script runs through by the hundred."""
-    assert {wrong_on(lesson, random_plant((2, k), sampled=k == 1)) for k in range(2)} <= {"", "refused"}
+    assert {wrong_on(lesson, random_plant((2, k), sampled=k == 1, bilinear=lesson.bilinear)) for k in range(2)} <= {"", "refused"}
 
 
 @settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])

@@ -10,6 +10,7 @@ import pytest
 from claim_trials import tried
 from scipy.integrate import solve_ivp
 from scipy.io import savemat
+from test_all_derivations import broken
 
 from app.cli.entry import main
 from app.engine import EngineError, Plant
@@ -55,6 +56,7 @@ def test_what_the_page_says_of_random_plants_is_so(decades: float) -> None:
         assert held["fewer"] == (r < n - m) and held["advised"] == (3 * m + r >= 2 * n)
         for one in found[:2]:
             assert {c.id: c.holds for c in one.checks}["law"] == (case != 1), (seed, one.metrics["law_gap"])
+        assert not [line for one in found for line in broken(own, one)], seed
         told = tried(own, [one.design for one in found])
         assert not told.lies and not told.unseen, (seed, told.lies, told.unseen)
 
