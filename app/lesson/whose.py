@@ -16,6 +16,8 @@ def whose(model: Model, universal: bool, bilinear: bool, sampled: bool) -> Text:
                  name=name, n=p.n, m=p.m, p=p.p)
     if model.beyond.F is not None and not bilinear:
         shown = joined(shown, text("Its bilinear term u F x is left out here: this is the plant linearised at x = 0 and u = 0."))
+    if model.beyond.F is None and bilinear:
+        shown = joined(shown, text("Its file has no bilinear term: F is zero here, and the first input is u."))
     if universal:
         return shown
     others = text("Text, prediction and exams speak of the lesson's own plant.")

@@ -129,6 +129,7 @@ def test_where_a_condition_fails_the_sentence_says_which_and_what_to_change() ->
         assert which in live("en") and change in live("en") and live("zh").endswith("。")
 
 
-def test_without_f_a_k_of_another_kind_is_no_concern_of_ours() -> None:
+def test_without_f_the_page_says_so_and_a_k_of_another_kind_is_no_concern_of_ours() -> None:
     matrices = {key: SMALL[key] for key in "ABC"}
+    assert "F is zero" in LESSON.fit(canonical(Plant(*matrices.values()))).words["en"].introduction
     assert read("gain.json", json.dumps(matrices | {"K": [[1, 2]]}).encode()) == canonical(Plant(*matrices.values()))
