@@ -183,6 +183,12 @@ def test_entries_and_factors_of_an_own_plant_vary_as_if_written_by_hand() -> Non
         own = numbers(lesson.compute(lesson.start()))
         assert rows[index].values == tuple(own[name] for name in study.collect) and not rows[index].problem
     assert rows[0] != rows[1]
+    bilinear = rows_of(study_of(json.dumps({"lesson": "bilinear-observer", "plant": "exchanger", "collect": ["first_error"], "vary": {
+        "F(1,1)": [-1.5, -2.5], "mean": {"values": [2.0], "times": ["K(1,4)"]}}})))
+    plant = json.loads(example("exchanger"))
+    plant["F"][0][0], plant["K"][0][3] = -2.5, 2 * plant["K"][0][3]
+    lesson = LESSONS["bilinear-observer"].fit(json.dumps(plant))
+    assert bilinear[1].values == (lesson.compute(lesson.start()).metrics["first_error"],) and bilinear[0] != bilinear[1]
 
 
 def test_a_point_that_its_lesson_refuses_says_why_and_the_others_go_on() -> None:

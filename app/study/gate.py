@@ -18,9 +18,9 @@ from lessons import LESSONS
 from ..engine import EngineError
 from ..lesson.knobs import Knob, KnobError, Number
 from ..lesson.lesson import Lesson
-from ..plants.own import cleaned, plant_of
+from ..plants.own import cleaned
 from .plan import MOST, Axis, Study, StudyError
-from .points import SEED, design_at, entry_of, numbers, outcome_of, seed_knob
+from .points import SEED, design_at, entry_of, matrices_of, numbers, outcome_of, seed_knob
 
 KEYS = ("lesson", "set", "plant", "vary", "seeds", "seed", "collect", "final")
 RANGE = ("from", "to", "count", "scale", "values", "times", "over")
@@ -152,7 +152,7 @@ def _of_plant(lesson: Lesson, plant: str, name: str, entries: tuple[str, ...]) -
         if not entries and "(" not in name:
             names = ", ".join(knob.name for knob in lesson.knobs)
             raise StudyError(f"{name[:40]} is neither a knob ({names}) nor an entry such as A(2,1), and says no times or over.")
-        entry_of(plant_of(plant), entry)
+        entry_of(matrices_of(plant), entry)
 
 
 def _entries(spread: Mapping[str, Any], key: str) -> tuple[str, ...]:

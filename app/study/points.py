@@ -11,15 +11,15 @@ import numpy as np
 
 from lessons import LESSONS
 
-from ..engine import EngineError, Plant
+from ..engine import EngineError
 from ..engine.kernels import SHELF
 from ..lesson.knobs import KnobError, Number
 from ..lesson.lesson import Design, Lesson, Outcome
-from ..plants.beyond import beyond_of
+from ..plants.beyond import Beyond, beyond_of
 from ..plants.own import canonical, plant_of
 from .plan import Axis, Row, Study, StudyError, programs
 
-ENTRY = re.compile(r"([ABCD])\((\d{1,3}),\s*(\d{1,3})\)")
+ENTRY = re.compile(r"([ABCDFK])\((\d{1,3}),\s*(\d{1,3})\)")
 SEED = "seed"  # the knob that noise is drawn from
 CHECK = "check."  # stands before the name of a check among the numbers
 
@@ -86,10 +86,11 @@ def design_at(study: Study, index: int) -> tuple[Lesson, Design]:
     changes.update((axis.name, value) for axis, value in here if not axis.of_plant)
     turned = [(axis, float(value)) for axis, value in here if axis.of_plant]
     if turned:
-        changed = plant_of(plant)
+        matrices = matrices_of(plant)
         for axis, value in turned:
-            changed = with_value(changed, axis, value)
-        plant = canonical(changed, beyond_of(plant, changed))
+            matrices = with_value(matrices, axis, value)
+        F, K = matrices.pop("F", None), matrices.pop("K", None)
+        plant = canonical(replace(plant_of(plant), **matrices), Beyond(F, K))
     seed = seed_at(study, index)
     if seed is not None:
         changes[SEED] = seed
@@ -97,27 +98,37 @@ def design_at(study: Study, index: int) -> tuple[Lesson, Design]:
     return lesson, lesson.apply(lesson.start(), changes)
 
 
-def with_value(plant: Plant, axis: Axis, value: float) -> Plant:
-    """The plant with an entry set, or with entries multiplied and divided by a factor. Raises StudyError, EngineError."""
-    matrices = {name: np.array(getattr(plant, name)) for name in "ABCD"}
+def matrices_of(plant: str) -> dict[str, np.ndarray]:
+    """A, B, C and D of a plant in its canonical text, and F and K of a bilinear one, to be changed."""
+    linear = plant_of(plant)
+    beyond = beyond_of(plant, linear)
+    found = {name: getattr(linear, name) for name in "ABCD"} | {"F": beyond.F, "K": beyond.K}
+    return {name: np.array(matrix) for name, matrix in found.items() if matrix is not None}
+
+
+def with_value(given: Mapping[str, np.ndarray], axis: Axis, value: float) -> dict[str, np.ndarray]:
+    """The matrices with an entry set, or with entries multiplied and divided by a factor. Raises StudyError."""
+    matrices = {name: np.array(matrix) for name, matrix in given.items()}
     for entry in axis.times:
-        name, i, j = entry_of(plant, entry)
+        name, i, j = entry_of(matrices, entry)
         matrices[name][i, j] *= value
     for entry in axis.over:
-        name, i, j = entry_of(plant, entry)
+        name, i, j = entry_of(matrices, entry)
         matrices[name][i, j] /= value
     if not axis.times and not axis.over:
-        name, i, j = entry_of(plant, axis.name)
+        name, i, j = entry_of(matrices, axis.name)
         matrices[name][i, j] = value
-    return replace(plant, **matrices)
+    return matrices
 
 
-def entry_of(plant: Plant, words: str) -> tuple[str, int, int]:
+def entry_of(matrices: Mapping[str, np.ndarray], words: str) -> tuple[str, int, int]:
     """Matrix, row and column from 0 of an entry such as A(2,1). Raises StudyError where the plant has none."""
     found = ENTRY.fullmatch(words.replace(" ", ""))
     if found is None:
         raise StudyError(f"{words[:40]} is no entry of a plant; write A(2,1) for row 2 and column 1 of A.")
-    rows, columns = np.shape(getattr(plant, found[1]))
+    if found[1] not in matrices:
+        raise StudyError(f"The plant has no entry {words[:40]}: its file has no {found[1]}.")
+    rows, columns = matrices[found[1]].shape
     i, j = int(found[2]), int(found[3])
     if not (1 <= i <= rows and 1 <= j <= columns):
         raise StudyError(f"The plant has no entry {words[:40]}: its {found[1]} is {rows}×{columns}.")
