@@ -88,7 +88,5 @@ def paper_ranks(outcome: Outcome[Story], tab: Text) -> TableFigure:
 def own_ranks(here: Here, outcome: Outcome[OwnStory], order: int, tab: Text) -> TableFigure:
     """The conditions for a person's own plant."""
     rungs = own_ladder(here, outcome.design)
-    return table(rungs, order, text("Order 0 is the readings alone, My. As soon as the rank with K is no higher, an observer exists; rows of "
-                                    "[T; C] beyond their rank leave M′ free. Each order has the poles of its own knob."), tab)
-
-
+    return table(rungs, order, text("Order 0 is the readings alone, My. As soon as the rank with K is no higher, an observer exists; rows "
+                                    "of [T; C] beyond their rank leave M′ free. Each order has the poles of its own knob."), tab)
