@@ -150,6 +150,7 @@ from app.cli.workers import Crew
 from app.view.handed import READY
 from app.view.tally import Tally
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
 tally, kind = Tally(2), {kind!r}
 
 def work(number, channel):

@@ -61,30 +61,30 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        server = subprocess.Popen([sys.executable, "-m", "app.cli", "--port", str(port), "--token", "auto"], cwd=ROOT,
-                                  env=plain_environment(), stdout=subprocess.PIPE, text=True)
-        try:
-            assert server.stdout is not None
-            url = next(line.strip() for line in server.stdout if line.startswith("http://"))
-            assert f":{port}/" not in url and "/?token=" in url
-            with urllib.request.urlopen(url, timeout=20) as page:
-                assert page.status == 200 and b"<html" in page.read().lower()
-        finally:
-            server.send_signal(signal.SIGINT)
-            assert server.wait(30) == 0
+        with subprocess.Popen([sys.executable, "-m", "app.cli", "--port", str(port), "--token", "auto"], cwd=ROOT,
+                              env=plain_environment(), stdout=subprocess.PIPE, text=True) as server:
+            try:
+                assert server.stdout is not None
+                url = next(line.strip() for line in server.stdout if line.startswith("http://"))
+                assert f":{port}/" not in url and "/?token=" in url
+                with urllib.request.urlopen(url, timeout=20) as page:
+                    assert page.status == 200 and b"<html" in page.read().lower()
+            finally:
+                server.send_signal(signal.SIGINT)
+                assert server.wait(30) == 0
 
 
 @contextmanager
 def started(*words: str, **surroundings: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """`serve` in a process of its own and the address that it prints; ended by SIGTERM, and well."""
-    server = subprocess.Popen([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment() | surroundings,
-                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
-        assert server.stdout is not None
-        yield server, server.stdout.readline().strip()
-    finally:
-        server.send_signal(signal.SIGTERM)
-        assert server.wait(30) == 0
+    with subprocess.Popen([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment() | surroundings,
+                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        try:
+            assert server.stdout is not None
+            yield server, server.stdout.readline().strip()
+        finally:
+            server.send_signal(signal.SIGTERM)
+            assert server.wait(30) == 0
 
 
 def test_the_last_port_when_taken_is_refused_and_does_not_hang(capsys) -> None:
@@ -227,13 +227,13 @@ def test_an_ipv6_address_is_printed_in_brackets() -> None:
 
 
 def test_ctrl_c_while_starting_prints_no_traceback() -> None:
-    server = subprocess.Popen([sys.executable, "-X", "importtime", "-m", "app.cli", "--port", "0"], cwd=ROOT,
-                              env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert server.stderr is not None
-    for line in server.stderr:
-        if line.endswith(" numpy\n"):  # from here on the command has begun, and seconds of loading lie ahead
-            break
-    server.send_signal(signal.SIGINT)
-    rest = server.stderr.read()
-    assert server.wait(30) in (0, 128 + signal.SIGINT)
+    with subprocess.Popen([sys.executable, "-X", "importtime", "-m", "app.cli", "--port", "0"], cwd=ROOT,
+                          env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+        assert server.stderr is not None
+        for line in server.stderr:
+            if line.endswith(" numpy\n"):  # from here on the command has begun, and seconds of loading lie ahead
+                break
+        server.send_signal(signal.SIGINT)
+        rest = server.stderr.read()
+        assert server.wait(30) in (0, 128 + signal.SIGINT)
     assert "Traceback" not in rest

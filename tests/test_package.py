@@ -87,19 +87,18 @@ def test_every_command_runs_where_nothing_but_the_wheel_is_installed(bin: Path, 
 
 
 def test_the_page_is_served_where_nothing_but_the_wheel_is_installed(bin: Path, tmp_path: Path) -> None:
-    server = subprocess.Popen([bin / "observer-lab", "serve", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE,
-                              text=True,
-                              env={key: value for key, value in os.environ.items() if not key.startswith("PYTHON")})
-    try:
-        assert server.stdout is not None
-        address = server.stdout.readline().strip()
-        with urllib.request.urlopen(address, timeout=60) as page:
-            assert page.status == 200 and b"observer lab" in page.read().lower()
-        assert f"Observer Lab {PROJECT['version']}: 0 of 200 tabs" in told(bin / "observer-lab", "status", address,
-                                                                           cwd=tmp_path)
-    finally:
-        server.send_signal(signal.SIGTERM)
-        assert server.wait(60) == 0
+    environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
+    with subprocess.Popen([bin / "observer-lab", "serve", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE, text=True,
+                          env=environment) as server:
+        try:
+            assert server.stdout is not None
+            address = server.stdout.readline().strip()
+            with urllib.request.urlopen(address, timeout=60) as page:
+                assert page.status == 200 and b"observer lab" in page.read().lower()
+            assert f"Observer Lab {PROJECT['version']}: 0 of 200 tabs" in told(bin / "observer-lab", "status", address, cwd=tmp_path)
+        finally:
+            server.send_signal(signal.SIGTERM)
+            assert server.wait(60) == 0
 
 
 def test_what_the_lab_needs_exists_for_every_python_it_names(tmp_path: Path) -> None:

@@ -15,11 +15,11 @@ class Mark:
     """A number that is put into the widget named by `data-ask` stands in `data-answer` once all before it is answered.
 
     It is posted behind everything that the browser has sent, so its answer is shown after theirs. `data-rests` is 1 while
-    the final picture stands and no long job works.
+    the final picture stands and no long job works, `data-stands` from the first picture on, when the page is all there.
     """
 
     def __init__(self, gui: viser.GuiApi, post: Callable[[Edit], int]) -> None:
-        self._answer, self._rests, self._works = 0.0, False, False
+        self._answer, self._stands, self._rests, self._works = 0.0, False, False, False
         ask = gui.add_number("", 0.0, visible=False)
         self._ask = quirks.id_of(ask)
         self._html = gui.add_html(self._words())
@@ -35,7 +35,7 @@ class Mark:
 
     def show(self, picture: Picture) -> None:
         """Whether this is the final picture of its design; all else of it has been sent before."""
-        self._rests = picture.resting
+        self._stands, self._rests = True, picture.resting
         self._write()
 
     def works(self, working: bool) -> None:
@@ -51,4 +51,5 @@ class Mark:
 
     def _words(self) -> str:
         rests = int(self._rests and not self._works)
-        return f'<i class="ol-mark" hidden data-ask="{self._ask}" data-answer="{self._answer:g}" data-rests="{rests}"></i>'
+        return (f'<i class="ol-mark" hidden data-ask="{self._ask}" data-answer="{self._answer:g}" data-rests="{rests}" '
+                f'data-stands="{int(self._stands)}"></i>')

@@ -26,7 +26,7 @@ from websockets.typing import Origin, Subprotocol
 from app.view.server import LabServer
 
 PATIENCE = 60.0  # s for something that must come; a busy machine is slow, and a test that waits is not one that fails
-MARK = re.compile(r'<i class="ol-mark" hidden data-ask="([^"]+)" data-answer="([^"]+)" data-rests="([01])">')
+MARK = re.compile(r'<i class="ol-mark" hidden data-ask="([^"]+)" data-answer="([^"]+)" data-rests="([01])" ')
 CALLED = re.compile(r"// (\w+)\.js\n.*\n\)\((\{.*\})\)\}\)", re.S)  # a script of ours and what it is given
 
 

@@ -69,7 +69,10 @@
       return;
     }
     setTimeout(settle, STEP);
-    if (!asked() || asked() === old) { still = performance.now(); return; }
+    if (!asked() || asked() === old || document.querySelector('.ol-mark')?.dataset.stands !== '1') {  // folders may come or go until then
+      still = performance.now();
+      return;
+    }
     for (const [name, head] of folders()) if (name in lab.hand && !done.has(name)) {
       done.add(name);
       if (isOpen(head) !== lab.hand[name]) head.click();
