@@ -74,17 +74,24 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
                 assert server.wait(30) == 0
 
 
+class Served(subprocess.Popen[str]):
+    """A server in a process of its own; `told` is what it has printed, and what it has logged, after its end."""
+
+    told = ("", "")
+
+
 @contextmanager
-def started(*words: str, **surroundings: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+def started(*words: str, **surroundings: str) -> Iterator[tuple[Served, str]]:
     """`serve` in a process of its own and the address that it prints; ended by SIGTERM, and well."""
-    with subprocess.Popen([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment() | surroundings,
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+    with Served([sys.executable, "-m", "app.cli", *words], cwd=ROOT, env=plain_environment() | surroundings,
+                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
         try:
             assert server.stdout is not None
             yield server, server.stdout.readline().strip()
         finally:
             server.send_signal(signal.SIGTERM)
-            assert server.wait(30) == 0
+            server.told = server.communicate(timeout=30)
+        assert server.returncode == 0
 
 
 def test_the_last_port_when_taken_is_refused_and_does_not_hang(capsys) -> None:
@@ -180,9 +187,8 @@ def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_o
         for tab in (again, other):
             tab.until(lambda tab=tab: any("stopped" in note for note in tab.notes), "the last word")
             tab.close()
-    assert server.stdout is not None and "http" not in server.stdout.read() and server.stderr is not None
-    told = server.stderr.read()
-    assert word not in told + url
+    printed, told = server.told
+    assert "http" not in printed and word not in told + url
     said = [(line.get("worker", 0), line["what"]) for line in map(json.loads, told.splitlines())]
     assert (0, f"serving {url}") in said and {(1, "stopped"), (2, "stopped")} < set(said)
     assert any(worker == 0 and f"worker {home + 1} has ended" in what for worker, what in said)
@@ -193,9 +199,8 @@ def test_the_log_is_lines_of_json_on_stderr_and_in_the_data_folder(tmp_path: Pat
     kept = tmp_path / "kept"
     with started("--port", "0", "--log-json", "--data-dir", str(kept)) as (server, url):
         pass
-    assert server.stderr is not None
-    told, written = server.stderr.read(), (kept / "observer-lab.log").read_text(encoding="utf-8")
-    assert told == written
+    written = (kept / "observer-lab.log").read_text(encoding="utf-8")
+    assert server.told[1] == written
     records = [json.loads(line) for line in written.splitlines()]
     assert [record["what"] for record in records] == [f"serving {url}", "stopped"]
     assert all(set(record) == {"time", "level", "where", "what"} and record["level"] == "info" for record in records)
