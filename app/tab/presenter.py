@@ -51,6 +51,7 @@ class Presenter:
         self._drafts = Drafts()
         self._pinning = Pinning(self._drafts, self.lessons)
         self._unsaid: list[tuple[Text, bool]] = []  # sentences that wait for the page
+        self._torn = False  # whether laying the page out has failed half-way
         self._shown: Picture | None = None
 
     @property
@@ -135,7 +136,9 @@ class Presenter:
             self.open_lesson(design.lesson)
 
     def _lay_out(self, picture: Picture) -> None:
+        self._torn = True
         self.view.build(picture)
+        self._torn = False
         self.view.show(picture)
         self.view.pose(self.state.t)
         self.remember()
@@ -220,10 +223,10 @@ class Presenter:
             self.remember()
 
     def redraw(self) -> None:
-        """Show the last good picture with the present state."""
+        """Show the last good picture with the present state, on a page that is whole."""
         if self._shown is not None:
             self._shown = self._again()
-            self.view.show(self._shown)
+            (self._lay_out if self._torn else self.view.show)(self._shown)
 
     def rest(self) -> None:
         """The knobs rest: the final picture, and what a reload should bring back."""

@@ -18,6 +18,7 @@ import websockets.asyncio.server
 from viser import _assignable_props_api, _messages, infra
 
 from . import page, phrases
+from .bell import Bell
 from .handshake import LARGEST, Page, Reception, guarded
 from .kept import kept
 from .moves import Frame, wire
@@ -102,6 +103,7 @@ def may_leave(client: viser.ClientHandle) -> None:
     avoid that: a browser goes without asking, and its answer is written on another thread.
     """
     buffer = client._websock_connection.get_message_buffer()
+    buffer.message_event.__class__ = Bell  # the tab's own thread rings it
     push, buffer._warned_push_after_done = buffer.push, True
 
     def push_to_who_is_there(message: _messages.Message) -> None:

@@ -21,6 +21,7 @@ from tab import FLAGS, Tab
 
 ROOT = Path(__file__).parents[2]
 ARTEFACTS = ROOT / "artefacts"
+WIDE = 800  # px from which on a window is laid out as a wide one
 START = 60.0  # s until a server must have printed its address
 PASSED = pytest.StashKey[bool]()
 LOGS: list[IO[bytes]] = []  # of the servers that run
@@ -98,21 +99,47 @@ def blank(browser: Browser) -> Iterator[Page]:
     page.close()
 
 
-@pytest.fixture
-def new_tab(browser: Browser, server: str) -> Iterator[Callable[..., Tab]]:
-    """Opens tabs that share nothing, each with a window of its own size; closes them and checks that none complained."""
+@pytest.fixture(scope="session")
+def spare(browser: Browser, server: str) -> Iterator[list[Tab]]:
+    """A tab that a test has left well, for the next one: to load the page costs as much as most tests."""
     tabs: list[Tab] = []
-
-    def opened(width: int = 900, height: int = 560, motion: bool = False) -> Tab:
-        """Without `motion` the browser asks pages for calm, and a lesson that opens stands still."""
-        context = browser.new_context(viewport={"width": width, "height": height},
-                                      reduced_motion="no-preference" if motion else "reduce")
-        tabs.append(Tab(context.new_page(), server, drawn=False))
-        return tabs[-1]
-    yield opened
-    complaints = [line for tab in tabs for line in tab.complaints]
+    yield tabs
     for tab in tabs:
         tab.page.context.close()
+
+
+@pytest.fixture
+def new_tab(browser: Browser, server: str, spare: list[Tab], request: pytest.FixtureRequest) -> Iterator[Callable[..., Tab]]:
+    """Opens tabs that share nothing, each with a window of its own size; closes them and checks that none complained."""
+    tabs: list[Tab] = []
+    lent: list[Tab] = []
+
+    def opened(width: int = 900, height: int = 560, motion: bool = False, own: bool = False) -> Tab:
+        """Without `motion` the browser asks pages for calm, and a lesson that opens stands still.
+
+        A wide one may be a tab that has forgotten all it was told before; `own` where a test looks at how the page is loaded, or
+        hangs something of its own into it.
+        """
+        lends = not motion and not own and width >= WIDE
+        if lends and spare:
+            tab = spare.pop()
+            tab.begin_anew(width, height)
+        else:
+            context = browser.new_context(viewport={"width": width, "height": height},
+                                          reduced_motion="no-preference" if motion else "reduce")
+            tab = Tab(context.new_page(), server, drawn=False)
+        tabs.append(tab)
+        if lends:
+            lent.append(tab)
+        return tab
+    yield opened
+    complaints = [line for tab in tabs for line in tab.complaints]
+    well = not complaints and request.node.stash.get(PASSED, False)
+    for tab in tabs:
+        if well and tab in lent and not spare:
+            spare.append(tab)
+        else:
+            tab.page.context.close()
     assert not complaints, f"the browser's console: {complaints}"
 
 

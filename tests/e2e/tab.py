@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 
 from playwright.sync_api import Error, Locator, Page
 
+from lessons import LESSONS, OPENING
+
 FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync",
          "--enable-unsafe-swiftshader"]
@@ -64,6 +66,12 @@ UNDRAWN = """() => {  // the scene is built, moved and picked as ever, but its f
     pen[name] = function (...how) { if (window.observerLabDraws) draw.apply(this, how); };
   }
 }"""
+FORGET = """() => {
+  Object.assign(window.observerLabKeep, {lesson: '', hand: {}});
+  [...document.querySelectorAll('button')].find(button => button.textContent.startsWith('forget all')).click();
+}"""
+ON_BODY = "() => { document.body.tabIndex = -1; document.body.focus(); document.body.removeAttribute('tabindex'); }"
+ON_TOP = "() => document.querySelectorAll('[data-scrollarea-viewport]').forEach(view => { view.scrollTop = 0; })"
 MORE = re.compile("^(more|更多)( knobs|旋钮)?$")
 HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
@@ -112,6 +120,24 @@ class Tab:
         self.page.goto(self.address)
         self.settle()
         self.close_any_notices()
+
+    def begin_anew(self, width: int, height: int) -> None:
+        """Make the page as it was when it was opened, without loading it: the lab forgets all, as its own button does."""
+        self.page.set_viewport_size({"width": width, "height": height})
+        for _ in range(self.page.locator(".mantine-Modal-content").count()):
+            self.page.keyboard.press("Escape")
+        eventually(lambda: self.page.locator(".mantine-Modal-content").count(), lambda n: n == 0, "dialogs closed")
+        if self.button("English").count():
+            self.press("English")
+        words = LESSONS[OPENING].words["en"]
+        self.choose_lesson(words.title, words.question)
+        self.page.evaluate(FORGET)
+        eventually(self.page.locator(".ol-option:enabled").count, lambda n: n >= len(words.options), "a lesson that waits for a prediction")
+        self.page.evaluate(ON_BODY)
+        self.key("1")
+        self.settle()
+        self.close_any_notices()
+        self.page.evaluate(ON_TOP)
 
     def settle(self) -> None:
         """Wait until the question and at least one figure are there and all is answered and at rest."""

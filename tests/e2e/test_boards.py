@@ -82,7 +82,7 @@ def test_the_camera_stays_above_the_floor_and_a_button_brings_it_back(new_tab: C
 
 
 def test_the_discs_swell_once_when_a_pointer_comes(new_tab: Callable[..., Tab]) -> None:
-    tab = new_tab(1280, 760)
+    tab = new_tab(1280, 760, own=True)
     tab.predict("skip")
     assert tab.page.evaluate("window.observerLabPulse") == "waits"
     tab.page.mouse.move(*on_screen(tab, "/board/observer/pole0"))

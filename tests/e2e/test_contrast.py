@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from playwright.sync_api import Page
 from tab import Tab
 
 from lessons import LESSONS
@@ -68,8 +69,8 @@ def test_words_stand_out_from_their_ground(walking: Tab, name: str, size: tuple[
         walking.press(off)
 
 
-def test_the_judge_of_contrast_knows_pale_from_dark(tab: Tab) -> None:
-    tab.page.evaluate("""() => { document.body.innerHTML = '<p style="color:#767676">dark enough</p><p style="color:#777">pale</p>'
+def test_the_judge_of_contrast_knows_pale_from_dark(blank: Page) -> None:
+    blank.evaluate("""() => { document.body.innerHTML = '<p style="color:#767676">dark enough</p><p style="color:#777">pale</p>'
       + '<p style="opacity:.5">faded</p><svg><text y="20" fill="#D55E00">orange</text></svg>'; }""")
-    pale: dict[str, Any] = tab.page.evaluate(PALE, LEAST)
+    pale: dict[str, Any] = blank.evaluate(PALE, LEAST)
     assert sorted(key.split(" | ")[0] for key in pale) == ["faded", "orange", "pale"]

@@ -51,7 +51,7 @@ def test_a_number_out_of_bounds_costs_one_sentence_and_nothing_else(tab: Tab) ->
 
 
 def test_a_slow_machine_draws_the_scene_coarser_while_it_moves_and_sharp_at_rest(new_tab: Callable[..., Tab]) -> None:
-    tab = new_tab(1200, 800)
+    tab = new_tab(1200, 800, own=True)
     tab.predict("skip")
     tab.key("0")
     tab.drawn()
@@ -68,8 +68,9 @@ def test_a_slow_machine_draws_the_scene_coarser_while_it_moves_and_sharp_at_rest
                "fewer pixels while it plays, all of them when the run has ended")
 
 
-def test_the_page_plays_a_run_by_itself(tab: Tab) -> None:
+def test_the_page_plays_a_run_by_itself(new_tab: Callable[..., Tab]) -> None:
     """The stage and the clock move by poses that came ahead of their time; where the run is stopped, all stand at one moment."""
+    tab = new_tab(own=True)
     tab.page.evaluate("""() => {
         const page = window.__viserMutable, seen = page.scene.onAfterRender;
         window.stood = new Set();
@@ -93,8 +94,9 @@ def test_without_a_graphics_card_the_scene_is_drawn_without_multisampling(tab: T
     assert not tab.page.evaluate("window.__viserMutable.backgroundMaterial.visible"), "no picture behind, nothing drawn"
 
 
-def test_an_answer_costs_one_frame_of_the_scene(tab: Tab) -> None:
+def test_an_answer_costs_one_frame_of_the_scene(new_tab: Callable[..., Tab]) -> None:
     """viser alone draws two: one for what moved, one for what React changed after that."""
+    tab = new_tab(own=True)
     tab.predict("skip")
     tab.press("‖ pause")
     tab.answered(rests=True)

@@ -19,6 +19,7 @@ from app.tab.commands import (
     Refuse,
     Seek,
     SetKnobs,
+    SetLanguage,
     ShowHint,
     ShowSolution,
     ToggleHelp,
@@ -28,6 +29,7 @@ from app.tab.commands import (
 from app.tab.examined import AnotherVariant, AnswerExam
 from app.tab.history import MERGE
 from app.tab.mailbox import Mailbox
+from app.tab.picture import Picture
 from app.tab.watch import TooLong
 from app.tab.worker import work
 from app.text import Text, text
@@ -211,3 +213,23 @@ def test_a_beginning_that_fails_is_tried_again_until_the_tab_leaves(monkeypatch:
         raise MemoryError
     work(left, never, step, lambda: None)
     assert len(tries) == 4
+
+
+def test_a_page_that_was_laid_out_by_half_is_laid_out_again() -> None:
+    """Whatever fails while a page is laid out for another language, the next thing that is shown is a whole page in it."""
+    tab = Tab()
+    build, failures = tab.view.build, [RuntimeError("half-way")]
+
+    def fails_once(picture: Picture) -> None:
+        build(picture)
+        if failures:
+            raise failures.pop()
+    tab.view.build = fails_once  # type: ignore[method-assign]
+    tab.view.clear()
+    tab.do(SetLanguage("zh"))
+    names = [name for name, _ in tab.view.calls]
+    assert names.count("build") == 2 and "show" in names[names.index("build"):]
+    assert names[-1] != "build" and tab.picture.state.language == "zh"
+    tab.view.clear()
+    tab.do(SetKnobs({"gain": GOOD}))
+    assert "build" not in [name for name, _ in tab.view.calls]
