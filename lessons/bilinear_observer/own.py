@@ -46,7 +46,7 @@ def _metrics(design: Design, s: Story) -> dict[str, float]:
     size = np.where(size > 0, size, 1.0)
     worst, count = np.max(np.abs(run.errors[:, index]) / size, axis=1), len(run.t)
     settled = settle_time(run.t, worst)
-    found = {"case": float(o.case), "order": float(o.order), "defect": o.defect_size, "slowest": float(s.poles.real.max()),
+    found = {"case": float(o.case), "order": float(o.order), "defect": o.defect_size, "slowest": float(np.max(np.real(s.poles))),
              "law_gap": float(min(run.gap, 1e15)), "first_error": float(worst[0]),
              "late_error": float(np.max(worst[-max(count // 10, 1):])), "half_error": float(np.max(worst[count // 2:])),
              "settled_after": 2 * s.here.horizon if settled is None else settled}

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..design.placement import place
 from ..structure.canonise import Canonisation, canonise, canonise_right, singular_values
@@ -83,13 +84,14 @@ def _rescaled(c: Canonisation, M: np.ndarray, rows: np.ndarray, columns: np.ndar
 
 
 def _units(plant: BilinearPlant, K: np.ndarray) -> _Units:
-    def two(size: np.ndarray) -> np.ndarray:
-        return 2.0 ** np.round(np.log2(np.where(size > 0, size, 1.0)))
+    def two(size: ArrayLike) -> np.ndarray:
+        sizes = np.asarray(size, dtype=float)
+        return 2.0 ** np.round(np.log2(np.where(sizes > 0, sizes, 1.0)))
     D = two(natural_scale(plant.A, plant.B, plant.C))
     A, F = (np.linalg.norm(M * D / D[:, None], 2) for M in (plant.A, plant.F))
     rate = float(two(A if A > 0 else F))
     return _Units(D, two(np.linalg.norm(plant.C * D, axis=1)), two(np.linalg.norm(K * D, axis=1)), rate,
-                  float(two(rate / F if F > 0 else np.float64(1.0))))
+                  float(two(rate / F if F > 0 else 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
