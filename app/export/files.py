@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -53,7 +53,7 @@ class Taken:
 
     lesson: Lesson
     outcome: Outcome
-    figures: tuple[Figure, ...]
+    figures: Sequence[Figure]
     token: str
     language: str = "en"
 

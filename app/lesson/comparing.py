@@ -61,7 +61,7 @@ class Pinned:
     pin: Pin
     place: int
     outcome: Outcome
-    figures: tuple[Figure, ...]
+    figures: Sequence[Figure]
 
     @property
     def name(self) -> Text:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from types import MappingProxyType
@@ -23,6 +23,7 @@ from .design import Design as Design
 from .exam import Exam
 from .figures import Figure
 from .knobs import Knob, KnobError, Poles
+from .later import Later
 from .typed import Typed
 from .whose import whose
 
@@ -113,19 +114,31 @@ class Formula:
 
 @dataclass(frozen=True, eq=False)
 class Outcome(Generic[S]):
-    """What a design leads to. `live` says in one sentence what is seen now; `study` is the lesson's own record."""
+    """What a design leads to. `live` says in one sentence what is seen now; `study` is the lesson's own record.
+
+    What nobody looks at while a knob moves, numbers, checks, formulas and that sentence, may be made `later`.
+    """
 
     design: Design
     gains: Mapping[str, np.ndarray] = field(default_factory=dict)
     poles: Mapping[str, np.ndarray] = field(default_factory=dict)
     metrics: Mapping[str, float] = field(default_factory=dict)
-    checks: tuple[Check, ...] = ()
+    checks: Sequence[Check] = ()
     run: Run | None = None
     boards: tuple[Board, ...] = ()
     stage: Stage | None = None
-    formulas: tuple[Formula, ...] = ()
-    live: Text = NO_WORDS
+    formulas: Sequence[Formula] = ()
+    words: Text | Later[Text] = NO_WORDS
     study: S = NO_STUDY
+
+    @property
+    def live(self) -> Text:
+        """What is seen now, in one sentence."""
+        return self.words.value if isinstance(self.words, Later) else self.words
+
+    def complete(self) -> None:
+        """Make what was left for later. Raises what the lesson raises."""
+        _ = self.live, *map(len, (self.gains, self.poles, self.metrics, self.checks, self.formulas))
 
 
 @dataclass(frozen=True)
@@ -195,8 +208,9 @@ class Job(Generic[S, R]):
 class Lesson(Generic[S]):
     """One lesson: data and pure functions; its words are in `en.md` beside it.
 
-    `compute` is the draft: pure and within 20 ms. `job` is the longer, cancellable final tier. `pick` turns a click
-    on the lesson's map into changed knob values. `adapt(lesson, model)` makes the lesson for a person's own plant;
+    `compute` is the draft: pure and within 20 ms, its `figures` a `Sheaf` where those of hidden tabs cost much. `job` is the
+    longer, cancellable final tier. `pick` turns a click on the lesson's map into changed knob values.
+    `adapt(lesson, model)` makes the lesson for a person's own plant;
     `origin` is the lesson that it was made from. `answer` is the index of the right prediction, `answering` the id of
     the figure that shows why. `aside` names the knobs that are turned rarely: the page keeps them behind "more". `key` names
     those that a hall needs, at most KEYS of which matter at once: in large print all others are behind "more knobs".
@@ -208,7 +222,7 @@ class Lesson(Generic[S]):
     number: int
     knobs: tuple[Knob, ...]
     compute: Callable[[Design], Outcome[S]]
-    figures: Callable[[Outcome[S]], tuple[Figure, ...]]
+    figures: Callable[[Outcome[S]], Sequence[Figure]]
     answer: int
     tasks: tuple[Task[S], ...]
     exams: tuple[Exam, ...]

@@ -29,6 +29,7 @@ Chunk = tuple[dict[str, str], list[Row]]  # by which programs, and what
 def outcome_of(lesson: Lesson, design: Design, final: bool) -> Outcome:
     """What a design leads to; the lesson's long computation too if `final`. Raises what the lesson raises."""
     outcome = lesson.compute(design)
+    outcome.complete()
     if final and lesson.job is not None:
         for _, better in lesson.job.outcomes(outcome):
             outcome = better

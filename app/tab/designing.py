@@ -44,8 +44,11 @@ def obey(show: Presenter, command: Designing) -> None:
             assert_never(command)
 
 
-def set_knobs(show: Presenter, edits: list[SetKnobs]) -> None:
-    """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it."""
+def set_knobs(show: Presenter, edits: list[SetKnobs], moving: bool = False) -> None:
+    """Change knobs: validate, compute once, show, remember. A refused edit does not take a good one with it.
+
+    While a knob is `moving`, what is looked at is shown first, and the rest is left to `Presenter.complete`.
+    """
     design, keys, refused, grip = show.design, set[str](), None, None
     for edit in edits:
         try:
@@ -58,7 +61,7 @@ def set_knobs(show: Presenter, edits: list[SetKnobs]) -> None:
         asked, again = show.picture.asks_again, show.lesson.again
         if again is not None and show.state.predicted is not None and not keys.isdisjoint(again.knobs):
             show.state = replace(show.state, asked=True)
-        show.adopt(design, (frozenset(keys), grip), grip is not None)
+        show.adopt(design, (frozenset(keys), grip), grip is not None, moving)
         if show.picture.asks_again and not asked:
             show.view.say(ASKS_AGAIN, False)
             show.change(replace(show.state, playing=False, loop=None, stopped=False, t=0.0))  # the stage would answer

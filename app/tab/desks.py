@@ -5,12 +5,26 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping
 
+from ..engine import EngineError
 from ..lesson.course import Progress
+from ..lesson.knobs import KnobError
 from ..lesson.lesson import Design, Lesson
+from ..text import Text, told
 from .desk import Desk
 from .history import History
 from .memory import how_far, read_desk
 from .picture import State, far
+
+
+def first_of(lesson: Lesson, plant: str, say: Callable[[Text, bool], None]) -> Lesson:
+    """The lesson as it opens first in a tab: the plant that was shown comes along where it fits, else a sentence is said."""
+    if not plant or lesson.adapt is None:
+        return lesson
+    try:
+        return lesson.fit(plant)
+    except (EngineError, KnobError) as problem:
+        say(told(problem), False)
+        return lesson
 
 
 class Desks:

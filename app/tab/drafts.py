@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Iterator
+from collections.abc import Callable, Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from ..lesson.figures import Figure
+from ..lesson.later import Sheaf, completed
 from ..lesson.lesson import Design, Lesson, Outcome
 
 KEPT = 32  # designs whose drafts are remembered, and results of jobs
 SLICE = 0.015  # s of a long job between two looks at the mailbox
 
-Drawn = tuple[Outcome, tuple[Figure, ...]]
+Drawn = tuple[Outcome, Sequence[Figure]]
 Key = tuple[str, str, Hashable]  # lesson, plant, what of a design the result of a job rests on
 K = TypeVar("K")
 V = TypeVar("V")
@@ -38,9 +39,10 @@ class Drafts:
         self._found: OrderedDict[Key, Any] = OrderedDict()
         self._through: OrderedDict[Key, bool] = OrderedDict()
 
-    def draw(self, lesson: Lesson, design: Design, rough: bool = False) -> Drawn:
+    def draw(self, lesson: Lesson, design: Design, rough: bool = False, whole: bool = True) -> Drawn:
         """The draft of a design with what a job has found for its key, or with a `rough` result where there is one and nothing found.
 
+        What may come later is made now where `whole` is asked for.
         Raises what the lesson raises.
         """
         known, found = self._known.get(design), self._found.get(_key(lesson, design))
@@ -50,12 +52,12 @@ class Drafts:
             drawn = self._draft(lesson, computed, found if coarse is None else coarse(computed)).drawn
             known = Draft(computed, found, drawn)
         _put(self._known, design, known)
-        return known.drawn
+        return _whole(known.drawn) if whole else known.drawn
 
     def draw_found(self, lesson: Lesson, design: Design, found: Any) -> Drawn:
         """The draft of a design with what its job has found just now. Raises what the lesson raises."""
         known = self._known.get(design)
-        return self._draft(lesson, lesson.compute(design) if known is None else known.computed, found).drawn
+        return _whole(self._draft(lesson, lesson.compute(design) if known is None else known.computed, found).drawn)
 
     def keep_found(self, lesson: Lesson, design: Design, found: Any) -> None:
         """Remember what a job has found for this design and all others of its key."""
@@ -72,7 +74,15 @@ class Drafts:
 
     def _draft(self, lesson: Lesson, computed: Outcome, found: Any) -> Draft:
         outcome = computed if found is None or lesson.job is None else lesson.job.shown(computed, found)
-        return Draft(computed, found, (outcome, tuple(lesson.figures(outcome))))
+        figures = lesson.figures(outcome)
+        return Draft(computed, found, (outcome, figures if isinstance(figures, Sheaf) else tuple(figures)))
+
+
+def _whole(drawn: Drawn) -> Drawn:
+    outcome, figures = drawn
+    completed(figures, lambda: True)
+    outcome.complete()
+    return drawn
 
 
 def _key(lesson: Lesson, design: Design) -> Key:

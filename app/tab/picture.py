@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Protocol
@@ -11,6 +11,7 @@ from typing import Protocol
 from ..lesson.comparing import Ghost, Pin, Pinned, boards_with_pins, ghosts, side_by_side, with_pins
 from ..lesson.course import Progress
 from ..lesson.figures import Figure, TableFigure
+from ..lesson.later import Sheaf
 from ..lesson.lesson import Board, Design, Lesson, Outcome, Verdict
 from ..lesson.living import Part, over
 from ..text import Text
@@ -125,13 +126,14 @@ class Picture:
     """All that a view shows: `resting` is False while a knob moves, `answered` the number of the last edit that went in,
     `steps` the designs that undo and redo walk along, `at` where they stand.
 
-    `figures` and the outcome's boards are the lesson's own; `seen` and `boards` have the pinned designs laid in.
+    `figures` and the outcome's boards are the lesson's own; `seen` and `boards` have the pinned designs laid in. One that is not
+    `whole` shows what is looked at, the open tab's figures, boards and stage, while a knob moves; the rest follows.
     """
 
     lesson: Lesson
     design: Design
     outcome: Outcome
-    figures: tuple[Figure, ...]
+    figures: Sequence[Figure]
     state: State
     resting: bool
     catalogue: tuple[Lesson, ...] = ()
@@ -139,11 +141,15 @@ class Picture:
     pinned: tuple[Pinned, ...] = ()
     steps: tuple[Design, ...] = ()
     at: int = 0
+    whole: bool = True
 
     @cached_property
-    def seen(self) -> tuple[Figure, ...]:
+    def seen(self) -> Sequence[Figure]:
         """The figures as they are shown, with the curves of the pins."""
-        return with_pins(self.figures, self.pinned) if self.pinned else self.figures
+        figures = self.figures
+        if not self.whole and isinstance(figures, Sheaf):
+            figures = figures.front(self.state.tab)
+        return with_pins(figures, self.pinned) if self.pinned else figures
 
     @cached_property
     def boards(self) -> tuple[Board, ...]:

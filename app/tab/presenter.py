@@ -9,24 +9,20 @@ import logging
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 
-from ..engine import EngineError
-from ..lesson.knobs import KnobError
+from ..lesson.later import Sheaf, completed
 from ..lesson.lesson import Design, Lesson
-from ..text import Text, text, told
+from ..text import Text
 from .desk import Desk
-from .desks import Desks
+from .desks import Desks, first_of
 from .drafts import Drafts, Drawn, LongJob
 from .memory import write_desk, write_memory
 from .picture import Picture, State, View
 from .pinning import Pinning
 from .state import Saved
 from .token import write_token
-from .unexpected import kind_of
+from .unexpected import refusal
 
 log = logging.getLogger(__name__)
-
-NOT_DONE = text("That could not be done ({kind}); everything stays as it was.")
-BROKEN = text("The lesson could not compute this design ({kind}); the last good picture stays. Undo or change a knob.")
 
 
 class Presenter:
@@ -53,6 +49,7 @@ class Presenter:
         self._unsaid: list[tuple[Text, bool]] = []  # sentences that wait for the page
         self._torn = False  # whether laying the page out has failed half-way
         self._shown: Picture | None = None
+        self.unfinished: tuple[tuple[tuple[Design, ...], int], Picture | None] | None = None  # the last whole picture, and its history
 
     @property
     def shown(self) -> Picture | None:
@@ -73,7 +70,7 @@ class Presenter:
     @property
     def desk(self) -> Desk:
         """What belongs to the present lesson."""
-        return self.desks.of(self.lesson.id, lambda: self._first().start())
+        return self.desks.of(self.lesson.id, lambda: first_of(self.lessons[self.lesson.id], self._plant, self.view.say).start())
 
     @property
     def estimates(self) -> bool:
@@ -143,17 +140,10 @@ class Presenter:
         self.view.pose(self.state.t)
         self.remember()
 
-    def _first(self) -> Lesson:
-        """The lesson as it opens first in this tab: the plant that was shown comes along where it fits."""
-        lesson = self.lessons[self.lesson.id]
-        plant = self.state.plant if self._shown is None else self._shown.design.plant
-        if not plant or lesson.adapt is None:
-            return lesson
-        try:
-            return lesson.fit(plant)
-        except (EngineError, KnobError) as problem:
-            self.view.say(told(problem), False)
-            return lesson
+    @property
+    def _plant(self) -> str:
+        """The plant that is shown, or was brought last."""
+        return self.state.plant if self._shown is None else self._shown.design.plant
 
     def _lesson_for(self, design: Design) -> Lesson:
         """The lesson built for the plant that a design brings."""
@@ -162,15 +152,15 @@ class Presenter:
         return self.lessons[design.lesson].fit(design.plant)
 
     # --- designs ---------------------------------------------------------------------------------------------------
-    def adopt(self, design: Design, key: Hashable = None, held: bool = False) -> None:
-        """Make a design the present one; whatever fails on the way, the last good one stays."""
+    def adopt(self, design: Design, key: Hashable = None, held: bool = False, moving: bool = False) -> None:
+        """Make a design the present one; whatever fails on the way, the last good one stays. While it is `moving` the rest comes later."""
         history = self.desk.history
         if design == history.design and self._shown is not None and design == self._shown.design:
             self.redraw()
             return
         before = history.save()
         history.push(design, key, self.clock(), held)
-        self._draw_present(before)
+        self._draw_present(before, moving)
 
     def walk(self, step: int) -> bool:
         """So many steps of redo, or of undo where negative; False where there are not so many."""
@@ -181,16 +171,16 @@ class Presenter:
         self._draw_present(before)
         return True
 
-    def _draw_present(self, before: tuple[tuple[Design, ...], int]) -> None:
+    def _draw_present(self, before: tuple[tuple[Design, ...], int], moving: bool = False) -> None:
         """Show the history's present design; if that fails, go back to where the history stood `before`."""
         history, picture, resting, state, lesson = self.desk.history, self._shown, self.resting, self.state, self.lesson
         try:
             self.lesson = self._lesson_for(history.design)
-            drawn = self._draw(history.design)
+            drawn = self._draw(history.design, whole=not moving)
             horizon = float(drawn[0].stage.t[-1]) if drawn[0].stage is not None else 0.0
             self.state = replace(self.state, t=min(self.state.t, horizon))
             self.resting = False
-            self._shown = self._make(history.design, drawn)
+            self._shown = self._make(history.design, drawn, whole=not moving)
             if self.lesson is not lesson:  # other knobs, other figures
                 self.view.build(self._shown)
             self.view.show(self._shown)
@@ -202,12 +192,29 @@ class Presenter:
             if rebuilt and picture is not None:
                 self.view.build(picture)
             raise
+        self.unfinished = None if self._shown.whole else self.unfinished or (before, picture)
         if self.job.running:
             self.drop_job()
         self.last_edit = self.clock()
 
-    def _draw(self, design: Design) -> Drawn:
-        return self._drafts.draw(self.lesson, design, rough=self.desk.follows)
+    def complete(self, undisturbed: Callable[[], bool] = lambda: True) -> None:
+        """Make and show what a picture under a moving knob lacks, unless disturbed; if that fails, go back to the last whole one."""
+        if self.unfinished is None:
+            return
+        (before, good), picture = self.unfinished, self.picture
+        try:
+            if not completed(picture.figures, undisturbed):
+                return
+            picture.outcome.complete()
+            self._shown, self.unfinished = replace(picture, whole=True), None
+            self.view.show(self._shown)
+        except BaseException:
+            self.desk.history.restore(before)
+            self._shown, self.unfinished = good, None
+            raise
+
+    def _draw(self, design: Design, whole: bool = True) -> Drawn:
+        return self._drafts.draw(self.lesson, design, self.desk.follows, whole)
 
     # --- pictures --------------------------------------------------------------------------------------------------
     def change(self, state: State) -> None:
@@ -230,17 +237,14 @@ class Presenter:
 
     def rest(self) -> None:
         """The knobs rest: the final picture, and what a reload should bring back."""
+        self.complete()
         self.resting = True
         self.redraw()
         self.remember()
 
     def refuse(self, problem: BaseException, command: bool = False) -> None:
         """Say in one sentence why something was not done, and show the last good picture again."""
-        if isinstance(problem, (EngineError, KnobError)):
-            said = told(problem)
-        else:
-            said = (NOT_DONE if command else BROKEN).format(kind=kind_of(problem))
-        self.view.say(said, True)
+        self.view.say(refusal(problem, command), True)
         self.resting = True
         self.redraw()
 
@@ -274,13 +278,13 @@ class Presenter:
         self.view.progress(None, None)
 
     def _again(self) -> Picture:
-        return self._make(self.picture.design, (self.picture.outcome, self.picture.figures))
+        return self._make(self.picture.design, (self.picture.outcome, self.picture.figures), whole=self.unfinished is None)
 
-    def _make(self, design: Design, drawn: Drawn) -> Picture:
+    def _make(self, design: Design, drawn: Drawn, whole: bool = True) -> Picture:
         history = self.desk.history
         self.state = replace(self.state, can_undo=history.can_undo, can_redo=history.can_redo)
         return Picture(self.lesson, design, *drawn, self.state, self.resting, tuple(self.lessons.values()), self.answered,
-                       self._pinning.drawn(self.state.pins), *history.save())
+                       self._pinning.drawn(self.state.pins), *history.save(), whole or not isinstance(drawn[1], Sheaf))
 
     def remember(self) -> None:
         """Keep in the browser's tab what a reload should bring back, once it is known what is kept there already."""

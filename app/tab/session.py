@@ -112,15 +112,17 @@ class Session:
             self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched, Placed, Made))
             try:
                 if isinstance(edits, list):
-                    designing.set_knobs(self._show, edits)
+                    designing.set_knobs(self._show, edits, moving=True)
                     playing.under_the_hand(self._show)
                 else:
+                    self._show.complete()
                     self._obey(edits)
             except (KnobError, EngineError) as problem:
                 self._show.refuse(problem)
             except BaseException as problem:  # a lesson that asks the process to exit is a lesson that failed
                 log.exception("%s failed", "a change of knobs" if isinstance(edits, list) else type(edits).__name__)
                 self._show.refuse(problem, command=not isinstance(edits, list))
+        self._complete()
         now = self._show.clock()
         if not self._show.resting and now - self._show.last_edit >= REST:
             self._show.rest()
@@ -128,6 +130,16 @@ class Session:
         self._recall.go_on(now)
         studying.go_on(self._show, self._mailbox.empty)
         playing.tick(self._show, now)
+
+    def _complete(self) -> None:
+        """What hidden tabs show of the last draft, unless the hand goes on."""
+        try:
+            self._show.complete(self._mailbox.empty)
+        except (KnobError, EngineError) as problem:
+            self._show.refuse(problem)
+        except BaseException as problem:
+            log.exception("the figures of hidden tabs failed")
+            self._show.refuse(problem)
 
     def _obey(self, command: Command) -> None:
         """Hand a command to the room that knows it."""
@@ -188,7 +200,7 @@ class Session:
 
     def _wait(self) -> float | None:
         """Seconds until something is due without an edit, None if nothing is."""
-        if self._show.job.running:
+        if self._show.job.running or self._show.unfinished is not None:
             return 0.0
         now = self._show.clock()
         frame = playing.wait_for_frame(self._show, now)

@@ -11,10 +11,10 @@ from ..lesson.figures import tabs
 from ..lesson.knobs import KnobError
 from ..text import joined, told
 from .commands import OpenState, Placed, SaveState, Sharing, ToggleTake
-from .presenter import NOT_DONE, Presenter
+from .presenter import Presenter
 from .state import NO_STATE, Saved, read_state, write_state
 from .token import is_token, read_token, write_token
-from .unexpected import kind_of
+from .unexpected import NOT_DONE, kind_of
 
 log = logging.getLogger(__name__)
 

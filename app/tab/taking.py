@@ -12,9 +12,9 @@ from .errands import Errands
 from .orders import Made, TakeFile, Taking
 from .picture import Picture
 from .playing import locked
-from .presenter import NOT_DONE, Presenter
+from .presenter import Presenter
 from .token import write_token
-from .unexpected import kind_of
+from .unexpected import NOT_DONE, kind_of
 
 log = logging.getLogger(__name__)
 

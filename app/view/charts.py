@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -12,6 +12,7 @@ import viser
 
 from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_range, same_axis, same_key, thin
 from ..lesson.scales import decades
+from ..tab.picture import Picture
 from ..text import raised, wording
 from .prose import with_minus
 from .sizes import Sizes
@@ -57,6 +58,16 @@ def even(low: float, high: float, most: int) -> tuple[tuple[float, ...], tuple[s
     power = math.floor(math.log10(size) + 1e-9)
     tail = "·10" + raised(power)
     return tuple(at), tuple(f"{v / 10.0 ** power:.4g}{tail}".replace("-", "−") if v else "0" for v in at)
+
+
+def stale(picture: Picture, before: Picture | None) -> Sequence[Figure]:
+    """The figures that a screen which shows the picture `before` must draw anew."""
+    if before is None or before.outcome is not picture.outcome or before.pinned != picture.pinned or picture.resting > before.resting:
+        return picture.seen
+    if before.whole >= picture.whole:
+        return ()
+    drawn = {figure.id for figure in before.seen}
+    return [figure for figure in picture.seen if figure.id not in drawn]
 
 
 def what_is_shared(figure: Figure, under: Figure | None) -> str:

@@ -18,7 +18,7 @@ from ..text import Text
 from . import quirks
 from .boards import BoardView
 from .browser import Browser
-from .charts import Chart
+from .charts import Chart, stale
 from .columns import Columns
 from .course import Course
 from .help import Help
@@ -113,8 +113,7 @@ class Screen(Browser):
         """
         before, self._picture = self._picture, picture
         anew = before is None or before.outcome is not picture.outcome
-        stale = before is None or anew or before.pinned != picture.pinned or (picture.resting and not before.resting)
-        charts = [(self._charts[f.id], f, below(picture.seen, f)) for f in picture.seen if f.id in self._charts] if stale else []
+        charts = [(self._charts[f.id], f, below(picture.seen, f)) for f in stale(picture, before) if f.id in self._charts]
         with self._client.atomic():
             for chart, figure, under in charts:
                 chart.show_curves(figure, picture.resting, picture.horizon, under)

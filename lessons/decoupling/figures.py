@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 import numpy as np
@@ -12,7 +13,6 @@ from app.engine.design import polynomial_roots
 from app.lesson.figures import (
     FLOOR,
     Curve,
-    Figure,
     LineFigure,
     MapFigure,
     PlaneFigure,
@@ -20,6 +20,7 @@ from app.lesson.figures import (
     TableFigure,
     over_frequency,
 )
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y
@@ -27,7 +28,7 @@ from app.text import NO_WORDS, Text, joined, same, text, text_in
 
 from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels, lower_of
 from .margins import Margin, margins
-from .report import report_figures
+from .report import REPORT_TAB, report_figures
 from .study import Study
 
 SPECTRA_TAB, CHANNEL_TAB = text("Spectra"), text("Channels")
@@ -44,13 +45,16 @@ CONTROLLER_SWEEP = np.geomspace(1e-3, 1e3, 160)
 RE_LOW, RE_HIGH, IM_HIGH = -20.0, 5.0, 20.0
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> Sheaf:
     """Spectra, channels, controllers, time, forces, the report's levels: at most three in a tab."""
-    return (_spectrum(outcome, 0, "vertical", VERTICAL), _spectrum(outcome, 2, "horizontal", HORIZONTAL),
-            _spectrum(outcome, 1, "rotation", ROTATION), _dominance(outcome), _map(outcome), _mixing(outcome),
-            _magnitudes(outcome), _poles(outcome), _facts(outcome), _velocity(outcome, 0, "vertical", VERTICAL),
-            _velocity(outcome, 2, "horizontal", HORIZONTAL), _velocity(outcome, 1, "rotation", ROTATION),
-            _force_spectrum(outcome), _forces(outcome), *report_figures(outcome))
+    three = ((0, "vertical", VERTICAL), (2, "horizontal", HORIZONTAL), (1, "rotation", ROTATION))
+    return Sheaf(
+        leaf(SPECTRA_TAB, lambda: [_spectrum(outcome, *channel) for channel in three]),
+        leaf(CHANNEL_TAB, lambda: (_dominance(outcome),)), leaf(CHANNEL_TAB, lambda: (_map(outcome),), "always"),
+        leaf(CHANNEL_TAB, lambda: (_mixing(outcome),)),
+        leaf(LOOP_TAB, lambda: (_magnitudes(outcome), _poles(outcome), _facts(outcome))),
+        leaf(TIME_TAB, lambda: [_velocity(outcome, *channel) for channel in three]),
+        leaf(FORCE_TAB, lambda: (_force_spectrum(outcome), _forces(outcome))), leaf(REPORT_TAB, lambda: report_figures(outcome)))
 
 
 def _nano(density: np.ndarray) -> np.ndarray:
@@ -185,7 +189,7 @@ def _poles(outcome: Outcome[Study]) -> PlaneFigure:
 
 def _facts(outcome: Outcome[Study]) -> TableFigure:
     """What (26), (31) and (32) are, and what is in use."""
-    cv, ch = polynomial_roots(siso.CV_DENOMINATOR), polynomial_roots(siso.CH_DENOMINATOR)
+    cv, ch = printed_roots()
     built, design = outcome.study.controllers, outcome.design
     rows: list[tuple[Text | str, ...]] = [
         (text("C_v printed: poles"), ", ".join(_root(p) for p in cv)),
@@ -221,6 +225,12 @@ def _margins(outcome: Outcome[Study]) -> tuple[Margin | None, ...]:
 def _bears(margin: Margin) -> str:
     delay = "∞" if not np.isfinite(margin.delay) else f"{1e3 * margin.delay:.3g} ms" if margin.delay >= 1e-6 else "< 1 µs"
     return f"{delay}, {margin.nearest:.2f}" if margin.nearest >= 0.01 else f"{delay}, < 0.01"
+
+
+@lru_cache(maxsize=1)
+def printed_roots() -> tuple[np.ndarray, np.ndarray]:
+    """The roots of both printed denominators."""
+    return polynomial_roots(siso.CV_DENOMINATOR), polynomial_roots(siso.CH_DENOMINATOR)
 
 
 def _root(p: complex) -> str:

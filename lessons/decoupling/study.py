@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
 from app.engine.design import polynomial_roots
+from app.engine.structure import mixing_matrix
 from app.lesson.claims import claim
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants import platform
 from app.plants import platform_siso as siso
@@ -62,26 +65,43 @@ def compute(design: Design) -> Outcome[Study]:
     lower = lower_of(design)
     loop = close(built.whole, design["noise"], lower)
     right, drift = rightmost(loop, built.whole)
-    without = right
-    if design["pitch"]:
-        apart = siso.from_channels(built.vertical, None, built.horizontal, mixing=mix.S)
-        without = rightmost(close(apart, lower=lower), apart)[0]
     seen, run = spectra(loop, design), shaken(loop, design)
     down = suppression(seen)
-    metrics = {
-        "vertical": float(down[0]), "rotation": float(down[1]), "horizontal": float(down[2]), "rightmost": right,
-        "drift": max(drift, -1.0), "rightmost_pitch_open": without, "J": min(mix.J, 1e9), "J_plain": mix.best.plain_J,
+    known = {"vertical": float(down[0]), "rotation": float(down[1]), "horizontal": float(down[2]), "rightmost": right,
+             "drift": max(drift, -1.0)}
+    metrics = LaterMap(lambda: _metrics(known, design, mix, built), known)
+    zeros = zeros_of(mix.a, mix.b, lower)
+    own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
+    return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics,
+                   LaterItems(lambda: _checks(metrics, drift)), None,
+                   _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
+                   LaterItems(lambda: _formulas(mix, built)), Later(lambda: _live(metrics)), Study(mix, built, seen, run))
+
+
+@lru_cache(maxsize=32)
+def zeros_of(a: float, b: float, lower: float) -> np.ndarray:
+    """The zeros of the horizontal channel under a mixing."""
+    S = mixing_matrix(a, b, size=3, channels=(1, 2))
+    return polynomial_roots(siso.rigid_polynomials(HORIZONTAL, S, platform.Parameters(lower=lower))[0])
+
+
+def _metrics(known: Mapping[str, float], design: Design, mix: Mixed, built: Controllers) -> dict[str, float]:
+    without = known["rightmost"]
+    if design["pitch"]:
+        apart = siso.from_channels(built.vertical, None, built.horizontal, mixing=mix.S)
+        without = rightmost(close(apart, lower=lower_of(design)), apart)[0]
+    return {
+        **known, "rightmost_pitch_open": without, "J": min(mix.J, 1e9), "J_plain": mix.best.plain_J,
         "J_best": mix.best.J, "a": mix.a, "b": mix.b, "a_best": mix.best.a, "b_best": mix.best.b,
         "placement_residual": built.placed.residual if built.placed else 0.0,
     }
-    worst = max(right, drift)
-    checks = (Check("stable", text("every pole of the loop lies on the left"), worst < 0, worst),
-              Check("claim", text("closing pitch leaves the loop stable"), right < 0 or without >= 0, right))
-    zeros = polynomial_roots(siso.rigid_polynomials(HORIZONTAL, mix.S, platform.Parameters(lower=lower))[0])
-    own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
-    return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics, checks, None,
-                   _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
-                   _formulas(mix, built), _live(metrics), Study(mix, built, seen, run))
+
+
+def _checks(m: Mapping[str, float], drift: float) -> tuple[Check, ...]:
+    worst = max(m["rightmost"], drift)
+    return (Check("stable", text("every pole of the loop lies on the left"), worst < 0, worst),
+            Check("claim", text("closing pitch leaves the loop stable"), m["rightmost"] < 0 or m["rightmost_pitch_open"] >= 0,
+                  m["rightmost"]))
 
 
 def _boards(design: Design, zeros: np.ndarray) -> tuple[Board, Board]:

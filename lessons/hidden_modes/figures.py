@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 from itertools import accumulate
 
@@ -125,7 +126,7 @@ def margins_of(case: Case) -> TableFigure:
          text("from u")), tuple(rows), tab=MODES_TAB, caption=caption)
 
 
-def lights_of(checks: tuple[Check, ...]) -> TableFigure:
+def lights_of(checks: Sequence[Check]) -> TableFigure:
     """The checks as lights."""
     lit = sum(check.holds for check in checks)
     return TableFigure(

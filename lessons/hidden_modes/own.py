@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -162,7 +163,7 @@ def _parts(here: Setting, name: str, axis: str, title: Text, run: Run, values: n
                       text("The start holds nothing of the weakest mode."))
 
 
-def _modes(here: Setting, checks: tuple[Check, ...]) -> tuple[TableFigure, TableFigure, MatrixFigure]:
+def _modes(here: Setting, checks: Sequence[Check]) -> tuple[TableFigure, TableFigure, MatrixFigure]:
     table = margins_of(here.case)
     return replace(table, rows=table.rows[:MOST_ROWS]), lights_of(checks), blocks_of(here.case)
 

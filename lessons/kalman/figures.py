@@ -6,27 +6,33 @@ import numpy as np
 
 from app.engine import chi2_band, psd
 from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
+from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure, nice, over_frequency
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.text import Text, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
 from .filters import SKIP, STEPS
+from .identify import FIT_TAB, fit_figure
 from .knobs import CARRIED, DT, GAIN, JOSEPH, LINES, MEANS, NEAR_R, NONE, SHORT, SLIPS
 from .study import Study, expected
 
 STEP_TAB, GAIN_TAB, TEST_TAB = text("One step"), text("Gain"), text("Consistency")
-INNOVATION_TAB, SPECTRUM_TAB = text("Innovations"), text("Spectrum")
+INNOVATION_TAB, SPECTRUM_TAB, REPORT_TAB = text("Innovations"), text("Spectrum"), text("Report")
 STATES = (("x", "mm"), ("z", "mm"), ("θ", "mrad"), ("vx", "mm/s"), ("vz", "mm/s"), ("ω", "mrad/s"))
 TURN = np.linspace(0, 2 * np.pi, 61)
 CIRCLE = np.column_stack([np.cos(TURN), np.sin(TURN)])
 
 
-def all_figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Study]) -> Sheaf:
     """Everything on the right of the stage."""
-    return (_ellipses(outcome), _step(outcome), _height(outcome), _pitch(outcome), _gain(outcome), _distance(outcome), _forms(outcome),
-            _innovation(outcome), _correlation(outcome), _nis(outcome), _nees(outcome), _tests(outcome),
-            _tracking(outcome), _colour(outcome), report_figure(outcome))
+    return Sheaf(
+        leaf(STEP_TAB, lambda: (_ellipses(outcome), _step(outcome))), leaf(TIME_TAB, lambda: (_height(outcome), _pitch(outcome))),
+        leaf(GAIN_TAB, lambda: (_gain(outcome), _distance(outcome))), leaf(GAIN_TAB, lambda: (_forms(outcome),)),
+        leaf(INNOVATION_TAB, lambda: (_innovation(outcome), _correlation(outcome))),
+        leaf(TEST_TAB, lambda: (_nis(outcome), _nees(outcome))), leaf(TEST_TAB, lambda: (_tests(outcome),)),
+        leaf(SPECTRUM_TAB, lambda: (_tracking(outcome), _colour(outcome))), leaf(REPORT_TAB, lambda: (report_figure(outcome),)),
+        leaf(FIT_TAB, lambda: (fit_figure(outcome),)))
 
 
 def _time(outcome: Outcome[Study]) -> np.ndarray:
@@ -296,5 +302,4 @@ def report_figure(outcome: Outcome[Study]) -> TableFigure:
             text("This line goes against what the report advises.") if chosen == SHORT else
             text("This line is a slip.") if chosen in SLIPS else text("This line holds."))
     return TableFigure("report", text("lines of the report"),
-                       (text("line"), text_in("kalman", "printed"), text("this filter says")), rows, said,
-                       text("Report"))
+                       (text("line"), text_in("kalman", "printed"), text("this filter says")), rows, said, REPORT_TAB)

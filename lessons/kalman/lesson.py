@@ -6,8 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from app.lesson.again import Again
-from app.lesson.figures import Figure
-from app.lesson.lesson import Lesson, Outcome
+from app.lesson.lesson import Lesson
 from app.lesson.prose import read_prose
 from app.plants.model import Model
 
@@ -16,11 +15,10 @@ from .code import code, own_code
 from .derive import derived
 from .exams import EXAMS
 from .figures import all_figures
-from .identify import fit_figure
 from .job import JOB
 from .knobs import KNOBS
 from .own import adapted
-from .study import Study, compute
+from .study import compute
 from .tasks import TASKS
 
 
@@ -29,12 +27,8 @@ def _adapted(lesson: Lesson, model: Model) -> Lesson:
     return replace(adapted(lesson, model), code=own_code)
 
 
-def _figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
-    return (*all_figures(outcome), fit_figure(outcome))
-
-
 LESSON = Lesson(
-    "kalman", 9, KNOBS, compute, _figures, answer=2, answering="nees", tasks=TASKS, exams=EXAMS,
+    "kalman", 9, KNOBS, compute, all_figures, answer=2, answering="nees", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4: equations (52)–(63), (68)–(70), Algorithm 1, figures 9–11",
     place=PLACES["kalman"],
     again=Again(("q",), 0, {"q": 100.0}, ("nees", "nis", "tests"), numbers=True),

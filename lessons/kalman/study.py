@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from scipy.stats import chi2, ncx2
@@ -11,6 +12,7 @@ from scipy.stats import chi2, ncx2
 from app.engine import chi2_band, innovation_test, nees, nis
 from app.engine.filters import InnovationTest, SquaredError, Track, with_coloured_noise
 from app.engine.systems import root, settled_covariance
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.plants.deck_body import GAIN
 from app.plants.deck_body import STAGE as SCALE_OF_STAGE
@@ -32,17 +34,42 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """One record through one filter, and all that judges it. `nis` and `nees` are of the whole record."""
+    """One record through one filter, and all that judges it, found when it is looked at. `nis` and `nees` are of the whole record;
+    `asked` says what two forms of the update are compared on: q, r, p0, and whether in single precision."""
 
     truth: Truth
     watcher: Watcher
     track: Track
-    test: InnovationTest
-    settled: SquaredError
-    nis: np.ndarray
-    nees: np.ndarray
-    forms: Forms
+    asked: tuple[float, float, float, bool]
     trials: Trials | None = None
+
+    @cached_property
+    def test(self) -> InnovationTest:
+        """Of the innovations once the filter has settled."""
+        return innovation_test(self.track.innovations[SKIP:], self.track.S[SKIP:])
+
+    @cached_property
+    def settled(self) -> SquaredError:
+        """NEES once the filter has settled."""
+        return nees(self.truth.x[SKIP:], self.track.means[SKIP:, :6], self.track.covariances[SKIP:, :6, :6],
+                    independent=self.watcher.independent)
+
+    @cached_property
+    def nis(self) -> np.ndarray:
+        """νᵀ S⁻¹ ν at every sample."""
+        early = nis(self.track.innovations[:SKIP], self.track.S[:SKIP])
+        return np.concatenate([early.values, self.test.nis.values])
+
+    @cached_property
+    def nees(self) -> np.ndarray:
+        """eᵀ P⁻¹ e at every sample."""
+        first = nees(self.truth.x[:SKIP], self.track.means[:SKIP, :6], self.track.covariances[:SKIP, :6, :6])
+        return np.concatenate([first.values, self.settled.values])
+
+    @cached_property
+    def forms(self) -> Forms:
+        """Joseph's form beside the short one."""
+        return compare(*self.asked)
 
 
 def compute(design: Design) -> Outcome[Study]:
@@ -50,20 +77,15 @@ def compute(design: Design) -> Outcome[Study]:
     what = truth(int(design["seed"]), design["noise"] != WHITE, design["force"], design["kick"])
     who = watcher(design["noise"], design["q"], design["r"], design["p0"])
     track = watch(who, what)
-    settled = nees(what.x[SKIP:], track.means[SKIP:, :6], track.covariances[SKIP:, :6, :6], independent=who.independent)
-    first = nees(what.x[:SKIP], track.means[:SKIP, :6], track.covariances[:SKIP, :6, :6])
-    test = innovation_test(track.innovations[SKIP:], track.S[SKIP:])
-    early = nis(track.innovations[:SKIP], track.S[:SKIP])
-    study = Study(what, who, track, test, settled, np.concatenate([early.values, test.nis.values]),
-                  np.concatenate([first.values, settled.values]),
-                  compare(design["q"], design["r"], design["p0"], design["arithmetic"] == SINGLE))
-    metrics = _metrics(study)
+    study = Study(what, who, track, (design["q"], design["r"], design["p0"], design["arithmetic"] == SINGLE))
+    metrics = LaterMap(lambda: _metrics(study))
     t = DT * np.arange(len(what.x))
     spread = 3 * SCALE_OF_STAGE * GAIN * np.sqrt(track.variances[:, 1])
     return Outcome(design, {"M": track.schedule.gains[-1], "M_riccati": who.steady.filter_gain},
-                   {"filter": np.log(who.steady.poles.astype(complex)) / DT}, metrics, _checks(study, metrics), None, (),
-                   Stage(MODEL.body, t, what.x, track.means[:, :6], what.u, spread), _formulas(design, study),
-                   _live(study), study)
+                   {"filter": np.log(who.steady.poles.astype(complex)) / DT}, metrics,
+                   LaterItems(lambda: _checks(study, metrics)), None, (),
+                   Stage(MODEL.body, t, what.x, track.means[:, :6], what.u, spread), LaterItems(lambda: _formulas(design, study)),
+                   Later(lambda: _live(study)), study)
 
 
 def _metrics(s: Study) -> dict[str, float]:
@@ -81,7 +103,7 @@ def _metrics(s: Study) -> dict[str, float]:
     }
 
 
-def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
+def _checks(s: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     failed = s.test.failures
     return (
         Check("centred", text("innovations have no bias"), "biased" not in failed, m["bias_p"]),

@@ -8,7 +8,8 @@ import numpy as np
 
 from app.engine.feedback import ChannelMargins
 from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, finite, over_frequency
+from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure, finite, over_frequency
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants.names import called
 from app.text import Text, same, squared, text, text_in
@@ -20,7 +21,7 @@ from .loops import Robustness
 from .study import Study
 
 SPECTRUM_TAB, COST_TAB = text("Spectrum"), text("Input and cost")
-ROBUST_TAB, RECOVERY_TAB = text("Robustness"), text("Recovery")
+ROBUST_TAB, RECOVERY_TAB, REPORT_TAB = text("Robustness"), text("Recovery"), text("Report")
 TURN = np.linspace(0, 2 * np.pi, 73)
 TOO_MUCH = 1e30  # a density beyond this is drawn at it
 OPEN, CLOSED = text("no control"), text("closed, predicted")
@@ -28,10 +29,13 @@ ANY = text("any")
 ROLES = ("force", "disturbance", "second")
 
 
-def all_figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Study]) -> Sheaf:
     """Everything on the right of the stage."""
-    return (*_spectra(outcome), _input(outcome), _cost(outcome), _nyquist(outcome), _return(outcome), _margins(outcome),
-            _loop_gain(outcome), _price(outcome), *_run(outcome), rules_figure(outcome))
+    return Sheaf(
+        leaf(SPECTRUM_TAB, lambda: _spectra(outcome)), leaf(COST_TAB, lambda: (_input(outcome), _cost(outcome))),
+        leaf(ROBUST_TAB, lambda: (_nyquist(outcome), _return(outcome), _margins(outcome))),
+        leaf(RECOVERY_TAB, lambda: (_loop_gain(outcome), _price(outcome))), leaf(TIME_TAB, lambda: _run(outcome)),
+        leaf(REPORT_TAB, lambda: (rules_figure(outcome),)))
 
 
 def words(value: float, digits: int = 3) -> str:
@@ -296,5 +300,4 @@ def rules_figure(outcome: Outcome[Study]) -> TableFigure:
     said = (text("Choose a line with the last knob.") if chosen == NONE else
             text("This line is wrong.") if chosen in SLIPS else text("This line holds."))
     return TableFigure("rules", text("lines of the report, section 5.2"),
-                       (text("line"), text("this loop says")), rows, said, text(
-                           "Report"))
+                       (text("line"), text("this loop says")), rows, said, REPORT_TAB)

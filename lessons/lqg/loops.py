@@ -108,6 +108,7 @@ class Cost:
         return self.state + self.input
 
 
+@lru_cache(maxsize=64)
 def cost(case: Case, setting: Setting) -> Cost:
     """The costs of a setting, ∞ where its loop is unstable."""
     f, z = setting.factors, loop(case, setting)

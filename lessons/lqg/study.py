@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from app.engine import closed_loop
 from app.engine.design import Optimal
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.doyle import gains as gains_of_paper
 from app.plants.model import Window
@@ -53,22 +56,46 @@ class Trials:
 class Study:
     """All that a design leads to. density (n_f, k) and variance (k,) of the channels, asked: the inputs' densities by
     cause, suppression and low: dB gained at the peak and at the case's low frequency; None where the loop (or, for the
-    gains, the plant) is unstable. `disturbance` is the true factor of W."""
+    gains, the plant) is unstable. `disturbance` is the true factor of W, `cut` the input at which robustness is asked for.
+    Costs and robustness are found when they are looked at."""
 
     case: Case
+    setting: Setting
+    cut: int
     disturbance: float
     density: np.ndarray | None
     variance: np.ndarray | None
     asked: tuple[np.ndarray, np.ndarray] | None
     suppression: np.ndarray | None
     low: np.ndarray
-    cost: Cost
-    plain_cost: Cost
-    ideal: Robustness
-    real: Robustness
-    plain: Robustness
     trace: Trace
     trials: Trials | None = None
+
+    @cached_property
+    def cost(self) -> Cost:
+        """What this loop costs."""
+        return cost(self.case, self.setting)
+
+    @cached_property
+    def plain_cost(self) -> Cost:
+        """What it would without recovery."""
+        return cost(self.case, self.setting.plain())
+
+    @cached_property
+    def ideal(self) -> Robustness:
+        """Of the regulator that knows the state."""
+        f = self.setting.factors
+        return ideal(self.case, f.alpha_q, f.alpha_r, self.cut)
+
+    @cached_property
+    def real(self) -> Robustness:
+        """Of this loop, the model being right."""
+        return real(self.case, self.setting.factors, self.setting.recovery, self.cut)
+
+    @cached_property
+    def plain(self) -> Robustness:
+        """The same without recovery."""
+        return real(self.case, self.setting.factors, 0.0, self.cut)
 
 
 # --- the draft -------------------------------------------------------------------------------------------------------
@@ -90,17 +117,13 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
         density, asked = (ground + sensors)[:, :k], (ground[:, k:], sensors[:, k:])
         variance = z.variance()
         suppression, low = _gained(case, true, density)
-    paid = cost(case, setting)
-    study = Study(case, true, density, variance, asked, suppression, low, paid,
-                  paid if setting.recovery == 0 else cost(case, setting.plain()), ideal(case, f.alpha_q, f.alpha_r, cut),
-                  real(case, f, setting.recovery, cut), real(case, f, 0.0, cut),
+    study = Study(case, setting, cut, true, density, variance, asked, suppression, low,
                   trace(case, setting, design["kick"], design["filter"] == RECURSIVE))
-    metrics = _metrics(study, setting, design, reg, est)
+    metrics = LaterMap(lambda: _metrics(study, setting, design, reg, est))
     return Outcome(design, {"K": reg.gain, "L": est.gain}, {"regulator": reg.poles, "filter": est.poles, "loop": z.poles}, metrics,
-                   _checks(study, metrics), None, _boards(case, reg, est),
+                   LaterItems(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
                    Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u, note=_note(study.trace, design)),
-                   _formulas(study, setting),
-                   _live(study), study)
+                   LaterItems(lambda: _formulas(study, setting)), Later(lambda: _live(study)), study)
 
 
 def _note(run: Trace, design: Design) -> tuple[Text, ...]:
@@ -150,7 +173,7 @@ def _metrics(s: Study, setting: Setting, design: Design, reg: Optimal, est: Opti
     return {name: float(value) for name, value in out.items() if np.isfinite(value)}
 
 
-def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
+def _checks(s: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     disk = s.real.margins.disk.alpha
     return (
         Check("stable", text("the loop is stable with the true gain m"), s.density is not None, m["stable"]),

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.network import mean_lower_limit
-from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.text import Text, raised, same, text, text_in
 
@@ -20,10 +21,12 @@ TURN = np.linspace(0, 2 * np.pi, 73)
 NEVER = text_in("network", "none")
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> Sheaf:
     """Time, covariance, separation, lost inputs: at most three in a tab."""
-    return (_state(outcome), _input(outcome), _ages(outcome), _teeth(outcome), _means(outcome), _limits(outcome),
-            _error(outcome), _spectrum(outcome), _blocks(outcome), _growth(outcome))
+    return Sheaf(leaf(TIME_TAB, lambda: (_state(outcome), _input(outcome), _ages(outcome))),
+                 leaf(MEAN_TAB, lambda: (_teeth(outcome), _means(outcome), _limits(outcome))),
+                 leaf(WALL_TAB, lambda: (_error(outcome), _spectrum(outcome), _blocks(outcome))),
+                 leaf(INPUT_TAB, lambda: (_growth(outcome),)))
 
 
 def times(outcome: Outcome[Study]) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -18,6 +19,7 @@ from app.engine.network import (
     spectral_radius,
 )
 from app.lesson.claims import claim
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.text import Text, joined, text
 
@@ -78,14 +80,23 @@ class Study:
     heard: np.ndarray
     fresh: np.ndarray
     teeth: np.ndarray
-    lower: np.ndarray
-    upper: np.ndarray
+    bounds: Later[tuple[np.ndarray, np.ndarray]]
     size: np.ndarray
     promised: np.ndarray
     meter: float
     loop: np.ndarray
     ages: tuple[np.ndarray, np.ndarray]
     trials: Trials | None = None
+
+    @property
+    def lower(self) -> np.ndarray:
+        """The lower bound."""
+        return self.bounds.value[0]
+
+    @property
+    def upper(self) -> np.ndarray:
+        """The upper bound."""
+        return self.bounds.value[1]
 
 
 def tell(design: Design) -> Study:
@@ -101,14 +112,14 @@ def tell(design: Design) -> Study:
         _jumps(design, s.plant.dt), int(design["seed"])))
     after = run.plan.P
     before = s.plant.A @ after @ s.plant.A.T + s.Q
-    lower, upper = _late(*bounds(design["loss"], key(design)), int(design["jitter"]), who)
+    limits = Later(lambda: _late(*bounds(design["loss"], key(design)), int(design["jitter"]), who))
     root = np.sqrt(who.weights)
     promised = promised_error(run)
     size, goal = (np.minimum(np.linalg.norm(e * root, axis=1), MOST) for e in (run.e, promised))
     return Study(
         watched=who, run=run, x=_held(run.x), xhat=_held(run.xhat), asked=_held(run.u_asked), applied=_held(run.u_applied),
         heard=np.isin(np.arange(SAMPLES), run.draw.sensed), fresh=np.isin(np.arange(SAMPLES), run.draw.acted),
-        teeth=np.clip(np.column_stack([who.ratio(after), who.ratio(before)]), 1 / MOST, MOST), lower=lower, upper=upper,
+        teeth=np.clip(np.column_stack([who.ratio(after), who.ratio(before)]), 1 / MOST, MOST), bounds=limits,
         size=_held(size), promised=_held(goal), meter=min(network_meter(run, promised=promised), MOST),
         loop=delayed_loop(s.plant, s.K, who.steady.filter_gain, delay, told=told, ahead=ahead),
         ages=(_held(run.sensor_age), _held(run.actuator_age)))
@@ -182,20 +193,21 @@ def compute(design: Design) -> Outcome[Study]:
     s = study.watched.sampled
     poles = {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
              "loop": np.linalg.eigvals(study.loop)}
-    metrics = {
+    metrics = LaterMap(lambda: {
         "critical": s.edge.lost, "safe": s.edge.safe, "growth": design["loss"] * s.radius**2, "radius": s.radius,
         "period": s.plant.dt, "separation_meter": study.meter, "loop_radius": loop_radius(study),
         "designed_radius": float(max(np.abs(p).max() for name, p in poles.items() if name != "loop")),
         "lower": float(study.lower[-1]), "upper": float(study.upper[-1]), "peak": float(study.teeth.max()),
         "lost_measurements": float(np.sum(~study.heard)), "lost_inputs": float(np.sum(study.run.draw.acted < 0)),
-    }
-    checks = (
+    })
+    checks = LaterItems(lambda: (
         Check("bounded", text("the mean covariance stays bounded"), s.edge.bounded(design["loss"]) is True, metrics["growth"]),
         Check("separation", text("the error lives by itself"), study.meter < HELD, study.meter),
         Check("loop", text("the loop with its delay is stable"), metrics["loop_radius"] < 1, metrics["loop_radius"]),
-    )
+    ))
     return Outcome(design, {"K": s.K, "L": study.watched.steady.gain, "M": study.watched.steady.filter_gain}, poles, metrics,
-                   checks, None, (), _stage(design, study), _formulas(design, study), _live(design, metrics), study)
+                   checks, None, (), _stage(design, study), LaterItems(lambda: _formulas(design, study)),
+                   Later(lambda: _live(design, metrics)), study)
 
 
 def _stage(design: Design, study: Study) -> Stage:
@@ -234,7 +246,7 @@ def _formulas(design: Design, study: Study) -> tuple[Formula, ...]:
     return tuple(out)
 
 
-def _live(design: Design, m: dict[str, float]) -> Text:
+def _live(design: Design, m: Mapping[str, float]) -> Text:
     lost = f"{100 * design['loss']:.0f} %"
     if m["critical"] >= 1:
         first = text("{lost} of the measurements are lost; this plant does not run away, so the mean stays "

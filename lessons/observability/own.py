@@ -70,7 +70,7 @@ def compute(model: Model, case: Case, design: Design) -> Outcome[Study]:
                   full, None)
     metrics = metrics_of(found)
     return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
-                   stage=_stage(model, found), formulas=formulas_of(found), live=live_of(found, metrics), study=found)
+                   stage=_stage(model, found), formulas=formulas_of(found), words=live_of(found, metrics), study=found)
 
 
 def _stage(model: Model, found: Study) -> Stage:

@@ -63,7 +63,7 @@ def compute(design: Design) -> Outcome[Study]:
     found = Study(case, s, built, belief, start, criteria(s, full), weakest, full, sweep(design))
     metrics = metrics_of(found)
     return Outcome(design, {}, {"plant": np.array([m.pole for m in s.seen.modes])}, metrics, checks_of(metrics),
-                   stage=_stage(design, found), formulas=formulas_of(found), live=live_of(found, metrics), study=found)
+                   stage=_stage(design, found), formulas=formulas_of(found), words=live_of(found, metrics), study=found)
 
 
 def cloud_of(found: Study) -> np.ndarray:

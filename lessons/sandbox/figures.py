@@ -11,16 +11,20 @@ from app.engine import autonomous_error
 from app.engine.design import typical_rate
 from app.engine.simulation import Run
 from app.engine.structure import Controllability, Mode, Observability
-from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants import Model
 from app.text import NO_WORDS, Text, joined, same, text
 
-from ..toolkit.figures import error_figure, input_figure, state_figures
+from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
 from .analyses import Refusal, Structure
 from .loop_figures import (
+    LOOP_TAB,
     LOWEST,
+    NOISE_TAB,
+    ROBUST_TAB,
     STRUCTURE_TAB,
     VERDICT_TAB,
     blocks,
@@ -36,25 +40,25 @@ from .loop_figures import (
     valley,
     why,
 )
-from .study import STEPS, Study, frequencies, verdicts
+from .study import STEPS, Study, frequencies
 
 
-def figures(model: Model, outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(model: Model, outcome: Outcome[Study]) -> Sheaf:
     """Verdicts; structure; the run; loop; noise; robustness."""
     study, run, design, plant = outcome.study, outcome.run, outcome.design, model.plant
     assert run is not None
     limit = design["u_max"] if design["limited"] else None
-    rows = verdicts(study.structure, study.loop, study.meter, limit is not None, study.noise, study.trial, study.margins)
-    return (
-        lights(rows), modes_table(study.structure),
-        *time_figures(model, run, limit),
-        sizes_plane(study.structure, design["tolerance"]), decomposition_map(study.structure, plant.n),
-        hankel_plane(study.structure),
-        spectrum(study.loop, plant.dt), blocks(study.loop, plant, study.meter),
-        certificate_table(study.certificates),
-        valley(study.noise, design["belief"]), nis_figure(study.trial, plant.p), gain_figure(study.trial),
-        sensitivity_figure(study.margins, study.recovered, frequencies(plant_rate=typical_rate(plant), dt=plant.dt)),
-        margin_table(study.margins, plant), recovery_plane(study.steps, len(STEPS), study.refused))
+    return Sheaf(
+        leaf(VERDICT_TAB, lambda: (lights(study.rows),), "late"), leaf(VERDICT_TAB, lambda: (modes_table(study.structure),)),
+        leaf(TIME_TAB, lambda: state_figures(model, run)), leaf(ERROR_TAB, lambda: error_figures(model, run, limit)),
+        leaf(STRUCTURE_TAB, lambda: (sizes_plane(study.structure, design["tolerance"]), decomposition_map(study.structure, plant.n),
+                                     hankel_plane(study.structure))),
+        leaf(LOOP_TAB, lambda: (spectrum(study.loop, plant.dt), blocks(study.loop, plant, study.meter),
+                                certificate_table(study.certificates))),
+        leaf(NOISE_TAB, lambda: (valley(study.noise, design["belief"]), nis_figure(study.trial, plant.p), gain_figure(study.trial))),
+        leaf(ROBUST_TAB, lambda: (
+            sensitivity_figure(study.margins, study.recovered, frequencies(plant_rate=typical_rate(plant), dt=plant.dt)),
+            margin_table(study.margins, plant), recovery_plane(study.steps, len(STEPS), study.refused))))
 
 
 MOST_MODES = 10  # rows of the table of modes
@@ -164,6 +168,6 @@ def hankel_plane(found: Structure) -> PlaneFigure:
 
 
 # --- loop --------------------------------------------------------------------------------------------------------------
-def time_figures(model: Model, run: Run, limit: float | None) -> tuple[LineFigure, ...]:
-    """Watched signals; error beside its promise; inputs."""
-    return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit))
+def error_figures(model: Model, run: Run, limit: float | None) -> tuple[LineFigure, ...]:
+    """Error beside its promise; inputs."""
+    return (error_figure(run, autonomous_error(run)), input_figure(run, model, limit))

@@ -61,7 +61,7 @@ def shown(outcome: Outcome[Study], found: Recovery) -> Outcome[Study]:
     """The outcome with what was recovered, and the margins of its loop if they were worked out for it."""
     study = replace(outcome.study, steps=found.steps, recovered=found.sensitivity)
     if np.array_equal(found.L, outcome.gains["L"]):
-        study = replace(study, margins=found.margins)
+        study = replace(study, patient=found.margins)
     return replace(outcome, study=study)
 
 

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import Literal, cast
 
 import numpy as np
 
 from app.engine import Scenario, closed_loop, simulate
 from app.engine.feedback import ClosedLoop, Sensitivity
-from app.engine.simulation import separation_meter
+from app.engine.simulation import Run, separation_meter
 from app.engine.structure import Mode
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants import Model
 from app.text import Text, listed, text
@@ -44,18 +45,54 @@ EXACT = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All that was asked; each answer or the sentence why there is none. `steps` of recovery: (q, α, α with x known)."""
+    """All that is asked, when it is looked at; each answer or the sentence why there is none. `steps` of recovery: (q, α, α with x
+    known); `patient` the margins that were waited for."""
 
-    structure: Structure
+    model: Model
+    design: Design
+    run: Run
+    K: np.ndarray
+    L: np.ndarray
     loop: ClosedLoop
-    certificates: tuple[tuple[Text, float], ...] | Refusal
-    noise: Noise | Refusal
-    trial: Trial | Refusal
-    margins: Margins | Refusal
-    meter: float
     steps: tuple[tuple[float, float, float], ...] = ()
     recovered: np.ndarray | None = None
     refused: Text | None = None
+    patient: Margins | Refusal | None = None
+
+    @cached_property
+    def structure(self) -> Structure:
+        """What no gain changes."""
+        return structure(self.model.plant)
+
+    @cached_property
+    def certificates(self) -> tuple[tuple[Text, float], ...] | Refusal:
+        """Residuals that theory says are zero."""
+        return attempt(lambda: certificates(self.model.plant, self.loop, self.K, self.L))
+
+    @cached_property
+    def noise(self) -> Noise | Refusal:
+        """The observer among Kalman filters."""
+        return attempt(lambda: noise(self.model, self.L, self.design["sensor"]))
+
+    @cached_property
+    def trial(self) -> Trial | Refusal:
+        """One record through a Kalman filter."""
+        return attempt(lambda: trial(self.model, self.design["sensor"], self.design["belief"], int(self.design["seed"])))
+
+    @cached_property
+    def margins(self) -> Margins | Refusal:
+        """Margins at the inputs."""
+        return self.patient or attempt(lambda: margins(self.model.plant, self.K, self.L, False))
+
+    @cached_property
+    def meter(self) -> float:
+        """How much the error is not its own."""
+        return separation_meter(self.run)
+
+    @cached_property
+    def rows(self) -> tuple[Row, ...]:
+        """One line for each answer."""
+        return verdicts(self.structure, self.loop, self.meter, self.design["limited"], self.noise, self.trial, self.margins)
 
 
 def compute(model: Model, design: Design) -> Outcome[Study]:
@@ -69,27 +106,32 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
         plant, K, L, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt, u_min=None if limit is None else -limit,
         u_max=limit, fed=cast(Literal["applied", "commanded"], design["fed"]), impulses=kicks(design, model), seed=seed,
         W=W if noisy else None, V=V if noisy else None, G=G if noisy else None))
-    study = Study(
-        structure(plant), loop, attempt(lambda: certificates(plant, loop, K, L)), attempt(lambda: noise(model, L, design["sensor"])),
-        attempt(lambda: trial(model, design["sensor"], design["belief"], seed)), attempt(lambda: margins(plant, K, L, False)),
-        separation_meter(run), refused=SAMPLED if plant.dt else None)
-    clipped = float(np.mean(np.any(np.abs(run.u_asked) > (limit or np.inf) * (1 + 1e-9), axis=1)))
-    metrics = {"separation_meter": study.meter, "clipped_share": clipped, "union_error": loop.union_error,
-               "slowest_loop": _slowest(loop.poles, plant.dt), "largest_input": float(np.abs(run.u_asked).max())}
-    if not isinstance(study.margins, Refusal):
-        metrics["disk_margin"] = study.margins.together
-    if not isinstance(study.trial, Refusal):
-        metrics["nis_mean"], metrics["nis_expected"] = study.trial.test.mean, study.trial.expected
-    rows = verdicts(study.structure, loop, study.meter, limit is not None, study.noise, study.trial, study.margins)
-    checks = tuple(Check(f"row{i}", text("{name}: {said}", name=name, said=said), holds)
-                   for i, (name, holds, said) in enumerate(rows) if holds is not None)
+    study = Study(model, design, run, K, L, loop, refused=SAMPLED if plant.dt else None)
     return Outcome(
         design, {"K": K, "L": L},
         {"controller": loop.controller_poles, "observer": loop.observer_poles, "loop": loop.poles, "compensator": loop.compensator_poles,
          "plant": plant.poles},
-        metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
+        LaterMap(lambda: _metrics(study, limit)), LaterItems(lambda: _checks(study.rows)), run,
+        pole_boards(model, design, loop.controller_poles, loop.observer_poles, plant.A - L @ plant.C),
         stage(model, run), (Formula("K", gain_words("K", K)), Formula("L", gain_words(r"L^{\mathsf T}", L.T))),
-        _live(rows), study)
+        Later(lambda: _live(study.rows)), study)
+
+
+def _metrics(study: Study, limit: float | None) -> dict[str, float]:
+    loop, run = study.loop, study.run
+    clipped = float(np.mean(np.any(np.abs(run.u_asked) > (limit or np.inf) * (1 + 1e-9), axis=1)))
+    metrics = {"separation_meter": study.meter, "clipped_share": clipped, "union_error": loop.union_error,
+               "slowest_loop": _slowest(loop.poles, study.model.plant.dt), "largest_input": float(np.abs(run.u_asked).max())}
+    if not isinstance(study.margins, Refusal):
+        metrics["disk_margin"] = study.margins.together
+    if not isinstance(study.trial, Refusal):
+        metrics["nis_mean"], metrics["nis_expected"] = study.trial.test.mean, study.trial.expected
+    return metrics
+
+
+def _checks(rows: tuple[Row, ...]) -> tuple[Check, ...]:
+    return tuple(Check(f"row{i}", text("{name}: {said}", name=name, said=said), holds)
+                 for i, (name, holds, said) in enumerate(rows) if holds is not None)
 
 
 def _slowest(poles: np.ndarray, dt: float) -> float:

@@ -7,25 +7,28 @@ import numpy as np
 from app.engine import Plant, autonomous_error
 from app.engine.systems import amplitude_response
 from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, over_frequency
+from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, over_frequency
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants.names import called
 from app.text import Text, joined, text
 
-from ..toolkit.figures import error_figure, input_figure, state_figures
+from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from .study import Setting, Study
 
 SPECTRUM_TAB = text("Poles")
 FREQUENCY_TAB = text("Frequency")
 
 
-def figures(here: Setting, outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(here: Setting, outcome: Outcome[Study]) -> Sheaf:
     """Signals, error and input over time; the spectrum and the block-triangular matrix."""
     run, model = outcome.run, here.model
     assert run is not None
     limit = outcome.design["u_max"] if outcome.design["limited"] else None
-    return (*state_figures(model, run), error_figure(run, autonomous_error(run)), input_figure(run, model, limit),
-            _spectrum(outcome), _blocks(outcome.study, model.plant), _isolation(here, outcome))
+    return Sheaf(leaf(TIME_TAB, lambda: state_figures(model, run)),
+                 leaf(ERROR_TAB, lambda: (error_figure(run, autonomous_error(run)), input_figure(run, model, limit))),
+                 leaf(SPECTRUM_TAB, lambda: (_spectrum(outcome), _blocks(outcome.study, model.plant))),
+                 leaf(FREQUENCY_TAB, lambda: (_isolation(here, outcome),)))
 
 
 def _isolation(here: Setting, outcome: Outcome[Study]) -> LineFigure:

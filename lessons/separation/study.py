@@ -12,6 +12,7 @@ from app.engine import Plant, Scenario, closed_loop, simulate
 from app.engine.feedback import ClosedLoop
 from app.engine.simulation import Run, separation_meter
 from app.lesson.claims import claim
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants import Model, platform
 from app.text import NO_WORDS, Text, joined, text
@@ -88,14 +89,13 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
         truth, K, L, model=belief, x0=model.x0, xhat0=model.guess, horizon=model.horizon, dt=model.dt,
         u_min=None if limit is None else -limit, u_max=limit, fed="commanded", delay=here.delay(design),
         impulses=kicks(design, model), seed=int(design["seed"]), V=here.noise(design)))
-    meter = separation_meter(run)
     study = Study(loop, here.delay(design), limit is not None and bool(np.any(np.abs(run.u_asked) > limit * (1 + 1e-9))))
     slow, fast = float(max(loop.controller_poles.real)), float(max(loop.observer_poles.real))
-    metrics = {
-        "union_error": loop.union_error, "separation_meter": meter, "slowest_controller": slow,
+    metrics = LaterMap(lambda: {
+        "union_error": loop.union_error, "separation_meter": separation_meter(run), "slowest_controller": slow,
         "slowest_observer": fast, "largest_input": float(np.max(np.abs(run.u_asked))),
         "slowest_loop": float(max(loop.poles.real)), "dies_down": float(_dies_down(run)),
-    }
+    })
     same_union = loop.union_error <= EXACT or loop.polynomial_error <= EXACT
     checks = (
         Check("union", text("the 2n poles are the union of both sets"), same_union and study.whole, loop.union_error),
@@ -108,7 +108,7 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
          "compensator": loop.compensator_poles},
         metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles,
                                           belief.A - L @ belief.C),
-        stage(model, run), _formulas(K, L), _live(study, meter), study)
+        stage(model, run), LaterItems(lambda: _formulas(K, L)), Later(lambda: _live(study, metrics["separation_meter"])), study)
 
 
 def _dies_down(run: Run) -> bool:

@@ -7,7 +7,8 @@ import re
 import numpy as np
 
 from app.lesson.claims import claim
-from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
+from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.text import lowered, same, text, text_in
 
@@ -23,10 +24,12 @@ LEAST = 1e-11  # drawn in place of zero on a logarithmic axis
 TOLERANCES = np.linspace(-18.0, 0.0, 145)  # log₁₀
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> Sheaf:
     """Everything on the right of the stage."""
-    return (_sizes(outcome), _ranks(outcome), _staircase(outcome), _error(outcome), _forms(outcome), _motions(outcome),
-            _shapes(outcome), _spectrum(outcome), _gains(outcome), _costs(outcome))
+    return Sheaf(leaf(RANK_TAB, lambda: (_sizes(outcome), _ranks(outcome))),
+                 leaf(HANKEL_TAB, lambda: (_staircase(outcome), _error(outcome), _forms(outcome))),
+                 leaf(MOTION_TAB, lambda: (_motions(outcome), _shapes(outcome))),
+                 leaf(LQG_TAB, lambda: (_spectrum(outcome), _gains(outcome), _costs(outcome))))
 
 
 def show(value: float, digits: int = 3) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from app.engine import controllability, observability
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants.platform import Parameters, in_time_units
 from app.text import Text, text
@@ -48,24 +50,42 @@ def _count(values: np.ndarray, tolerance: float, measure: str) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All that a design leads to."""
+    """All that a design leads to: ranks with time in units of `clock`, a cut to `order` states, LQG on ten and on so many. Each is
+    found when it is looked at."""
 
     system: System
-    ranks: Ranks
-    cut: Cut
-    compared: Compared
+    clock: float
+    order: int
+    v0: float
+    pressed: str
+
+    @cached_property
+    def ranks(self) -> Ranks:
+        """Singular values of the matrices of controllability and observability."""
+        return ranks(self.system, self.clock)
+
+    @cached_property
+    def cut(self) -> Cut:
+        """The truncation and its error."""
+        return cut(self.system, self.order)
+
+    @cached_property
+    def compared(self) -> Compared:
+        """LQG on both."""
+        return compare(self.system, self.order, self.v0, self.pressed)
 
 
 def compute(design: Design) -> Outcome[Study]:
     """Ranks, Hankel values, the truncation with its error, the motion on the stage, LQG on ten states and on fewer."""
     s = system(Parameters(**{name: design[name] for name in ("s", "h", "a", "mu", "kp")}), design["ground"])
     order = int(design["order"])
-    study = Study(s, ranks(s, design["clock"]), cut(s, order), compare(s, order, design["v0"], design["pressed"]))
+    study = Study(s, design["clock"], order, design["v0"], design["pressed"])
     motion = s.motions[int(design["pair"]) - 1]
-    metrics = _metrics(design, study, motion)
-    return Outcome(design, {"K": study.compared.small.design.K, "L": study.compared.small.design.L},
-                   {"plant": s.plant.poles, "model": study.cut.model.poles}, metrics, _checks(study, metrics),
-                   stage=swing(s, motion, order), formulas=_formulas(study), live=_live(study, motion, metrics), study=study)
+    metrics = LaterMap(lambda: _metrics(design, study, motion))
+    return Outcome(design, LaterMap(lambda: {"K": study.compared.small.design.K, "L": study.compared.small.design.L}),
+                   LaterMap(lambda: {"plant": s.plant.poles, "model": study.cut.model.poles}), metrics,
+                   LaterItems(lambda: _checks(study, metrics)), stage=swing(s, motion, order),
+                   formulas=LaterItems(lambda: _formulas(study)), words=Later(lambda: _live(study, motion, metrics)), study=study)
 
 
 def _metrics(design: Design, study: Study, motion: Motion) -> dict[str, float]:
@@ -80,7 +100,7 @@ def _metrics(design: Design, study: Study, motion: Motion) -> dict[str, float]:
     return {name: float(value) for name, value in found.items() if value is not None}
 
 
-def _checks(study: Study, m: dict[str, float]) -> tuple[Check, ...]:
+def _checks(study: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     c = study.compared
     return (
         Check("rank", text("both matrices have rank 10 at this tolerance"),
@@ -110,7 +130,7 @@ def _formulas(study: Study) -> tuple[Formula, ...]:
     )
 
 
-def _live(study: Study, motion: Motion, m: dict[str, float]) -> Text:
+def _live(study: Study, motion: Motion, m: Mapping[str, float]) -> Text:
     order = study.cut.order
     ghost = (text("the ghost moves with it") if m["held"] > 0.9 else
              text("the ghost stands still") if m["held"] < 0.1 else

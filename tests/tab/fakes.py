@@ -201,7 +201,7 @@ def toy_compute(design: Design) -> Outcome:
         raise ZeroDivisionError("division by zero")
     t = np.linspace(0.0, design["length"], 41)
     x = np.column_stack([gain * np.exp(-t) + design["offset"], 0 * t])
-    return Outcome(design, metrics={"gain": gain}, stage=Stage(MODEL.body, t, x), live=same(f"{gain:g}"))
+    return Outcome(design, metrics={"gain": gain}, stage=Stage(MODEL.body, t, x), words=same(f"{gain:g}"))
 
 
 def toy_figures(outcome: Outcome) -> tuple[LineFigure, ...]:

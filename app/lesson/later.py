@@ -1,0 +1,110 @@
+"""What is computed when it is first looked at: numbers, lists, and the figures of a tab.
+
+A draft whose hidden figures come later answers a hand sooner; whoever reads it whole finds what would have been there at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Generic, Literal, TypeVar, overload
+
+from ..text import Text
+from .figures import Figure
+
+T = TypeVar("T")
+
+
+class Later(Generic[T]):
+    """A value that is made when it is first looked at, and kept."""
+
+    def __init__(self, make: Callable[[], T]) -> None:
+        self._make: Callable[[], T] | None = make
+        self._made: T
+
+    @property
+    def value(self) -> T:
+        """The value. Raises what making it raises."""
+        make = self._make
+        if make is not None:
+            self._made = make()
+            self._make = None
+        return self._made
+
+
+class LaterMap(Mapping[str, T]):
+    """Numbers or matrices by name, computed together when one is looked at that is not `known`."""
+
+    def __init__(self, make: Callable[[], Mapping[str, T]], known: Mapping[str, T] = MappingProxyType({})) -> None:
+        self._all, self._known = Later(make), known
+
+    def __getitem__(self, name: str) -> T:
+        return self._known[name] if name in self._known else self._all.value[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all.value)
+
+    def __len__(self) -> int:
+        return len(self._all.value)
+
+
+class LaterItems(Sequence[T]):
+    """A list that is made as a whole when it is first looked at."""
+
+    def __init__(self, make: Callable[[], Iterable[T]]) -> None:
+        self._all = Later(lambda: tuple(make()))
+
+    @overload
+    def __getitem__(self, index: int) -> T: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[T, ...]: ...
+    def __getitem__(self, index: int | slice) -> T | tuple[T, ...]:
+        return self._all.value[index]
+
+    def __len__(self) -> int:
+        return len(self._all.value)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and tuple(self) == tuple(other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class Leaf:
+    """Figures of one tab, which come first where it is `open`; `always` those that stand on the stage too, and `late` those of
+    which nobody reads anything while a knob moves."""
+
+    tab: Text
+    figures: LaterItems[Figure]
+    first: Literal["open", "always", "late"]
+
+
+def leaf(tab: Text, make: Callable[[], Iterable[Figure]], first: Literal["open", "always", "late"] = "open") -> Leaf:
+    """Figures of a tab that `make` makes."""
+    return Leaf(tab, LaterItems(make), first)
+
+
+class Sheaf(LaterItems[Figure]):
+    """All figures of an outcome, leaf by leaf."""
+
+    def __init__(self, *leaves: Leaf) -> None:
+        super().__init__(lambda: (figure for each in leaves for figure in each.figures))
+        self.leaves = leaves
+
+    def front(self, tab: str | None) -> tuple[Figure, ...]:
+        """The figures that come first with this tab open, by its English name; the first tab for None or a name that there is not."""
+        names = [each.tab("en") for each in self.leaves]
+        open_now = tab if tab in names else names[0]
+        return tuple(figure for name, each in zip(names, self.leaves, strict=True)
+                     if each.first == "always" or (each.first == "open" and name == open_now) for figure in each.figures)
+
+
+def completed(figures: Sequence[Figure], undisturbed: Callable[[], bool]) -> bool:
+    """Make all figures, leaf by leaf; False where that was disturbed between two."""
+    for each in figures.leaves if isinstance(figures, Sheaf) else ():
+        if not undisturbed():
+            return False
+        len(each.figures)
+    return True
