@@ -7,12 +7,13 @@ from collections.abc import Iterable
 import numpy as np
 
 from app.engine.sampled import ResponseMeasures
-from app.lesson.figures import FLOOR, Curve, Dash, Figure, LineFigure, over_frequency
+from app.lesson.figures import FLOOR, Curve, Dash, LineFigure, over_frequency
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.text import Text, joined, listed, same, text, text_in
 
 from .players import NAMES, ORDER, SHORT, gain_gap
-from .scores import friction, tables
+from .scores import SCORE_TAB, TRIAL_TAB, friction, scored, tried
 from .study import Study
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
@@ -24,11 +25,15 @@ LOOKS: tuple[tuple[str, Dash], ...] = (
 )
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> Sheaf:
     """Everything on the right of the stage."""
-    return (*(_channel(outcome, j) for j in range(3)), *(_sensor(outcome, j) for j in range(3)), _input(outcome, 0),
-            _input(outcome, 2), _gain(outcome), *(_test(outcome, j) for j in range(3)), _stage_velocity(outcome),
-            _stage_force(outcome), friction(outcome, RUN_TAB), *tables(outcome))
+    return Sheaf(
+        leaf(CHANNEL_TAB, lambda: [_channel(outcome, j) for j in range(3)]),
+        leaf(SENSOR_TAB, lambda: [_sensor(outcome, j) for j in range(3)]),
+        leaf(INPUT_TAB, lambda: (_input(outcome, 0), _input(outcome, 2), _gain(outcome))),
+        leaf(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
+        leaf(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
+        leaf(SCORE_TAB, lambda: scored(outcome)), leaf(TRIAL_TAB, lambda: tried(outcome)))
 
 
 def _curves(outcome: Outcome[Study], column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:

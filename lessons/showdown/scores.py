@@ -19,9 +19,14 @@ LEAST = 5e-4  # µm/s: less is nothing
 SPLIT = text("Cells: vertical, rotation, horizontal.")
 
 
-def tables(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
-    """Suppression, sizes, times; then what the longer computation has found."""
-    return (_suppression(outcome), _sizes(outcome), _times(outcome), _trials(outcome), _decks(outcome), _costs(outcome))
+def scored(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+    """Suppression, sizes, times."""
+    return _suppression(outcome), _sizes(outcome), _times(outcome)
+
+
+def tried(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
+    """What the longer computation has found."""
+    return _trials(outcome), _decks(outcome), _costs(outcome)
 
 
 def _cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:

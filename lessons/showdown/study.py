@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 
 from app.engine.sampled import MonteCarlo, ResponseMeasures
+from app.lesson.later import LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.plants import platform
 from app.plants.body import with_longer_arrows
@@ -64,7 +67,8 @@ WORK = (0.1, 10.0)  # Hz: the report's working band
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Everything about one design: five players in one world. `trials` is what the longer computation measured.
+    """Everything about one design: five players in one world, the test (a `step` of the ground, or a touch) when it is looked at.
+    `trials` is what the longer computation measured.
 
     run: t, states, forces on the stage; ghost: states without control.
     """
@@ -73,8 +77,7 @@ class Study:
     five: tuple[Player, ...]
     f: np.ndarray
     spectra: tuple[Analysis, ...]
-    responses: tuple[Response | None, ...]
-    measures: tuple[tuple[ResponseMeasures, ...] | None, ...]
+    step: bool
     peak_db: np.ndarray
     band_db: np.ndarray
     rms: np.ndarray
@@ -83,6 +86,18 @@ class Study:
     ghost: np.ndarray
     trials: Trials | None = field(default=None)
 
+    @cached_property
+    def responses(self) -> tuple[Response | None, ...]:
+        """The test without noise, None for a loop that is not stable."""
+        return tuple(respond(self.world, player, self.step) for player in self.five)
+
+    @cached_property
+    def measures(self) -> tuple[tuple[ResponseMeasures, ...] | None, ...]:
+        """What is read off it, beside the deck without control."""
+        reference = self.responses[0]
+        assert reference is not None  # the deck alone is stable
+        return tuple(None if r is None else measures(r, reference) for r in self.responses)
+
 
 def compute(design: Design) -> Outcome[Study]:
     """All five players in the design's world: spectra by transfer function, the test without noise, one noisy run."""
@@ -90,9 +105,6 @@ def compute(design: Design) -> Outcome[Study]:
     five = players(design["v"], design["pair"])
     f = grid(world.parameters)
     spectra = tuple(analyse(world, player) for player in five)
-    responses = tuple(respond(world, player, step) for player in five)
-    reference = responses[0]
-    assert reference is not None  # the deck alone is stable
     seed, kick = int(design["seed"]), design["kick"]
     chosen = five[ORDER.index(design["play"])]
     bare = (world, chosen) if chosen.id == OPEN else (without_hardware(world), five[0])
@@ -108,11 +120,10 @@ def compute(design: Design) -> Outcome[Study]:
             rms[i], forces[i] = whole[:3], whole[5:]
             peak_db[i] = 10 * np.log10(base[inside, :3].max(axis=0) / S[inside, :3].max(axis=0))
             band_db[i] = 20 * np.log10(band_rms(f, base, *BAND)[:3] / band_rms(f, S, *BAND)[:3])
-    match = Study(world, five, f, spectra, responses, tuple(None if r is None else measures(r, reference) for r in responses),
-                  peak_db, band_db, rms, forces, run, ghost[1])
-    metrics = _metrics(match)
-    return Outcome(design, {}, {}, metrics, _checks(match, metrics), None, (),
-                   Stage(BODY, run[0], run[1], ghost[1], run[2]), _formulas(design, match), _live(design, match), match)
+    match = Study(world, five, f, spectra, step, peak_db, band_db, rms, forces, run, ghost[1])
+    metrics = LaterMap(lambda: _metrics(match))
+    return Outcome(design, {}, {}, metrics, LaterItems(lambda: _checks(match, metrics)), None, (),
+                   Stage(BODY, run[0], run[1], ghost[1], run[2]), LaterItems(lambda: _formulas(design, match)), _live(design, match), match)
 
 
 def _metrics(m: Study) -> dict[str, float]:
@@ -136,7 +147,7 @@ def _metrics(m: Study) -> dict[str, float]:
     return found
 
 
-def _checks(m: Study, metrics: dict[str, float]) -> tuple[Check, ...]:
+def _checks(m: Study, metrics: Mapping[str, float]) -> tuple[Check, ...]:
     apart, worst = metrics.get("filters_apart_db", 99.0), metrics[f"{LQE}_worst_db"]
     unstable = [player.name for player, s in zip(m.five, m.spectra, strict=True) if not s.stable]
     return (

@@ -61,8 +61,7 @@ def main(names: list[str]) -> None:
                 missed.append(f"- {row.work.strip()}: {row.limit or 'see its profile'}.")
     print(f"\nGoals met: {met}; missed: {len(missed)}, and what limits these by their profiles:\n", *dict.fromkeys(missed), sep="\n")
     if "drafts" in names:
-        hour = bench_loops.linear(*bench_loops.rig()).theirs
-        print(f"\nDrafts of the lessons, in the hour in which `forced_response` takes {1e3 * hour:.0f} ms:\n")
+        print("\nDrafts of the lessons:\n")
         bench_drafts.main([])
 
 
