@@ -64,10 +64,15 @@ def stale(picture: Picture, before: Picture | None) -> Sequence[Figure]:
     """The figures that a screen which shows the picture `before` must draw anew."""
     if before is None or before.outcome is not picture.outcome or before.pinned != picture.pinned or picture.resting > before.resting:
         return picture.seen
-    if before.whole >= picture.whole:
+    if not completes(picture, before):
         return ()
     drawn = {figure.id for figure in before.seen}
     return [figure for figure in picture.seen if figure.id not in drawn]
+
+
+def completes(picture: Picture, before: Picture | None) -> bool:
+    """Whether a picture only adds what the one before it, under a moving knob, has left for later."""
+    return before is not None and before.outcome is picture.outcome and before.whole < picture.whole
 
 
 def what_is_shared(figure: Figure, under: Figure | None) -> str:

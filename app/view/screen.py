@@ -18,7 +18,7 @@ from ..text import Text
 from . import quirks
 from .boards import BoardView
 from .browser import Browser
-from .charts import Chart, stale
+from .charts import Chart, completes, stale
 from .columns import Columns
 from .course import Course
 from .help import Help
@@ -101,8 +101,7 @@ class Screen(Browser):
                 self._looked = True
             self._watch()
             listen_to_the_window(self._client, self._post)
-            title = picture.lesson.words[language].title
-            quirks.name_page(self._client, f"{title} · {quirks.NAME}", language)
+            quirks.name_page(self._client, f"{picture.lesson.words[language].title} · {quirks.NAME}", language)
             quirks.say_in(self._client, language)
         self._picture = None
 
@@ -118,7 +117,20 @@ class Screen(Browser):
             for chart, figure, under in charts:
                 chart.show_curves(figure, picture.resting, picture.horizon, under)
         self._client.flush()
-        time.sleep(APART)
+        if not completes(picture, before):
+            time.sleep(APART)
+            self._show_scene(picture, anew)
+        with self._client.atomic():
+            for part in filter(None, (self._panel, self._transport)):
+                part.show(picture)
+            self._show_style(picture)
+            for chart, figure, under in charts:
+                chart.show_words(figure, under)
+            if self._mark is not None:
+                self._mark.show(picture)
+        self._client.flush()
+
+    def _show_scene(self, picture: Picture, anew: bool) -> None:
         with self._client.atomic():
             self._halt()
             if anew:
@@ -132,17 +144,6 @@ class Screen(Browser):
             self._stage.calm(picture.state.calm)
             self._stage.haunt(picture.ghosts)
             self._stage.pose(picture.state.t)
-        self._client.flush()
-        with self._client.atomic():
-            if self._panel is not None:
-                self._panel.show(picture)
-            if self._transport is not None:
-                self._transport.show(picture)
-            self._show_style(picture)
-            for chart, figure, under in charts:
-                chart.show_words(figure, under)
-            if self._mark is not None:
-                self._mark.show(picture)
         self._client.flush()
 
     def play(self, t: float, end: float, rate: float, every: float) -> float:

@@ -106,7 +106,8 @@ def main(names: list[str]) -> None:
         times, refused = measure(lesson, np.random.default_rng(1))
         (median, whole), (p95, whole95) = np.percentile(times, (50, 95), axis=0)
         most = max(first for first, _ in times)
-        print(f"| {lesson.id} | {len(times)} | {median:.1f} | {p95:.1f} | {most:.1f} | {whole:.1f} | {whole95:.1f} | {refused} |", flush=True)
+        print(f"| {lesson.id} | {len(times)} | {median:.1f} | {p95:.1f} | {most:.1f} | {whole:.1f} | {whole95:.1f} | {refused} |",
+              flush=True)
 
 
 if __name__ == "__main__":
