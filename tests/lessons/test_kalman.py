@@ -10,12 +10,12 @@ from scipy.linalg import expm, solve_discrete_are
 from scipy.stats import binom, chi2
 
 from app.engine import chi2_band
-from lessons.kalman.figures import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
 from lessons.kalman.filters import ADC, SIGMA, SKIP, compare, truth, tuned, watch, watcher
 from lessons.kalman.identify import fitted
 from lessons.kalman.job import RUNS
 from lessons.kalman.knobs import DT, MODEL
 from lessons.kalman.lesson import LESSON
+from lessons.kalman.report import PRINTED_MEAN, PRINTED_SAMPLES, PRINTED_SIGMA
 from lessons.kalman.study import expected
 
 
