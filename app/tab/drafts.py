@@ -14,6 +14,7 @@ from ..lesson.lesson import Design, Lesson, Outcome
 
 KEPT = 32  # designs whose drafts are remembered, and results of jobs
 SLICE = 0.015  # s of a long job between two looks at the mailbox
+SILENT = 0.4  # s for which a job that goes on beside the hand may show nothing new
 
 Drawn = tuple[Outcome, Sequence[Figure]]
 Key = tuple[str, str, Hashable]  # lesson, plant, what of a design the result of a job rests on
@@ -103,8 +104,8 @@ class LongJob:
         self._clock = clock
         self._steps: Iterator[tuple[float, Any]] | None = None
         self._last: Any = None
-        self.quiet = False  # whether it goes on beside the hand: without a bar, and shown when it is through
-        self._ended = -1e9
+        self.quiet = False  # whether it goes on beside the hand: without a bar, and shown now and then and when it is through
+        self._ended = self._told = -1e9
 
     @property
     def running(self) -> bool:
@@ -122,7 +123,14 @@ class LongJob:
 
     def start(self, steps: Iterator[tuple[float, Any]], quiet: bool = False) -> None:
         """Begin with these steps instead of any others."""
-        self._steps, self._last, self.quiet = steps, None, quiet
+        self._steps, self._last, self.quiet, self._told = steps, None, quiet, self._clock()
+
+    def tells(self) -> bool:
+        """Whether a quiet one shows what it has found so far: where it has shown nothing for SILENT seconds."""
+        if self._last is None or self._clock() - self._told < SILENT:
+            return False
+        self._told = self._clock()
+        return True
 
     def drop(self) -> None:
         """Forget what is left of it."""

@@ -159,7 +159,8 @@ def follow(show: Presenter) -> None:
 def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
     """Go on with the long job for a slice of time; a job that fails ends, and the last good picture stays.
 
-    A quiet one shows what it found when it is through, and has nothing to say where this design gives it nothing to do.
+    A quiet one shows what it found when it is through, and before that now and then where nothing rough is shown; it has nothing to
+    say where this design gives it nothing to do.
     """
     job, quiet = show.lesson.job, show.job.quiet
     if not show.job.running or job is None:
@@ -167,7 +168,8 @@ def go_on(show: Presenter, undisturbed: Callable[[], bool]) -> None:
     try:
         fraction, found = show.job.go_on(undisturbed)
         if quiet:
-            found = None if show.job.running else show.job.found
+            through = not show.job.running
+            found = show.job.found if through or (job.rough is None and show.job.tells()) else None
         if found is not None:
             show.keep(found)
     except BaseException as problem:

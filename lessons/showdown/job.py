@@ -24,7 +24,7 @@ COSTS = ("driver", "delay", "adc", "drift", "stiffness", "damping", "placement")
 
 
 def try_out(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
-    """Monte-Carlo of every player, then learning, tolerances and costs."""
+    """Monte-Carlo of every player, that on the stage first, then learning, tolerances and costs."""
     done = 0.0
     for fraction, found in _all(outcome):
         done = max(done, fraction)
@@ -35,14 +35,15 @@ def _all(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
     found = Trials((None,) * 5)
     match, design = outcome.study, outcome.design
     world, seed = match.world, int(design["seed"])
-    for i, player in enumerate(match.five):
+    shown_first = sorted(enumerate(match.five), key=lambda each: each[1].id != design["play"])
+    for done, (i, player) in enumerate(shown_first):
         loop = loop_of(world, player)
         if not loop.stable:
             continue
         for share, result in simulate_trials(loop, RUNS, SECONDS, seed, segment=SEGMENT, together=RUNS):
             if result is not None:
                 found = replace(found, noise=(*found.noise[:i], result, *found.noise[i + 1:]))
-            yield 0.14 * (i + share), found
+            yield 0.14 * (done + share), found
     yield 0.7, found
     if match.spectra[ORDER.index(LQE)].stable and match.spectra[ORDER.index(RECURSIVE)].stable:
         for share, apart in _learning(world, match.five, design["v"], seed):
@@ -161,4 +162,4 @@ def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     return replace(outcome, study=replace(outcome.study, trials=found))
 
 
-JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown, figure="trials")
+JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown, figure="trials", follows=True)

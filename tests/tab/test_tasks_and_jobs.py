@@ -327,6 +327,21 @@ def test_a_job_that_follows_and_was_broken_off_in_its_middle_goes_on_when_its_de
     assert tab.picture.outcome.study == 4
 
 
+def test_a_long_job_that_follows_shows_what_it_has_now_and_then_unless_something_rough_stands_there() -> None:
+    for rough in (None, lambda outcome: "rough"):
+        work = Worker(9)
+        tab = following(work, rough)
+        tab.do(RunJob())
+        work.step(12)
+        tab.set(gain=2.0)
+        tab.rest()
+        work.step(1)
+        assert tab.picture.outcome.study == (None if rough is None else "rough")
+        tab.clock.advance(0.5)
+        work.step(1)
+        assert tab.picture.outcome.study == (work.done if rough is None else "rough") and 1 < work.done < 9
+
+
 def test_to_cancel_a_job_is_to_want_it_no_longer() -> None:
     work = Worker(100)
     tab = following(work, rough=lambda outcome: "rough")
