@@ -70,7 +70,8 @@ class Presenter:
     @property
     def desk(self) -> Desk:
         """What belongs to the present lesson."""
-        return self.desks.of(self.lesson.id, lambda: first_of(self.lessons[self.lesson.id], self._plant, self.view.say).start())
+        plant = self.state.plant if self._shown is None else self._shown.design.plant
+        return self.desks.of(self.lesson.id, lambda: first_of(self.lessons[self.lesson.id], plant, self.view.say).start())
 
     @property
     def estimates(self) -> bool:
@@ -112,6 +113,7 @@ class Presenter:
 
     def rebuild(self, state: State) -> None:
         """Lay the screen out anew: the language or the size of the print has changed."""
+        self.complete()
         self.state = state
         self._shown = self._again()
         self._lay_out(self._shown)
@@ -139,11 +141,6 @@ class Presenter:
         self.view.show(picture)
         self.view.pose(self.state.t)
         self.remember()
-
-    @property
-    def _plant(self) -> str:
-        """The plant that is shown, or was brought last."""
-        return self.state.plant if self._shown is None else self._shown.design.plant
 
     def _lesson_for(self, design: Design) -> Lesson:
         """The lesson built for the plant that a design brings."""
@@ -203,11 +200,10 @@ class Presenter:
             return
         (before, good), picture = self.unfinished, self.picture
         try:
-            if not completed(picture.figures, undisturbed):
-                return
-            picture.outcome.complete()
-            self._shown, self.unfinished = replace(picture, whole=True), None
-            self.view.show(self._shown)
+            if completed(picture.figures, undisturbed):
+                picture.outcome.complete()
+                self._shown, self.unfinished = replace(picture, whole=True), None
+                self.view.show(self._shown)
         except BaseException:
             self.desk.history.restore(before)
             self._shown, self.unfinished = good, None
