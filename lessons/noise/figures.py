@@ -61,10 +61,9 @@ def _valley_words(outcome: Outcome[Study], i: int) -> Text:
     total = study.ray.process[:, i] + study.ray.sensor[:, i]
     best = float(study.ray.speed[np.argmin(total)])
     share = 100 * m["sensor_share"]
-    away = float(np.log(m["speed"] / best))
-    best_speed = claim(text("No other speed is better; only another pattern is."), abs(away), below=0.07)
-    advice = claim(text("Slower would be better."), away, above=0.07,
-                   otherwise=claim(text("Faster would be better."), away, below=-0.07, otherwise=best_speed))
+    away, gain = float(np.log(m["speed"] / best)), 100 * (now / float(np.sqrt(total.min())) - 1)
+    turned = claim(text("Slower would be better."), away, above=0.0, otherwise=claim(text("Faster would be better."), away, below=0.0))
+    advice = claim(text("No other speed is half a per cent better; only another pattern is."), gain, below=0.5, otherwise=turned)
     return text("σ = {now:.3g} {units}, {share:.0f} % of σ² from the sensor; the least is {least:.3g} {units}. "
                 "{advice}",
                 now=now, units=UNITS[i], share=share, least=least, advice=advice)
