@@ -90,8 +90,12 @@ def _told(here: Here, design: Design, wanted: Wanted, L: np.ndarray, calm: list[
     x, u, z, y = (whole(name, noisy)[:count] for name in ("x", "u", "z", "y"))
     errors, still = (whole("error", of)[:count].reshape(count, 3, r) for of in (noisy, calm))
     readout, A_L = wanted.solved.readout, error_matrix(wanted.solved, L)
-    law = np.concatenate([_law(p.error.reshape(len(p.t), 3, r)[0, index], len(p.t), A_L, readout, here.dt)[:-1] for p in calm[:-1]]
-                         + [_law(calm[-1].error.reshape(len(calm[-1].t), 3, r)[0, index], len(calm[-1].t), A_L, readout, here.dt)])[:count]
+    row, seen = wanted.solved.V[1] * here.scale, L @ here.inner.C
+
+    def law_of(p: BilinearRun) -> np.ndarray:  # w = μ̂ − μ, and in the form without ẏ μ̂ = χ + L y
+        w = p.z[0, index * q:(index + 1) * q] + (seen @ p.x[0] if index == 0 else 0.0) - row @ p.x[0]
+        return _law(w, len(p.t), A_L, readout, here.dt)
+    law = np.concatenate([*(law_of(p)[:-1] for p in calm[:-1]), law_of(calm[-1])])[:count]
     g, estimates = whole("g", noisy)[:count, :r], whole("estimate", noisy)[:count].reshape(count, 3, r)
     plant = here.inner
     rate = x @ plant.A.T + u[:, None] * (x @ plant.F.T + plant.B[:, 0])
@@ -102,14 +106,14 @@ def _told(here: Here, design: Design, wanted: Wanted, L: np.ndarray, calm: list[
     return Run(here.dt * np.arange(count), u, x * here.scale, g, estimates, errors, errors - still, law, fed, gap, says.reshape(3, r))
 
 
-def _law(error: np.ndarray, count: int, A: np.ndarray, readout: np.ndarray, h: float) -> np.ndarray:
-    """ε (count, r) of ẇ = A w by the method of the run, Gauss's of order 6: of a linear equation it makes a Padé approximant."""
+def _law(start: np.ndarray, count: int, A: np.ndarray, readout: np.ndarray, h: float) -> np.ndarray:
+    """ε (count, r) of ẇ = A w from w(0) by the method of the run, Gauss's of order 6: of a linear equation it makes a Padé approximant."""
     q = len(A)
     Z = A * h
     even, odd = np.eye(q) + Z @ Z / 10, Z / 2 + Z @ Z @ Z / 120
     step = np.linalg.solve(even - odd, even + odd)
     w = np.empty((count, q))
-    w[0] = np.linalg.lstsq(readout, error, rcond=None)[0]
+    w[0] = start
     for k in range(1, count):
         w[k] = step @ w[k - 1]
     return np.clip(np.nan_to_num(w @ readout.T, nan=1e15, posinf=1e15, neginf=-1e15), -1e15, 1e15)
