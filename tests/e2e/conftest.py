@@ -136,7 +136,7 @@ def new_tab(browser: Browser, server: str, spare: list[Tab], request: pytest.Fix
     complaints = [line for tab in tabs for line in tab.complaints]
     well = not complaints and request.node.stash.get(PASSED, False)
     for tab in tabs:
-        if well and tab in lent and not spare:
+        if well and tab in lent and not spare and not tab.page.is_closed():
             spare.append(tab)
         else:
             tab.page.context.close()

@@ -72,6 +72,7 @@ FORGET = """() => {
 }"""
 ON_BODY = "() => { document.body.tabIndex = -1; document.body.focus(); document.body.removeAttribute('tabindex'); }"
 ON_TOP = "() => document.querySelectorAll('[data-scrollarea-viewport]').forEach(view => { view.scrollTop = 0; })"
+CLOSE = re.compile("^(close|关闭)$")
 MORE = re.compile("^(more|更多)( knobs|旋钮)?$")
 HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
@@ -124,9 +125,7 @@ class Tab:
     def begin_anew(self, width: int, height: int) -> None:
         """Make the page as it was when it was opened, without loading it: the lab forgets all, as its own button does."""
         self.page.set_viewport_size({"width": width, "height": height})
-        for _ in range(self.page.locator(".mantine-Modal-content").count()):
-            self.page.keyboard.press("Escape")
-        eventually(lambda: self.page.locator(".mantine-Modal-content").count(), lambda n: n == 0, "dialogs closed")
+        eventually(self.close_a_dialog, lambda left: left == 0, "dialogs closed")
         if self.button("English").count():
             self.press("English")
         words = LESSONS[OPENING].words["en"]
@@ -149,6 +148,14 @@ class Tab:
         """Dismiss the notifications that are there, that of software rendering among them."""
         self.page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())")
         eventually(lambda: self.page.locator(".mantine-Notification-root").count(), lambda n: n == 0, "notices closed")
+
+    def close_a_dialog(self) -> int:
+        """Close a dialog if one is open; how many there were."""
+        dialogs = self.page.locator(".mantine-Modal-content")
+        if open_ := dialogs.count():
+            dialogs.last.get_by_role("button", name=CLOSE).last.click()
+            self.answered()
+        return open_
 
     # --- waiting ---------------------------------------------------------------------------------------------------
     def answered(self, rests: bool = False) -> None:
