@@ -100,7 +100,7 @@ def blank(browser: Browser) -> Iterator[Page]:
 
 
 @pytest.fixture(scope="session")
-def spare(browser: Browser, server: str) -> Iterator[list[Tab]]:
+def spare(browser: Browser) -> Iterator[list[Tab]]:
     """A tab that a test has left well, for the next one: to load the page costs as much as most tests."""
     tabs: list[Tab] = []
     yield tabs
@@ -121,8 +121,10 @@ def new_tab(browser: Browser, server: str, spare: list[Tab], request: pytest.Fix
         hangs something of its own into it.
         """
         lends = not motion and not own and width >= WIDE
-        if lends and spare:
-            tab = spare.pop()
+        left = next((tab for tab in spare if tab.address == server), None)
+        if lends and left is not None:
+            spare.remove(left)
+            tab = left
             tab.begin_anew(width, height)
         else:
             context = browser.new_context(viewport={"width": width, "height": height},

@@ -32,7 +32,7 @@ def server() -> Iterator[str]:
 
 
 def test_every_step_of_a_quick_hand_arrives_on_a_slow_server(new_tab: Callable[..., Tab]) -> None:
-    tab = new_tab()
+    tab = new_tab(own=True)
     tab.thumb(SLIDER).focus()
     seen = []
     for _ in range(STEPS):
@@ -49,7 +49,7 @@ def test_every_step_of_a_quick_hand_arrives_on_a_slow_server(new_tab: Callable[.
 
 def test_a_hand_that_pauses_between_steps_loses_none(new_tab: Callable[..., Tab]) -> None:
     """Steps that come while the final picture of an earlier one is on its way."""
-    tab = new_tab()
+    tab = new_tab(own=True)
     tab.thumb(SLIDER).focus()
     for k in range(8):
         tab.quick_keys("ArrowRight", 1)
