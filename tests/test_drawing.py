@@ -16,7 +16,7 @@ from app.lesson.lesson import Lesson
 from app.text import same, squared, symbol, text
 from app.view.charts import even
 from app.view.knobs import decades, in_tens
-from app.view.lettering import Box, along, beside, width
+from app.view.lettering import Box, along, beside, folded, width
 from app.view.svg import FRAME, H, W, draw
 from lessons import LESSONS
 
@@ -110,6 +110,19 @@ def test_names_of_marks_that_crowd_do_not_lie_on_each_other() -> None:
 
 def test_a_chinese_word_is_as_wide_as_its_characters_are_high() -> None:
     assert width("观测器", 10.0) == pytest.approx(30.0) and width("abc", 10.0) < 20.0 and width("x̂") == width("x")
+
+
+PIECES = "not", "computed", "yet:", "→", "θ(0) [°]", "尚未计算：", "请按旋钮下方的按钮", "再看，"
+
+
+@given(st.lists(st.sampled_from(PIECES), min_size=1, max_size=9), st.sampled_from(("", " ", "   ")), st.floats(6.0, 60.0))
+def test_words_are_folded_into_lines_that_fit_and_lose_nothing(parts: list[str], between: str, most: float) -> None:
+    said = between.join(parts)
+    lines = folded(said, most).split("\n")
+    assert re.sub(r"\s", "", "".join(lines)) == re.sub(r"\s", "", said)
+    assert all(width(line, 1.0) <= most or not re.search(r"\s|[\u2e80-\uffee][^，：]", line) for line in lines)
+    assert not any(line.startswith(("，", "：")) for line in lines[1:])
+    assert len(lines) == 1 or width(said, 1.0) > most
 
 
 # --- matrices --------------------------------------------------------------------------------------------------------

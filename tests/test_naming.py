@@ -1,19 +1,30 @@
-"""Names on a pole board cover neither a mark nor another name, in whatever size they are written."""
+"""Words on a pole board and on a map cover neither a mark nor other words, in whatever size they are written."""
 
 from __future__ import annotations
 
+import itertools
 import math
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from laws import holds_for_all
 
+from app.lesson.figures import MapFigure
 from app.lesson.lesson import Board, Lesson
 from app.view.boards import FRAME, HEIGHT, WIDTH
+from app.view.lettering import Box, width
+from app.view.mapboard import NEARER, place, written
 from app.view.naming import NEAR, REACH, Place, free_place, leader, pole_name
+from app.view.stage import CAMERAS, FACTORS_AT, SIGHT, factors, letters, retreat
 from lessons import LESSONS
 
+WINDOWS = {"laptop": (626, 768, False), "hall": (846, 1080, True), "small hall": (590, 720, True), "phone": (390, 844, False),
+           "wide": (1400, 1080, True)}  # px of the stage across and up, and whether in large print
 SIZES = (0.15, 0.2, 0.25)  # of the letters in stage units: a laptop's, a hall's, a phone's
 inside = st.tuples(st.floats(-WIDTH / 2, WIDTH / 2), st.floats(0.0, HEIGHT / 2))
 
@@ -90,3 +101,55 @@ def test_a_line_leads_from_a_far_name_to_its_mark(mark: tuple[float, float], to:
 def test_where_there_is_no_room_there_is_no_name() -> None:
     marks = [(x / 8, z / 8) for x in range(-14, 15) for z in range(-12, 13)]
     assert free_place(0.0, 0.0, "−5 ± 3j", 0.15, FRAME, [], marks) is None
+
+
+class Eye:
+    """What the composed view shows of the stage: a pinhole, in heights of the window, up and to the right."""
+
+    def __init__(self, across: int, up: int, lecture: bool) -> None:
+        camera: Any = SimpleNamespace(image_width=across, image_height=up)
+        position, target = (np.array(each) for each in CAMERAS["all"])
+        self.em, self._eye = letters(camera, lecture), target + retreat(across / up) * (position - target)
+        ahead = (target - self._eye) / np.linalg.norm(target - self._eye)
+        right = np.cross(ahead, (0.0, 0.0, 1.0))
+        right /= np.linalg.norm(right)
+        self._axes = np.array([right, np.cross(right, ahead), ahead])
+
+    def at(self, point: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Where a point is seen, and how large one stage unit is there."""
+        x, y, depth = self._axes @ (np.array(point) - self._eye)
+        unit = 1 / (2 * math.tan(SIGHT / 2) * depth)
+        return x * unit, -y * unit, unit
+
+    def box(self, words: str, point: tuple[float, float, float], anchor: str, em: float) -> Box:
+        """What words in letters of a size cover."""
+        x, y, unit = self.at(point)
+        lines = words.split("\n")
+        wide, tall = max(width(line, em) for line in lines) * unit, 1.1 * em * unit * len(lines)
+        up, across = anchor.split("-")
+        left = x - wide * {"left": 0.0, "center": 0.5, "right": 1.0}[across]
+        top = y - tall * {"top": 0.0, "center": 0.5, "bottom": 1.0}[up]
+        return Box(left, top, left + wide, top + tall)
+
+
+def test_words_on_a_map_cover_no_other_words_empty_or_computed() -> None:
+    """Nor does what is said of the plant's motion lie on them or on the map."""
+    def law(lesson: str, window: str, language: str, empty: bool) -> None:
+        eye, (figure, body) = Eye(*WINDOWS[window]), maps[lesson]
+        figure = replace(figure, values=np.full_like(figure.values, -1 if empty else 0))
+        em = eye.em * NEARER
+        said = {name: eye.box(what.words, what.at, what.anchor, em) for name, what in written(figure, language, em).items()}
+        assert any(name.endswith("empty") for name in said) == empty
+        said["factors"] = eye.box(factors(body, language), FACTORS_AT[True], "bottom-right", eye.em)
+        names = list(said)
+        assert not [(a, b) for i, a in enumerate(names) for b in names[:i] if said[a].meets(said[b])]
+        (left, far, _), (right, _, _) = eye.at(place(0.0, 1.0)), eye.at(place(1.0, 1.0))
+        assert said["factors"].bottom <= far or said["factors"].left >= right or said["factors"].right <= left
+        half = 0.5 * WINDOWS[window][0] / WINDOWS[window][1]
+        assert all(-half < box.left and box.right < half for box in said.values())
+    maps = {}
+    for lesson in (lesson for lesson in LESSONS.values() if lesson.pick is not None):
+        outcome = lesson.compute(lesson.start())
+        assert outcome.stage is not None
+        maps[lesson.id] = next(f for f in lesson.figures(outcome) if isinstance(f, MapFigure)), outcome.stage.body
+    holds_for_all(itertools.product(maps, WINDOWS, ("en", "zh"), (True, False)), law, lambda *case: str(case))

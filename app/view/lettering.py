@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import html
+import math
+import re
 import unicodedata
 from collections.abc import Sequence
 from types import MappingProxyType
@@ -21,6 +23,20 @@ SAMPLE, GAP = 20.0, 14.0  # of an entry of the key: the length of its line, the 
 def width(words: str, size: float = SIZE) -> float:
     """About how many pixels words take: a Chinese character is as wide as it is high, a Latin one little more than half."""
     return size * sum(1.0 if unicodedata.east_asian_width(c) in "WF" else 0.0 if unicodedata.combining(c) else 0.56 for c in words)
+
+
+def folded(words: str, most: float) -> str:
+    """Words in lines of about equal length of which none is wider than `most` letters, where they can be broken: at spaces, and
+    between Chinese characters but not before a comma or a stop."""
+    pieces = re.findall(r"[\u2e80-\uffee][，。：；、）”！？]*|[^\s\u2e80-\uffee]+\s*|\s+", words)
+    count = max(1, math.ceil(width(words, 1.0) / max(most, 1.0)))
+    lines = [""]
+    for piece in pieces:
+        longest = min(1.1 * width(words, 1.0) / count, most) if len(lines) < count else most
+        if lines[-1] and width((lines[-1] + piece).rstrip(), 1.0) > longest:
+            lines.append("")
+        lines[-1] += piece
+    return "\n".join(line.strip() for line in lines)
 
 
 class Box(NamedTuple):

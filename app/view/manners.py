@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import viser
 
+from ..tab.commands import Edit, Watched
 from . import quirks
 from .grips import BEST, FAINT, GRIPS
 
@@ -31,3 +34,13 @@ def teach(client: viser.ClientHandle) -> None:
     for name in ONCE:
         quirks.run(client, name)
     quirks.pulse_once(client, GRIPS, BEST, FAINT)
+
+
+def ask_who_looks(client: viser.ClientHandle, post: Callable[[Edit], object]) -> None:
+    """Ask the page whether anybody sees it; then a run that has not begun is shown in motion."""
+    seen = client.gui.add_number("", -1.0, visible=False)  # neither answer, so that either is heard
+
+    @seen.on_update
+    async def _(event: viser.GuiEvent) -> None:
+        post(Watched(event.target.value))
+    quirks.ask_whether_seen(client, seen)

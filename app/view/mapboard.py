@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 import viser
 
 from ..lesson.figures import COLOURS, MapFigure
+from ..tab.picture import Picture
 from ..text import wording
 from . import phrases
+from .lettering import folded
 from .letters import Letters
 from .solids import rgb
 from .ticks import ticks
@@ -18,20 +22,70 @@ from .ticks import ticks
 WIDTH, DEPTH, TILT = 3.2, 1.7, 0.42  # stage units, radians
 NEARER = 0.75  # of the way from the eye to the boards: letters of this size look as large as theirs
 CENTRE = np.array([0.0, -2.75, 0.36])
+ACROSS, UP = np.array([1.0, 0.0, 0.0]), np.array([0.0, math.cos(TILT), math.sin(TILT)])
+FAR = 0.85  # of the width of the near edge that the far one seems to have
+GAP = 0.06  # stage units between the map's edge and its numbers
+LINE = 2.0  # height of a line in the size of its letters, laid on the map's plane, which the eye sees from low above
+EMPTY = MappingProxyType({False: (226, 229, 234), True: (52, 60, 71)})  # what is not computed, by day and in the dark
+Vector = tuple[float, float, float]
+
+
+class Written(NamedTuple):
+    """Words on the map's face or beside it: the place in stage units, and which point of the words stands there."""
+
+    words: str
+    at: Vector
+    anchor: str
+
+
+def map_of(picture: Picture) -> MapFigure | None:
+    """The map that lies on the stage of a picture's lesson, if it has one."""
+    return None if picture.lesson.pick is None else next((f for f in picture.seen if isinstance(f, MapFigure)), None)
+
+
+def edges(figure: MapFigure) -> tuple[tuple[float, float], tuple[float, float]]:
+    """A map's outer edges: half a cell beyond the first and last values."""
+    out = []
+    for v in (figure.x, figure.y):
+        half = (float(v[1]) - float(v[0])) / 2 if len(v) > 1 else 0.5
+        out.append((float(v[0]) - half, float(v[-1]) + half))
+    return out[0], out[1]
+
+
+def place(x: float, y: float, left: float = 0.0, down: float = 0.0) -> Vector:
+    """The point of the stage at shares (x, y) of the map, moved to the left and towards the eye by stage units."""
+    point = CENTRE + ACROSS * ((x - 0.5) * WIDTH - left) + UP * ((y - 0.5) * DEPTH - down)
+    return float(point[0]), float(point[1]), float(point[2])
+
+
+def written(figure: MapFigure, language: str, em: float) -> dict[str, Written]:
+    """What is written in letters of size `em`: numbers at the left and the near edge, the nearer ones below the farther, under them
+    the title with the names of the axes; in the middle of a map that is empty, that it is."""
+    (x0, x1), (y0, y1) = edges(figure)
+    out = {}
+    for x in ticks(float(figure.x[0]), float(figure.x[-1]), 5):
+        out[f"/map/x{x:g}"] = Written(f"{x:g}".replace("-", "−"), place((x - x0) / (x1 - x0), 0.0, down=GAP + LINE / 2 * em), "top-center")
+    for y in ticks(float(figure.y[0]), float(figure.y[-1]), max(1, min(4, int(DEPTH / (LINE * em)) - 1))):
+        out[f"/map/y{y:g}"] = Written(f"{y:g}".replace("-", "−"), place(0.0, (y - y0) / (y1 - y0), left=GAP), "center-right")
+    axes = f"→  {wording(figure.x_label, language)}   ↑  {wording(figure.y_label, language)}"
+    title = folded(f"{figure.title(language)}   {axes}", (WIDTH + 2.0) / em)
+    out["/map/title"] = Written(title, place(0.5, 0.0, down=GAP + 1.6 * LINE * em), "top-center")
+    if np.all(figure.values < 0):
+        out["/map/empty"] = Written(folded(phrases.MAP_EMPTY(language), FAR * WIDTH / em - 1.0), place(0.5, 0.6), "center-center")
+    return out
 
 
 class MapBoard:
     """The map as a picture in the scene; a click gives the point of the map under it."""
 
-    def __init__(self, client: viser.ClientHandle, language: str, em: float, pick: Callable[[float, float], object]) -> None:
+    def __init__(self, client: viser.ClientHandle, language: str, em: float, dark: bool, pick: Callable[[float, float], object]) -> None:
         self._scene, self._language, self._pick = client.scene, language, pick
+        self._empty = EMPTY[dark]
         self._letters = Letters(client.scene, em * NEARER)
+        self._labels: dict[str, tuple[viser.LabelHandle, Written]] = {}
         self._figure: MapFigure | None = None
         self._image: viser.ImageHandle | None = None
         self._mark: viser.IcosphereHandle | None = None
-        self._title: viser.LabelHandle | None = None
-        self._across = np.array([1.0, 0.0, 0.0])
-        self._up = np.array([0.0, math.cos(TILT), math.sin(TILT)])
 
     def show(self, figure: MapFigure) -> None:
         """Draw the map's present values."""
@@ -42,20 +96,15 @@ class MapBoard:
         if first:
             self._paint(figure)
         if figure.marked is not None:
-            where = self._at(*figure.marked)
+            (x0, x1), (y0, y1) = edges(figure)
+            where = place((figure.marked[0] - x0) / (x1 - x0), (figure.marked[1] - y0) / (y1 - y0))
             if self._mark is None:
                 self._mark = self._scene.add_icosphere("/map/mark", 0.055, (0, 0, 0), position=where)
             else:
                 self._mark.position = where
 
-    def _name(self, figure: MapFigure) -> str:
-        empty = bool(np.all(figure.values < 0))
-        across, up = wording(figure.x_label, self._language), wording(figure.y_label, self._language)
-        tail = phrases.MAP_EMPTY(self._language) if empty else f"→  {across}   ↑  {up}"
-        return f"{figure.title(self._language)}   {tail}"
-
     def _paint(self, figure: MapFigure) -> None:
-        colours = np.array([(226, 229, 234), *(rgb(COLOURS[role]) for _, role in figure.categories)], dtype=np.uint8)
+        colours = np.array([self._empty, *(rgb(COLOURS[role]) for _, role in figure.categories)], dtype=np.uint8)
         small = colours[np.asarray(figure.values, dtype=int)[::-1] + 1]
         scale = max(1, math.ceil(240 / max(small.shape[:2])))
         image = np.kron(small, np.ones((scale, scale, 1), dtype=np.uint8))
@@ -64,52 +113,42 @@ class MapBoard:
             self._image = self._scene.add_image("/map/picture", image, WIDTH, DEPTH, format="png", cast_shadow=False,
                                                 receive_shadow=False, position=tuple(CENTRE),
                                                 wxyz=(math.cos(half), math.sin(half), 0.0, 0.0))
-            self._letter(figure)
 
             @self._image.on_click
             async def _(event: viser.SceneNodePointerEvent) -> None:
                 self._clicked(np.array(event.ray_origin), np.array(event.ray_direction))
         else:
             self._image.image = image
-        if self._title is not None and self._title.text != self._name(figure):
-            self._title.text = self._name(figure)
+        self._letter()
 
-    def _letter(self, figure: MapFigure) -> None:
-        for x in ticks(float(figure.x[0]), float(figure.x[-1]), 5):
-            self._letters.write(f"/map/x{x:g}", f"{x:g}".replace("-", "−"), self._at(x, float(figure.y[0]), down=0.06), "top-center")
-        for y in ticks(float(figure.y[0]), float(figure.y[-1]), 4):
-            self._letters.write(f"/map/y{y:g}", f"{y:g}".replace("-", "−"), self._at(float(figure.x[0]), y, left=0.06), "center-right")
-        x, y, z = (CENTRE + self._up * (DEPTH / 2 - 0.2)).tolist()
-        self._title = self._letters.write("/map/title", "", (x, y, z), "bottom-center")
+    def _letter(self) -> None:
+        """Write what is to be read now, and where."""
+        assert self._figure is not None
+        wanted = written(self._figure, self._language, self._letters.em)
+        for name, (label, _) in self._labels.items():  # hidden, not taken away: larger letters may need fewer numbers for a while
+            if label.visible != (name in wanted):
+                label.visible = name in wanted
+        for name, what in wanted.items():
+            anchor: Any = what.anchor
+            held = self._labels.get(name)
+            if held is not None and what != held[1]:
+                held[0].text, held[0].position = what.words, what.at
+            self._labels[name] = self._letters.write(name, what.words, what.at, anchor) if held is None else held[0], what
 
     def fit(self, em: float) -> bool:
         """Write in letters as large as the window asks for; whether that changed anything."""
-        return self._letters.resize(em * NEARER)
-
-    def _at(self, x: float, y: float, left: float = 0.0, down: float = 0.0) -> tuple[float, float, float]:
-        assert self._figure is not None
-        (x0, x1), (y0, y1) = self._edges()
-        point = (CENTRE + self._across * ((x - x0) / (x1 - x0) - 0.5) * WIDTH
-                 + self._up * ((y - y0) / (y1 - y0) - 0.5) * DEPTH)
-        point = point - left * self._across - down * self._up
-        return float(point[0]), float(point[1]), float(point[2])
-
-    def _edges(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The map's outer edges: half a cell beyond the first and last values."""
-        assert self._figure is not None
-        out = []
-        for v in (self._figure.x, self._figure.y):
-            half = (float(v[1]) - float(v[0])) / 2 if len(v) > 1 else 0.5
-            out.append((float(v[0]) - half, float(v[-1]) + half))
-        return out[0], out[1]
+        changed = self._letters.resize(em * NEARER)
+        if changed and self._figure is not None:
+            self._letter()
+        return changed
 
     def _clicked(self, origin: np.ndarray, ray: np.ndarray) -> None:
-        normal = np.cross(self._across, self._up)
+        normal = np.cross(ACROSS, UP)
         slope = float(ray @ normal)
         if self._figure is None or abs(slope) < 1e-9:
             return
         hit = origin + ray * float((CENTRE - origin) @ normal) / slope - CENTRE
-        (x0, x1), (y0, y1) = self._edges()
-        x = x0 + (float(hit @ self._across) / WIDTH + 0.5) * (x1 - x0)
-        y = y0 + (float(hit @ self._up) / DEPTH + 0.5) * (y1 - y0)
+        (x0, x1), (y0, y1) = edges(self._figure)
+        x = x0 + (float(hit @ ACROSS) / WIDTH + 0.5) * (x1 - x0)
+        y = y0 + (float(hit @ UP) / DEPTH + 0.5) * (y1 - y0)
         self._pick(min(max(x, x0), x1), min(max(y, y0), y1))

@@ -10,11 +10,10 @@ from typing import Any, cast
 import numpy as np
 import viser
 
-from ..lesson.figures import MapFigure
 from ..tab.picture import Picture, tempo
 from . import quirks
 from .boards import BoardView
-from .mapboard import MapBoard
+from .mapboard import MapBoard, map_of
 from .stage import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, StageView, letters
 from .style import digits_of
 
@@ -92,10 +91,10 @@ def _boards(client: viser.ClientHandle, picture: Picture, em: float) -> list[Boa
 
 def _maps(client: viser.ClientHandle, picture: Picture, em: float) -> list[MapBoard]:
     """The map in front of the stage, if the lesson has one and it has been computed."""
-    figure = next((f for f in picture.seen if isinstance(f, MapFigure)), None)
-    if figure is None or picture.lesson.pick is None or np.all(figure.values < 0):
+    figure = map_of(picture)
+    if figure is None or np.all(figure.values < 0):
         return []
-    board = MapBoard(client, picture.state.language, em, lambda x, y: None)
+    board = MapBoard(client, picture.state.language, em, picture.state.darkness, lambda x, y: None)
     board.show(figure)
     return [board]
 

@@ -9,9 +9,9 @@ from typing import Any
 import viser
 
 from ..lesson.course import Progress
-from ..lesson.figures import MapFigure, below, tabs
+from ..lesson.figures import below, tabs
 from ..lesson.lesson import Board
-from ..tab.commands import Command, Edit, PickPoint, SetKnobs, Watched
+from ..tab.commands import Command, Edit, PickPoint, SetKnobs
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
 from ..text import Text
@@ -22,8 +22,8 @@ from .charts import Chart, completes, stale
 from .columns import Columns
 from .course import Course
 from .help import Help
-from .manners import teach
-from .mapboard import MapBoard
+from .manners import ask_who_looks, teach
+from .mapboard import MapBoard, map_of
 from .mark import Mark
 from .panel import Panel
 from .player import Player
@@ -80,6 +80,7 @@ class Screen(Browser):
             self._style = gui.add_html(sheet_of(picture), order=-1e9)
             self._panel = Panel(gui, picture, self._post)
             quirks.run(self._client, "fields", fields=self._panel.fields)
+            quirks.run(self._client, "fill", large=picture.state.lecture)
             self._right_panel(picture)
             self._transport = Transport(gui, picture, self._post)
             self._mark = Mark(gui, self._post)
@@ -89,7 +90,8 @@ class Screen(Browser):
             self._columns.add(gui.main_panel, sizes.left)
             self._columns.watch(self._client)
             self._commands(language)
-            self._stage.compose(bool(picture.boards) or picture.lesson.pick is not None)
+            charted = picture.lesson.pick is not None
+            self._stage.compose(bool(picture.boards) or charted, charted, picture.state.lecture)
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             self._player = Player(self._client, self._stage, self._transport)
@@ -99,7 +101,7 @@ class Screen(Browser):
                 self._stage.follow_window()
                 self._fit_grips()
                 self._looked = True
-            self._watch()
+            ask_who_looks(self._client, self._post)
             listen_to_the_window(self._client, self._post)
             quirks.name_page(self._client, f"{picture.lesson.words[language].title} · {quirks.NAME}", language)
             quirks.say_in(self._client, language)
@@ -247,15 +249,6 @@ class Screen(Browser):
                         self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state),
                                                        picture.horizon, below(picture.seen, figure))
 
-    def _watch(self) -> None:
-        """Ask the page whether anybody sees it; then a run that has not begun is shown in motion."""
-        seen = self._client.gui.add_number("", -1.0, visible=False)  # neither answer, so that either is heard
-
-        @seen.on_update
-        async def _(event: viser.GuiEvent) -> None:
-            self._post(Watched(event.target.value))
-        quirks.ask_whether_seen(self._client, seen)
-
     def _commands(self, language: str) -> None:
         for shortcut in SHORTCUTS:
             handle = self._client.gui.add_command(shortcut.label(language), hotkey=shortcut.key,  # type: ignore[arg-type]
@@ -290,11 +283,10 @@ class Screen(Browser):
                 self._client.flush()
 
     def _show_map(self, picture: Picture) -> None:
-        if picture.lesson.pick is None:
+        figure = map_of(picture)
+        if figure is None:
             return
-        for figure in picture.seen:
-            if isinstance(figure, MapFigure):
-                if self._map is None:
-                    self._map = MapBoard(self._client, picture.state.language, letters(self._client.camera, picture.state.lecture),
-                                         lambda x, y: self._post(PickPoint(x, y)))
-                self._map.show(figure)
+        if self._map is None:
+            self._map = MapBoard(self._client, picture.state.language, letters(self._client.camera, picture.state.lecture),
+                                 picture.state.darkness, lambda x, y: self._post(PickPoint(x, y)))
+        self._map.show(figure)

@@ -14,6 +14,7 @@ from . import quirks
 LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of the run
 LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
 LARGE = 0.021  # of the window's height: a letter's size in large print; `lecture.css` says the same
+PHONE = 576.0  # px of a window's width below which a sheet lies over the stage; `page.css` says the same
 BAR = 12.0  # px between the panel of the run and the columns
 
 
@@ -43,6 +44,11 @@ class Sizes:
         """px of the panel of the run: all the stage has in large print, so that its buttons stand in one row."""
         stage = self.state.window[0] - self.left - self.right - 2 * BAR
         return max(stage, 300.0) if self.state.lecture else min(RUN, max(stage, 300.0))
+
+    @property
+    def lists_keys(self) -> bool:
+        """Whether a button opens the list of keys: in a hall a key does, and its row is full; a phone has no keys."""
+        return not self.state.lecture and self.state.window[0] >= PHONE
 
     @property
     def chart_letter(self) -> int:

@@ -17,6 +17,7 @@ from ..plants.body import Body, Vector
 from ..text import wording
 from . import phrases, quirks
 from .ground import lines, shade
+from .lettering import folded
 from .letters import Letters
 from .moves import Frame, Value, changed, flat
 from .pinghosts import PinGhosts
@@ -26,6 +27,10 @@ from .trails import ErrorLines
 PHONE = 0.62  # width over height below which the panels lie over the lower half
 NARROW = 0.90  # width over height of a canvas that just shows both boards
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
+FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
+FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
+SHEET = 0.14  # of the way to what is looked at: aim this much lower on a phone, above its sheet
+LOWER = 0.04, 0.015  # of the way to what is looked at: aim this much lower above the run in large print, and above a map
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 FLOOR, DARK_FLOOR = (214, 220, 229), (58, 66, 78)
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
@@ -65,6 +70,12 @@ def retreat(aspect: float) -> float:
     return max(1.0, NARROW / max(aspect, 0.2))
 
 
+def factors(body: Body, language: str) -> str:
+    """How many times motion and arrows of a body are exaggerated, nothing where they are not; in lines, to stand beside it."""
+    times = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
+    return folded(phrases.AND(language).join(phrase.format(factor=factor)(language) for phrase, factor in times if factor != 1), FACTORS)
+
+
 class StageView:
     """One tab's stage. Sends only what changed since the last pose. With `trails` its ghost leaves some while the tab is not `calm`."""
 
@@ -86,7 +97,7 @@ class StageView:
         self.built: object = None  # another one whenever a place may mean another frame
         self._arrived = False  # whether the browser has said that it looks from where it was told to
         self._whole = self._seen_from = CAMERAS["all"]  # from where everything is seen, and from where the stage is
-        self._aspect = 1.0
+        self._aspect, self._lower, self._charted = 1.0, 0.0, False
 
     def furnish(self, dark: bool) -> None:
         """Floor, light, background and the default camera of an empty stage."""
@@ -122,12 +133,13 @@ class StageView:
         self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
         self._look()
 
-    def compose(self, boards: bool) -> None:
-        """Whether boards stand behind the plant: without them the whole view is nearer."""
-        whole = CAMERAS["all" if boards else "bare"]
-        before, self._whole = self._whole, whole
-        if self._seen_from == before != whole:
-            self._seen_from = whole
+    def compose(self, boards: bool, charted: bool, lecture: bool) -> None:
+        """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print."""
+        whole, lower = CAMERAS["all" if boards else "bare"], LOWER[0] * lecture + LOWER[1] * charted
+        before, self._whole, self._charted = self._whole, whole, charted
+        if self._seen_from == before != whole or lower != self._lower:
+            self._lower = lower
+            self._seen_from = whole if self._seen_from == before else self._seen_from
             self._look()
 
     def eye(self) -> tuple[float, ...] | None:
@@ -145,9 +157,9 @@ class StageView:
         return np.concatenate([target + (np.array(camera.position) + lift - target) / back, target])
 
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
-        """How many times farther off a narrow window looks from, and how far below the target a phone aims."""
+        """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
         back = retreat(self._aspect)
-        return back, 0.14 * back * abs(place[0][1] - place[1][1]) if self._aspect < PHONE else 0.0  # above a phone's sheet
+        return back, (SHEET if self._aspect < PHONE else self._lower) * back * abs(place[0][1] - place[1][1])
 
     def _look(self) -> None:
         self._arrived = False
@@ -185,7 +197,8 @@ class StageView:
             self._scene.add_icosphere(f"/spread/{i}", 1.0, rgb(GHOST_COLOUR), opacity=0.16, cast_shadow=False,
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
-        self._factor(body, language)
+        said = factors(body, language)
+        self._letters.write("/factor", said, FACTORS_AT[self._charted], "bottom-right", visible=bool(said))
         self._say(stage, language)
         self._names = [self._letters.write(f"/name/{i}", wording(words, language), place, "top-center")
                        for i, (words, place) in enumerate(body.labels)]
@@ -193,12 +206,6 @@ class StageView:
     def fit(self, em: float) -> bool:
         """Write in letters as large as the window asks for; whether that changed anything."""
         return self._letters.resize(em)
-
-    def _factor(self, body: Body, language: str) -> None:
-        """How many times motion and arrows are exaggerated, beside the plant."""
-        factors = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
-        words = phrases.AND(language).join(phrase.format(factor=times)(language) for phrase, times in factors if times != 1)
-        self._letters.write("/factor", words, (2.9, -0.6, 0.12), "center-right", visible=bool(words))
 
     def _say(self, stage: Stage, language: str) -> None:
         """What would surprise in this run, in lines in front of the plant."""

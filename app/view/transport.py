@@ -73,7 +73,7 @@ class Transport:
         if picture.lesson.kick:
             words.append(phrases.KICK)
         words += [phrases.REWIND, phrases.SLOWER, phrases.FASTER, phrases.UNDO, phrases.REDO, phrases.RESET, phrases.VIEW]
-        if not picture.state.lecture:  # a key opens the list of keys, and a hall's row is full
+        if Sizes(picture.state).lists_keys:
             words.append(phrases.HELP)
         return tuple(w(self._lang) for w in words)
 

@@ -6,13 +6,14 @@ from typing import Any, NamedTuple
 
 from tab import Tab
 
+MOST_EMPTY = 0.4  # of the figures' column in large print, where there is more to show
 PHONE = 576  # px of width below which viser lays a sheet over the stage
 PARTS = ("predict", "knobs", "curves", "why", "tasks")
 MEASURE = """() => {
   const seen = e => e.checkVisibility({opacityProperty: true, visibilityProperty: true}) && e.getClientRects().length > 0;
   const scale = e => { const box = e.ownerSVGElement ?? e; const m = box.getScreenCTM?.(); return m ? Math.hypot(m.a, m.b) : 1; };
   const inside = (a, b, by) => a.left >= b.left - by && a.right <= b.right + by;
-  const out = {words: 1e9, smallest: '', cut: [], over: []};
+  const out = {words: 1e9, smallest: '', cut: [], over: [], peeps: []};
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   for (let node; (node = walk.nextNode());) {
     const e = node.parentElement, words = node.textContent.trim();
@@ -26,9 +27,10 @@ MEASURE = """() => {
   }
   for (const e of document.querySelectorAll('.ol-question, .ol-note, .ol-caption, .mantine-Button-label, .ol-option'))
     if (seen(e) && e.clientWidth && e.scrollWidth > e.clientWidth + 1) out.cut.push(e.textContent.slice(0, 40));
-  for (const svg of document.querySelectorAll('.ol-figure svg')) {
-    if (!seen(svg)) continue;
-    const names = [...svg.querySelectorAll('text')].map(t => [t.textContent, t.getBoundingClientRect()]).filter(([w]) => w.trim());
+  for (const drawn of document.querySelectorAll('.ol-figure svg, .u-over')) {
+    if (!seen(drawn)) continue;
+    const named = [...drawn.querySelectorAll('text, .ol-name:not([hidden])')].filter(t => t.textContent.trim());
+    const names = named.map(t => [t.textContent, t.getBoundingClientRect()]);
     names.forEach(([a, p], i) => names.slice(i + 1).forEach(([b, q]) => {
       const [x, y] = [Math.min(p.right, q.right) - Math.max(p.left, q.left), Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top)];
       if (x > 2 && y > 0.3 * Math.min(p.height, q.height)) out.over.push(`${a} on ${b}`.slice(0, 60));
@@ -39,9 +41,15 @@ MEASURE = """() => {
       const size = parseFloat(String(axis.font?.[0] ?? '').match(/([\\d.]+)px/)?.[1]) / devicePixelRatio;
       if (size < out.words) { out.words = size; out.smallest = 'numbers of a chart'; }
     }
-  const column = document.querySelector('[data-dock-region=right]')?.getBoundingClientRect();
-  const last = Math.max(0, ...[...document.querySelectorAll('.ol-caption')].filter(seen).map(e => e.getBoundingClientRect().bottom));
-  out.empty = column ? Math.max(0, 1 - last / column.height) : 0;
+  const captions = [...document.querySelectorAll('[data-dock-region=right] .ol-caption[data-figure]')].filter(e => e.checkVisibility());
+  const view = captions[0]?.closest('[data-scrollarea-viewport]'), {top, bottom} = view?.getBoundingClientRect() ?? {};
+  const figures = captions.map(e => e.parentElement.previousElementSibling);
+  const inView = e => { const b = e.getBoundingClientRect(); return Math.max(0, Math.min(b.bottom, bottom) - Math.max(b.top, top)); };
+  const taken = [...figures, ...captions].reduce((sum, e) => sum + inView(e), 0);
+  const could = view && (view.scrollHeight > view.clientHeight + 4 || view.querySelector('.uplot'));  // nothing else to show is no fault
+  out.empty = could ? Math.max(0, 1 - taken / (bottom - top)) : 0;
+  out.peeps = figures.filter(e => e.getBoundingClientRect().bottom > bottom && inView(e) > 4 && inView(e) < .45 * e.offsetHeight)
+    .map(e => e.querySelector('.u-title, caption, text')?.textContent ?? '');
   out.words = Math.round(10 * out.words) / 10;
   return out;
 }"""
@@ -54,7 +62,7 @@ KNOB = """() => {
   const top = document.elementFromPoint(x, y);
   return folder.contains(top) ? '' : `under ${top?.className}`;
 }"""
-HALL = """() => {  // what is not as a hall needs it: the question on top, prose folded, three knobs at most, one figure
+HALL = """() => {  // what is not as a hall needs it: the question on top, prose folded, three knobs at most, one chart
   const out = [], seen = e => e.checkVisibility() && e.getClientRects().length > 0, y = e => e.getBoundingClientRect().top;
   const question = document.querySelector('.ol-question'), column = question.closest('[data-scrollarea-viewport]');
   if ([...column.querySelectorAll('input, button')].some(e => seen(e) && y(e) < y(question))) out.push('the question is not on top');
@@ -65,9 +73,8 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
   const own = e => heads.filter(each => each.parentElement.contains(e)).at(-1) === head;
   const knobs = [...folder.querySelectorAll('label')].filter(e => seen(e) && e.textContent && own(e)).map(e => e.textContent);
   if (knobs.length < 1 || knobs.length > 3) out.push(`knobs: ${knobs}`);
-  const figures = [...document.querySelectorAll('[data-dock-region=right] :is(.uplot, .ol-figure, table.ol-table)')]
-    .filter(e => seen(e) && !e.parentElement.closest('.ol-figure') && e.getBoundingClientRect().bottom <= innerHeight);
-  if (figures.length > 1) out.push(`${figures.length} figures at once`);
+  const charts = [...document.querySelectorAll('[data-dock-region=right] .uplot')].filter(e => seen(e) && y(e) < innerHeight - 4);
+  if (charts.length > 1) out.push(`${charts.length} charts at once`);
   return out;
 }"""
 REACH = """() => {
@@ -108,6 +115,8 @@ def look(tab: Tab, large: bool = False) -> Sight:
             knob = tab.page.evaluate(KNOB)
         found.append(tab.page.evaluate(MEASURE))
     least = min(found, key=lambda it: it["words"])
+    hall = () if not large else (*tab.page.evaluate(HALL), *(f"little more than the title of {w}" for it in found for w in it["peeps"]),
+                                 *(f"{it['empty']:.0%} of the figures' column empty" for it in found if it["empty"] > MOST_EMPTY))
     return Sight(knob, least["words"], round(size["height"] / least["words"], 1), least["smallest"],
                  tuple(w for it in found for w in it["cut"]), tuple(w for it in found for w in it["over"]),
-                 round(max(it["empty"] for it in found), 2), round(screens, 2), tuple(tab.page.evaluate(HALL)) if large else ())
+                 round(max(it["empty"] for it in found), 2), round(screens, 2), hall)

@@ -7,10 +7,15 @@ from pathlib import Path
 
 from tab import Tab, eventually
 
+from app.tab.picture import State
+from app.view.sizes import Sizes
 from lessons import LESSONS, OPENING
 
 SLIDER = "stiffness believed wrong by [%]"
+RUN = "() => document.querySelector('.ol-parts').closest('.mantine-Paper-root').getBoundingClientRect().width"
 SIZE = "() => parseFloat(getComputedStyle(document.querySelector('.ol-question')).fontSize)"
+
+
 def test_the_language_changes_at_run_time_and_the_design_stays(tab: Tab) -> None:
     tab.slide(SLIDER, "ArrowRight", 4)
     eventually(lambda: tab.value(SLIDER), lambda v: v == 4.0, "the slider")
@@ -25,6 +30,7 @@ def test_the_language_changes_at_run_time_and_the_design_stays(tab: Tab) -> None
 def test_large_print_enlarges_the_whole_frame(new_tab: Callable[..., Tab], artefacts: Path) -> None:
     tab = new_tab(1600, 900)
     before = tab.page.evaluate(SIZE)
+    assert tab.page.evaluate(RUN) == Sizes(State(window=(1600.0, 900.0))).run
     tab.press("large print")
     eventually(lambda: tab.page.evaluate(SIZE), lambda size: size > 1.4 * before, "large print")
     tab.picture(artefacts / "lecture.png")
