@@ -3,30 +3,35 @@
 ({large}) => {
   const lab = window.observerLabFill ??= {}, LEAST = .3, HALF = .5, TALLEST = 1.5, CLEAR = 6;  // shares; height over width; px
   lab.large = large;
-  const column = () => document.querySelector('[data-dock-region=right]');
+  const column = () => document.querySelector('[data-dock-region=right]'), rect = each => each.getBoundingClientRect();
 
   const fill = () => {
-    const captions = lab.large ? [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []].filter(each => each.checkVisibility()) : [];
-    const room = captions[0]?.closest('[data-scrollarea-viewport]')?.clientHeight;
+    const all = lab.large ? [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []] : [];
+    const captions = all.filter(each => each.checkVisibility());
+    const view = captions[0]?.closest('[data-scrollarea-viewport]'), room = view?.clientHeight;
     if (!room) return;
     const charts = Object.values(window.__viserTestpoints?.uplots ?? {}).map(held => held.chart);
-    const boxes = captions.map(caption => {
-      const figure = caption.parentElement.previousElementSibling, look = getComputedStyle(caption);
-      return {figure, chart: charts.find(chart => figure?.contains(chart.root)), high: figure?.offsetHeight ?? 0,
-        words: caption.offsetHeight + parseFloat(look.marginTop) + parseFloat(look.marginBottom)};
-    }).filter(box => box.high);
-    let used = 0;
-    for (const {figure, chart, high, words} of boxes) {
-      const frame = chart ? high - chart.height : 0, rest = room - used;
-      const needs = words + (chart ? LEAST * room + frame : high), anew = used > 0 && needs > rest;
-      const apart = anew && rest > 0 && (chart || rest < HALF * high) ? `${Math.ceil(rest) + CLEAR}px` : '';
+    const gap = parseFloat(getComputedStyle(captions[0]).marginBottom) || 0;
+    let page = rect(view.firstElementChild).top, before = null, late = 0;  // where the screenful begins; px that charts are yet to grow
+    for (const caption of captions) {
+      const figure = caption.parentElement.previousElementSibling, chart = charts.find(each => figure?.contains(each.root));
+      if (!figure?.offsetHeight) continue;
+      const high = figure.offsetHeight, frame = chart ? high - chart.height : 0, says = rect(caption).bottom - rect(figure).bottom;
+      const rest = before ? page + room - rect(before).bottom - late - gap : room;
+      const anew = before && (chart ? LEAST * room + frame : high) + says > rest;
+      const apart = anew && rest > 0 && (chart || rest < HALF * high) ? `${Math.ceil(rest + gap) + CLEAR}px` : '';
       if (figure.style.marginTop !== apart) figure.style.marginTop = apart;
-      if (anew) used = 0;
+      const top = rect(figure).top + late;
+      if (anew) page = top;
       if (chart) {
-        const height = Math.round(Math.min(Math.max(room - used - words - frame - CLEAR, LEAST * room), TALLEST * chart.width));
-        if (Math.abs(height - chart.height) > 1) chart.setSize({width: chart.width, height});
-        used += height + frame + words;
-      } else used += high + words;
+        const left = room - (top - page) - frame - says - CLEAR;
+        const height = Math.round(Math.min(Math.max(left, LEAST * room), TALLEST * chart.width)), more = height - chart.height;
+        if (Math.abs(more) > 1) {
+          late += more;
+          chart.setSize({width: chart.width, height});
+        }
+      }
+      before = caption;
     }
   };
   lab.fill = fill;
