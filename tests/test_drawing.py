@@ -150,15 +150,19 @@ def test_a_signal_is_named_as_in_a_formula(name: str, shown: str) -> None:
 
 
 def boxes(drawing: str, large: bool) -> list[tuple[str, Box]]:
-    """What every word of a drawing that is not turned covers, in usual or in large print."""
+    """What every word of a drawing covers, in usual or in large print."""
     out = []
     for look, said in re.findall(r"<text ([^>]*)>([^<]*)</text>", drawing):
         found = dict(re.findall(r'([-\w]+)="([^"]*)"', look))
-        if "transform" in found or not said.strip():
+        if not said.strip():
             continue
         own = re.search(r"--large:([\d.]+)px", look)
         size = float(own[1]) if own and large else 14.6 if large and "font-size" not in found else float(found.get("font-size", 11))
         wide = width(html.unescape(said), size)
+        if turned := re.match(r"translate\(([-\d.]+) ([-\d.]+)\) rotate\(-90\)", found.get("transform", "")):
+            x, end = float(turned[1]), float(turned[2]) + (wide / 2 if found.get("text-anchor") == "middle" else 0.0)
+            out.append((said, Box(x - 0.72 * size, end - wide, x + 0.2 * size, end)))
+            continue
         left = float(found["x"]) - wide * {"start": 0.0, "middle": 0.5, "end": 1.0}[found.get("text-anchor", "start")]
         out.append((said, Box(left, float(found["y"]) - 0.72 * size, left + wide, float(found["y"]) + 0.2 * size)))
     return out

@@ -17,12 +17,15 @@ DASHES = MappingProxyType({"solid": "", **{dash: f' stroke-dasharray="{pattern}"
 SIZE, LARGE = 11.0, 14.6  # px of the words in a drawing, and in one of large print
 KEY_ROW = 16.0
 ANCHORS, STEP = 28, 6.0  # points of a curve that its name is tried at; px between the points that are looked at
+RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"
 SAMPLE, GAP = 20.0, 14.0  # of an entry of the key: the length of its line, the room after its name
 
 
 def width(words: str, size: float = SIZE) -> float:
-    """About how many pixels words take: a Chinese character is as wide as it is high, a Latin one little more than half."""
-    return size * sum(1.0 if unicodedata.east_asian_width(c) in "WF" else 0.0 if unicodedata.combining(c) else 0.56 for c in words)
+    """About how many pixels words take: a Chinese character is as wide as it is high, a Latin one little more than half, a raised one
+    a third."""
+    return size * sum(0.36 if c in RAISED else 1.0 if unicodedata.east_asian_width(c) in "WF" else 0.0 if unicodedata.combining(c) else 0.56
+                      for c in words)
 
 
 def folded(words: str, most: float) -> str:

@@ -209,12 +209,11 @@ class StageView:
 
     def _say(self, stage: Stage, language: str) -> None:
         """What would surprise in this run, in lines in front of the plant."""
-        said = [line(language) for line in stage.note]
-        if said != [label.text for label in self._note]:
+        said = "\n".join(line(language) for line in stage.note)
+        if said != "".join(label.text for label in self._note):
             for label in self._note:
                 self._letters.remove(label)
-            self._note = [self._letters.write(f"/note/{i}", words, (0.0, -1.4 - 0.75 * i, 0.03), "top-center")
-                          for i, words in enumerate(said)]
+            self._note = [self._letters.write("/note", said, (0.0, -1.4, 0.03), "top-center")] if said else []
 
     def _parts(self) -> tuple[Solids, Solids]:
         """The plant's parts and its ghost's, none yet."""

@@ -15,7 +15,7 @@ from .prose import with_minus
 from .ticks import ticks
 
 W, H = 360, 250
-LEFT, RIGHT, TOP, BOTTOM = 46, 12, 28, 36
+LEFT, RIGHT, TOP, BOTTOM = 56, 12, 28, 36
 FRAME = Box(LEFT, TOP, W - RIGHT, H - BOTTOM)
 MOST_NAMES, INK = 4, 0.66  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 TALLEST_CELL, ROOM_FOR_ENTRY, SMALLEST = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px

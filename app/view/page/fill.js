@@ -12,7 +12,7 @@
     if (!room) return;
     const charts = Object.values(window.__viserTestpoints?.uplots ?? {}).map(held => held.chart);
     const gap = parseFloat(getComputedStyle(captions[0]).marginBottom) || 0;
-    let page = rect(view.firstElementChild).top, before = null, late = 0;  // where the screenful begins; px that charts are yet to grow
+    let page = 0, before = null, late = 0;  // where the screenful begins, as it is scrolled to; px that charts are yet to grow
     for (const caption of captions) {
       const figure = caption.parentElement.previousElementSibling, chart = charts.find(each => figure?.contains(each.root));
       if (!figure?.offsetHeight) continue;
@@ -22,9 +22,10 @@
       const apart = anew && rest > 0 && (chart || rest < HALF * high) ? `${Math.ceil(rest + gap) + CLEAR}px` : '';
       if (figure.style.marginTop !== apart) figure.style.marginTop = apart;
       const top = rect(figure).top + late;
-      if (anew) page = top;
+      const above = before ? 0 : top - rect(view.firstElementChild).top;  // of the first figure, as long as nothing is scrolled
+      if (anew || !before) page = top;
       if (chart) {
-        const left = room - (top - page) - frame - says - CLEAR;
+        const left = room - above - (top - page) - frame - says - CLEAR;
         const height = Math.round(Math.min(Math.max(left, LEAST * room), TALLEST * chart.width)), more = height - chart.height;
         if (Math.abs(more) > 1) {
           late += more;
