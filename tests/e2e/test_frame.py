@@ -114,10 +114,14 @@ def test_an_answer_costs_one_frame_of_the_scene(new_tab: Callable[..., Tab]) -> 
         page.requestRender = () => { counted.asked += page.messageQueue.length > 0; ask(); };
         state.setDpr = dpr => { counted.rested += dpr >= devicePixelRatio; draw(dpr); }; }""")
     tab.thumb(SLIDER).focus()
-    tab.quick_keys("ArrowRight", 9)
-    tab.answered(rests=True)
-    drawn, asked, rested, seconds = tab.page.evaluate(
-        "() => [counted.drawn, counted.asked, counted.rested, (performance.now() - counted.begun) / 1000]")
+    drawn = asked = rested = seconds = 0
+    for turn in range(20):  # a busy machine answers many steps at once
+        tab.quick_keys(("ArrowRight", "ArrowLeft")[turn % 2], 9)
+        tab.answered(rests=True)
+        drawn, asked, rested, seconds = tab.page.evaluate(
+            "() => [counted.drawn, counted.asked, counted.rested, (performance.now() - counted.begun) / 1000]")
+        if asked >= 3:
+            break
     beats = seconds + 1  # viser draws once a second whatever happens
     assert asked >= 3 and drawn <= 1.3 * asked + rested + beats, f"{drawn} frames for {asked} answers, {rested} rests, {beats:.0f} beats"
 
