@@ -17,7 +17,7 @@ if __name__ == "__main__":
     sys.path[:0] = [str(tests.parent), str(tests), str(tests / "engine"), str(tests / "lessons")]
 
 from lesson_checks import check_figures, numbers_of
-from unit_cases import ones, random_case, random_units
+from unit_cases import ones, random_case, random_units  # type: ignore[import-not-found]
 
 from app.engine import EngineError, Plant
 from app.lesson.knobs import KnobError
@@ -89,4 +89,5 @@ def main(plants: int = 200, seed: int = 1, *ids: str) -> None:
 
 
 if __name__ == "__main__":
-    main(*(int(word) for word in sys.argv[1:3]), *sys.argv[3:])
+    plants, seed = [*sys.argv[1:], "200", "1"][:2] if len(sys.argv) < 2 else [*sys.argv[1:3], "1"][:2]
+    main(int(plants), int(seed), *sys.argv[3:])
