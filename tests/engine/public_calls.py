@@ -307,6 +307,8 @@ def _filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "whiteness": {"innovations": nu, "lags": 5, "level": 0.95},
         "joseph": {"P": P, "C": C, "R": ONE, "M": np.ones((2, 1))},
         "short_form": {"P": P, "C": C, "M": np.ones((2, 1))},
+        "posterior_bound": {"F": np.array([[A / 4, A / 5]] * 3), "H": np.array([[C, 2 * C]] * 4), "Q": I2, "R": ONE, "P": P,
+                            "unknown": "noise"},
         "posterior_covariances": {"A": dplant.A, "C": C, "Q": P, "R": ONE, "P": P, "steps": 3, "form": "short", "gain": np.ones((2, 1)),
                                   "single": True},
         "means_along": {"A": dplant.A, "C": C, "schedule": schedule, "start": np.zeros(2), "known": y, "push": np.zeros((12, 2))},

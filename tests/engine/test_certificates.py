@@ -12,6 +12,7 @@ from app.engine import observer_gain, place
 from app.engine.design import polynomial_roots
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 def test_a_certificate_is_right_within_ten(law: str) -> None:
     broken = {seed: wrong for seed in range(3) if (wrong := breach(law, (7, seed)))}

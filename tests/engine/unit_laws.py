@@ -236,6 +236,15 @@ def filtering(c: Case, z: Units) -> Answer:
     return {"P": _correlated(_P(steady.filtered, z))}
 
 
+def least(c: Case, z: Units) -> Answer:
+    if not c.plant.dt:
+        return {}
+    spread, slopes = np.linalg.inv(c.Q), np.array([[0.9 * c.plant.A, 1.1 * c.plant.A]] * 6)
+    seen = np.array([[c.plant.C] * 2] * 7)
+    return {kind: _correlated(_P(filters.posterior_bound(slopes, seen, spread, c.V, spread, unknown=kind)[-1], z))
+            for kind in ("states", "noise")}
+
+
 def functional(c: Case, z: Units) -> Answer:
     if c.plant.dt or not structure.observability(c.plant).observable:
         return {}
@@ -255,7 +264,7 @@ def sampled(c: Case, z: Units) -> Answer:
 LAWS: dict[str, Callable[[Case, Units], Answer]] = {f.__name__: f for f in (
     lqr, lqe, place, observer_gain, observability, decomposition, gramians, hankel, truncation, splitting, zeros, noise,
     ladder, decoupling, unknown_input, dominance, lqg, closed_loop, margins, response, transfer, coprime, finite_gramian,
-    starting, filtering, functional, sampled)}
+    starting, filtering, least, functional, sampled)}
 
 TOLERANCE = 1e-5  # of an answer beside its largest entry
 

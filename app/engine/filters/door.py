@@ -29,7 +29,7 @@ from ..systems.gates import (
     vector,
 )
 from ..systems.plant import Plant
-from . import adc, consistency, filter_trial, kalman, many_runs, sigma_points, squared_error, track, trade_off, two_forms
+from . import adc, bound, consistency, filter_trial, kalman, many_runs, sigma_points, squared_error, track, trade_off, two_forms
 from .linear_filter import LinearFilter
 
 _PLANT = instance(Plant)
@@ -41,6 +41,8 @@ chi2_band = gated(dof=number(0, 1e9), count=number(0, 1e12), level=LEVEL)(square
 correct = gated(C=matrix("p n"), R=matrix("p p"), mean=vector("n"), P=matrix("n n"), y=vector("p"))(kalman.correct)
 predict = gated(A=matrix("n n"), Q=matrix("n n"), mean=vector("n"), P=matrix("n n"))(kalman.predict)
 joseph = gated(P=array("… n n"), C=array("… p n"), R=array("… p p"), M=array("… n p"))(kalman.joseph)
+posterior_bound = gated(F=array("k N n n"), H=array("j N p n"), Q=covariance("n"), R=covariance("p"), P=covariance("n"),
+                        unknown=choice("states", "noise"))(bound.posterior_bound)
 short_form = gated(P=array("… n n"), C=array("… p n"), M=array("… n p"))(kalman.short_form)
 posterior_covariances = gated(A=matrix("n n"), C=matrix("p n"), Q=matrix("n n"), R=matrix("p p"), P=matrix("n n"), steps=_SAMPLES,
                               form=choice(*two_forms.FORMS), gain=optional(matrix("n p")), single=BOOLEAN)(two_forms.posterior_covariances)

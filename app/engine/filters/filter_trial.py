@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -27,8 +27,7 @@ class FilterTrial:
     """The sampled plant held by a filter that knows the truth, and beside it the filter on trial.
 
     `truth`, `filter`: both filters; `steady`: the one on trial after infinitely many steps; `run`, `track`: what happened
-    and what it made of it; `distance` (n_t,): of its gain from the Riccati gain, relative; `expected`: what its NIS is on
-    average once all has settled, worked out and not drawn: tr(S⁻¹ (C P Cᵀ + R)), P the true covariance of its error.
+    and what it made of it.
     """
 
     truth: KalmanFilter
@@ -36,8 +35,21 @@ class FilterTrial:
     steady: DiscreteFilter
     run: Run
     track: Track
-    distance: np.ndarray
-    expected: float
+
+    @cached_property
+    def distance(self) -> np.ndarray:
+        """Of the gain of each sample from that of the Riccati equation (n_t,), relative."""
+        goal = self.steady.filter_gain
+        return np.abs(self.track.gains - goal).max(axis=(1, 2)) / max(float(np.abs(goal).max()), 1e-300)
+
+    @cached_property
+    def expected(self) -> float:
+        """What NIS is on average once all has settled, worked out and not drawn: tr(S⁻¹ (C P Cᵀ + R)), P the true covariance of the
+        error. Raises EngineError where that does not settle."""
+        truth, held = self.truth, self.run.scenario.plant
+        P = error_parts(held, self.steady.gain, np.eye(held.n), truth.Q, truth.R).total
+        promised = truth.C @ self.steady.solution @ truth.C.T + self.filter.R
+        return float(np.trace(np.linalg.solve(promised, truth.C @ P @ truth.C.T + truth.R)))
 
 
 def simulate_filter(plant: Plant, G: object, W: object, V: object, step: float, samples: int, *,
@@ -61,12 +73,7 @@ def simulate_filter(plant: Plant, G: object, W: object, V: object, step: float, 
                             W=truth.Q, G=np.eye(plant.n), V=truth.R, seed=seed, impulses=kicks))
     final = doubting.steady
     track = doubting.run(Belief(np.zeros(plant.n), P0), run.y, run.u_applied)
-    goal = float(np.abs(final.filter_gain).max())
-    away = np.abs(track.gains - final.filter_gain).max(axis=(1, 2)) / max(goal, 1e-300)
-    P = error_parts(held, final.gain, np.eye(plant.n), truth.Q, truth.R).total
-    promised = truth.C @ final.solution @ truth.C.T + doubting.R
-    expected = float(np.trace(np.linalg.solve(promised, truth.C @ P @ truth.C.T + truth.R)))
-    return FilterTrial(truth, doubting, final, run, track, away, expected)
+    return FilterTrial(truth, doubting, final, run, track)
 
 
 Packed = tuple[bytes, tuple[int, ...]]

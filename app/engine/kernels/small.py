@@ -48,8 +48,25 @@ def product(X: np.ndarray, Y: np.ndarray, lower: bool, out: np.ndarray) -> None:
                 h += y * Y[j, l + 3]
             out[i, l], out[i, l + 1], out[i, l + 2], out[i, l + 3] = a, b, c, d
             out[i + 1, l], out[i + 1, l + 1], out[i + 1, l + 2], out[i + 1, l + 3] = e, f, g, h
-    for i in range(n):
-        for l in range(wide if i < high else 0, i + 1 if lower else p):
+    for l in range(wide, p):  # the columns that are left, four rows at a time
+        first = l if lower else 0
+        last = n - (n - first) % 4
+        for i in range(first, last, 4):
+            a = b = c = d = 0.0
+            for j in range(m):
+                x = Y[j, l]
+                a += X[i, j] * x
+                b += X[i + 1, j] * x
+                c += X[i + 2, j] * x
+                d += X[i + 3, j] * x
+            out[i, l], out[i + 1, l], out[i + 2, l], out[i + 3, l] = a, b, c, d
+        for i in range(last, n):
+            a = 0.0
+            for j in range(m):
+                a += X[i, j] * Y[j, l]
+            out[i, l] = a
+    for i in range(high, n):
+        for l in range(min(i + 1, wide) if lower else wide):
             a = 0.0
             for j in range(m):
                 a += X[i, j] * Y[j, l]

@@ -69,5 +69,11 @@ def mean_square_growth(plant: Plant, K: np.ndarray, loss: float, on_loss: Litera
     else:
         F = np.block([[A - B @ K, np.zeros((n, m))], [-K, np.zeros((m, m))]])
         G = np.block([[A, B], [np.zeros((m, n)), np.eye(m)]])
-    T = (1 - loss) * np.kron(F, F) + loss * np.kron(G, G)
-    return float(np.abs(np.linalg.eigvals(T)).max())
+    return float(np.abs(np.linalg.eigvals((1 - loss) * _on_symmetric(F) + loss * _on_symmetric(G))).max())
+
+
+def _on_symmetric(F: np.ndarray) -> np.ndarray:
+    """X ↦ F X Fᵀ on the lower triangles of symmetric matrices, where a positive map has its largest eigenvalue."""
+    i, j = np.tril_indices(len(F))
+    straight, crossed = F[i][:, i] * F[j][:, j], F[i][:, j] * F[j][:, i]
+    return np.where(i == j, straight, straight + crossed)

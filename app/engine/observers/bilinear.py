@@ -1,5 +1,8 @@
 """Records of a functional observer of a bilinear plant: ẋ = A x + B u + u F x, y = C x, wanted g = K x.
 
+Of k inputs each multiplies the state by a matrix of its own: Σ uⱼ Fⱼ x with F = [F₁ … F_k], n×(k n). The source has one input; its
+conditions hold input by input.
+
 All equation numbers: "Synthesis of functional observers for bilinear plants", Avtometriya 53, 2017, no. 4.
 """
 
@@ -22,9 +25,9 @@ Three = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class BilinearPlant:
-    """ẋ = A x + B u + u F x, y = C x with one input u (1).
+    """ẋ = A x + B u + Σ uⱼ Fⱼ x, y = C x with k inputs (1).
 
-    A, F n×n, B n×1, C m×n with independent rows and m < n. Raises ShapeError where shapes disagree, EngineError
+    A n×n, F = [F₁ … F_k] n×(k n), B n×k, C m×n with independent rows and m < n. Raises ShapeError where shapes disagree, EngineError
     where rows of C depend on each other or every state is measured.
 
     >>> BilinearPlant(np.diag([-1, -2]), [[1], [1]], np.eye(2), [[1, 0]]).C
@@ -41,7 +44,7 @@ class BilinearPlant:
         B = as_matrix(self.B, "B")
         n = A.shape[0]
         B = as_matrix(B.T, "B") if B.shape == (1, n) else B
-        for name, matrix, shape in (("A", A, (n, n)), ("F", F, (n, n)), ("B", B, (n, 1)), ("C", C, (C.shape[0], n))):
+        for name, matrix, shape in (("A", A, (n, n)), ("B", B, (n, B.shape[1])), ("F", F, (n, B.shape[1] * n)), ("C", C, (C.shape[0], n))):
             if matrix.shape != shape:
                 raise ShapeError("{name} must be {shape}×{shape2}; it is {rows}×{columns}.",
                                  name=name, shape=shape[0], shape2=shape[1], rows=matrix.shape[0],
@@ -65,6 +68,16 @@ class BilinearPlant:
         """Number of outputs."""
         return self.C.shape[0]
 
+    @property
+    def inputs(self) -> int:
+        """Number of inputs k."""
+        return self.B.shape[1]
+
+    @property
+    def parts(self) -> tuple[np.ndarray, ...]:
+        """F₁ … F_k, each n×n."""
+        return tuple(np.hsplit(self.F, self.inputs))
+
 
 def _even(M: np.ndarray) -> np.ndarray:
     """M with rows and columns of like size, so that units decide nothing about its rank."""
@@ -72,6 +85,11 @@ def _even(M: np.ndarray) -> np.ndarray:
         size = np.linalg.norm(M, axis=axis, keepdims=True)
         M = M / np.where(size > 0, size, 1.0)
     return M
+
+
+def _each(parts: tuple[np.ndarray, ...], T: np.ndarray) -> np.ndarray:
+    """[F₁ T … F_k T]."""
+    return np.hstack([F @ T for F in parts])
 
 
 def _freeze(record: object) -> None:
@@ -82,9 +100,9 @@ def _freeze(record: object) -> None:
 
 @dataclass(frozen=True, eq=False)
 class BilinearForm:
-    """An observer that can be run: ż = A z + Y y + B u + u U y + R ẏ, ĝ = G_y y + G_z z.
+    """An observer that can be run: ż = A z + Y y + B u + Σ uⱼ Uⱼ y + R ẏ, ĝ = G_y y + G_z z.
 
-    A q×q, Y, U and R q×m, B q×1, G_y r×m, G_z r×q. R = 0 in the form that needs no ẏ.
+    A q×q, Y and R q×m, U = [U₁ … U_k] q×(k m), B q×k, G_y r×m, G_z r×q. R = 0 in the form that needs no ẏ.
     """
 
     A: np.ndarray
@@ -105,14 +123,15 @@ class BilinearObserver:
 
     Step 1 (4)–(9): canonisation of C and of K₁ = K C̄ᴿ, x = T₁ y + T₂ μ + T₃ η, (y, μ, η) = (V₁, V₂, V₃) x.
     Step 2: Q = V₁ [F T₂, A T₃, F T₃] (m×(2n−2m−q)) and its canonisation; `right` = V₂ [F T₂, A T₃, F T₃].
-    Step 3 (21): `defect` = right Q̄ᴿ must vanish; `defect_size` is its 2-norm relative to that of `right`.
+    Of k inputs every Fⱼ T₂ and every Fⱼ T₃ stand there: (k+1)(n−m) − q columns.
+    Step 3 (21): `defect` = right Q̄ᴿ must vanish; `defect_size` is its 2-norm relative to those of `right` and Q̄ᴿ, all in like units.
     Step 4: `case` 1: (21) fails, there is no observer; 2: one L only; 3: a family of L.
     Step 5 (24): A_star (q×q), B_star (q×k); `controllable` says whether any poles can be had (None unless case 3).
     Steps 6, 7 (22): π (q×k) and L (q×m); None where there is none.
     Step 8: `with_derivative` (17), (13) runs μ̂; `without_derivative` (18), (19) runs χ = μ̂ − L y.
     ε = ĝ − g = K₁ K̃ᴿ w, ẇ = A_L w whatever u is. `reached` = eig A_L. `solved`: L exists, with the poles asked for
     (case 2: with its own), and they are stable; `reason` says in a sentence why, or why not. `advised`: 3m + q ≥ 2n,
-    where (21) is to be expected; q is r where no row of K x follows from y and the others.
+    of k inputs (k+2) m + q ≥ (k+1) n, where (21) is to be expected; q is r where no row of K x follows from y and the others.
     """
 
     plant: BilinearPlant
@@ -177,8 +196,8 @@ class BilinearObserver:
         if self.L is None:
             return (np.nan, np.nan, np.nan)
         P, (_, T2, T3) = self.V[1] - self.L @ self.V[0], self.T
-        A, F = self.plant.A, self.plant.F
-        sizes = [float(np.max(np.abs(P @ M), initial=0.0)) for M in (F @ T2, A @ T3, F @ T3)]
+        A, F = self.plant.A, self.plant.parts
+        sizes = [float(np.max(np.abs(P @ M), initial=0.0)) for M in (_each(F, T2), A @ T3, _each(F, T3))]
         return sizes[0], sizes[1], sizes[2]
 
 
@@ -187,6 +206,6 @@ def forms_of(plant: BilinearPlant, K: np.ndarray, summary: np.ndarray, readout: 
     """Step 8: (17) with (13), and (18) with (19)."""
     (T1, T2, _), P = T, V[1] - L @ V[0]
     A_L, direct = P @ plant.A @ T2, K @ summary
-    PB, U = P @ plant.B, P @ plant.F @ T1
+    PB, U = P @ plant.B, _each(tuple(P @ F for F in plant.parts), T1)
     return (BilinearForm(A_L, P @ plant.A @ T1, PB, U, L, direct, readout),
             BilinearForm(A_L, P @ plant.A @ (T1 + T2 @ L), PB, U, np.zeros_like(L), direct + readout @ L, readout))

@@ -27,7 +27,7 @@ DIVERGED = 1e12
 
 @dataclass(frozen=True, eq=False)
 class BilinearRun:
-    """Time-first: t (n_t,), u (n_t,), x (n_t, n), z (n_t, q), y (n_t, m), g, estimate and error (n_t, r).
+    """Time-first: t (n_t,), u (n_t,) or of k inputs (n_t, k), x (n_t, n), z (n_t, q), y (n_t, m), g, estimate and error (n_t, r).
 
     error = estimate − g = ĝ − g, the sign of the source. y is what the sensors say, noise and all. `diverged_at`: where the
     run was cut off, or None.
@@ -48,12 +48,12 @@ def simulate_bilinear(
     plant: BilinearPlant, form: BilinearForm, K: np.ndarray, u: Callable[[np.ndarray], Any], x0: object, z0: object,
     *, horizon: float = 1.0, dt: float = 0.002, noise: object = None
 ) -> BilinearRun:
-    """ẋ = A x + B u + u F x beside ż = A_z z + Y y + B_z u + u U y + R ẏ, by Gauss's method of order 6 on the grid.
+    """ẋ = A x + B u + Σ uⱼ Fⱼ x beside ż = A_z z + Y y + B_z u + Σ uⱼ Uⱼ y + R ẏ, by Gauss's method of order 6 on the grid.
 
-    `u` maps an array of times to as many numbers. For a given u(t) the pair is linear in (x, z, 1), so all steps are
-    computed at once and then chained; the method keeps every linear relation that the exact flow keeps, hence the
-    decay of the error also where u jumps. x0 (n,), z0 (q,); horizon and dt in s. `noise` (n_t, m) is what the sensors add to
-    C x, held over each step; ẏ in R ẏ stays the true one. Raises ShapeError for starts or noise of the wrong length,
+    `u` maps an array of times to as many numbers, of k > 1 inputs to k along one more axis. For a given u(t) the pair is linear
+    in (x, z, 1), so all steps are computed at once and then chained; the method keeps every linear relation that the exact
+    flow keeps, hence the decay of the error also where u jumps. x0 (n,), z0 (q,); horizon and dt in s. `noise` (n_t, m) is what the
+    sensors add to C x, held over each step; ẏ in R ẏ stays the true one. Raises ShapeError for starts or noise of the wrong length,
     EngineError for a grid or an input that is not finite or has too many steps.
 
     >>> A, F = [[-1, 1], [0, -2]], [[0.1, 0], [0, 0]]
@@ -75,21 +75,20 @@ def simulate_bilinear(
                           most_steps=MOST_STEPS)
     t = np.arange(round(horizon / dt) + 1) * dt
     heard = _noise(noise, t.size, plant.m)
-    n, still = x0.size, x0.size + z0.size
+    still = x0.size + z0.size
     states = np.empty((t.size, still + 1 + heard.shape[1]))
-    states[:, still + 1:] = heard
-    states[0, :still + 1] = np.concatenate([x0, z0, [1.0]])
-    constant, slope = _joint(plant, form, bool(heard.size))
-    count = 1
+    states[:, still], states[:, still + 1:] = 1.0, heard
+    states[0, :still] = np.concatenate([x0, z0])
     for begin in range(0, t.size - 1, CHUNK):
-        steps = _steps(constant, slope, _input(u, t[begin:begin + CHUNK + 1][:-1, None] + NODES * dt), dt)
-        steps[:, :n, n:still] = steps[:, :n, still + 1:] = 0.0  # x hears neither observer nor noise: no rounding of them may reach it
-        for step in steps:
-            z = step[:still + 1] @ states[count - 1]
-            if not np.abs(z).max() < DIVERGED:
-                return _record(plant, form, K, u, t[:count], states[:count], float(t[count]))
-            states[count, :still + 1] = z
-            count += 1
+        steps = _steps(plant, form, _input(u, t[begin:begin + CHUNK + 1][:-1, None] + NODES * dt, plant.inputs), dt,
+                       bool(heard.size))
+        with np.errstate(over="ignore", invalid="ignore"):
+            for k, step in enumerate(steps, start=begin):
+                np.dot(step, states[k], out=states[k + 1, :still])
+            fine = np.abs(states[begin + 1:begin + 1 + len(steps), :still]).max(axis=1) < DIVERGED
+        if not fine.all():
+            count = begin + 1 + int(np.argmin(fine))
+            return _record(plant, form, K, u, t[:count], states[:count], float(t[count]))
     return _record(plant, form, K, u, t, states, None)
 
 
@@ -111,41 +110,61 @@ def _record(plant: BilinearPlant, form: BilinearForm, K: np.ndarray, u: Callable
     y, g = x @ plant.C.T, x @ K.T
     y = y + heard if heard.size else y
     estimate = y @ form.G_y.T + z @ form.G_z.T
-    return BilinearRun(t, _input(u, t), x, z, y, g, estimate, estimate - g, diverged_at)
+    inputs = _input(u, t, plant.inputs)
+    return BilinearRun(t, inputs if plant.inputs > 1 else inputs[:, 0], x, z, y, g, estimate, estimate - g, diverged_at)
 
 
-def _input(u: Callable[[np.ndarray], Any], t: np.ndarray) -> np.ndarray:
+def _input(u: Callable[[np.ndarray], Any], t: np.ndarray, count: int) -> np.ndarray:
+    """u at these times, the inputs along a last axis."""
     try:
-        values = np.array(np.broadcast_to(np.asarray(u(t), dtype=float), t.shape))
+        found = np.asarray(u(t), dtype=float)
+        values = np.array(np.broadcast_to(found[..., None] if count == 1 else found, (*t.shape, count)))
     except ValueError as problem:
+        if count > 1:
+            raise ShapeError("u(t) must give {count} numbers, one for each input, for every time that it is given.",
+                             count=count) from problem
         raise ShapeError("u(t) must give as many numbers as it is given times.") from problem
     if not np.isfinite(values).all():
         raise EngineError("The input u(t) must be a finite number at all times of the run.")
     return values
 
 
-def _joint(plant: BilinearPlant, form: BilinearForm, noisy: bool) -> tuple[np.ndarray, np.ndarray]:
-    """d/dt (x, z, 1, v) = (constant + u slope)(x, z, 1, v); ẏ = C ẋ enters through R, the noise v as y does, if there is any."""
-    n, q, m = plant.n, form.A.shape[0], plant.m if noisy else 0
-    seen, one, heard = slice(n, n + q), slice(n + q, n + q + 1), slice(n + q + 1, n + q + 1 + m)
-    constant, slope = np.zeros((n + q + 1 + m, n + q + 1 + m)), np.zeros((n + q + 1 + m, n + q + 1 + m))
-    constant[:n, :n], slope[:n, :n], slope[:n, one] = plant.A, plant.F, plant.B
-    RC = form.R @ plant.C
-    constant[seen, :n], constant[seen, seen] = form.Y @ plant.C + RC @ plant.A, form.A
-    slope[seen, :n], slope[seen, one] = form.U @ plant.C + RC @ plant.F, form.B + RC @ plant.B
+def _steps(plant: BilinearPlant, form: BilinearForm, u: np.ndarray, h: float, noisy: bool) -> np.ndarray:
+    """Matrices (steps, n + q, n + q + 1 + m) of Gauss's three-stage method that lead (x, z, 1, v) to (x, z) one step later, for inputs
+    at the nodes u (steps, 3, k); ẏ = C ẋ enters through R, the noise v as y does, if there is any.
+
+    x hears neither observer nor noise, so its stages are found without them, and no rounding of theirs reaches it. z hears itself
+    through a constant matrix: what its three stages make of what drives them is the same in every step.
+    """
+    n, q, m, nodes = plant.n, len(form.A), plant.m if noisy else 0, u.shape[:2]
+    RC, parts = form.R @ plant.C, np.hsplit(form.U, plant.inputs)
+    drift, heard = np.zeros((*nodes, n, n + 1)), np.zeros((*nodes, q, plant.m))
+    drift[..., :n], heard[:] = plant.A, form.Y
+    driven = np.zeros((*nodes, q, 1))
+    for j, (F, U) in enumerate(zip(plant.parts, parts, strict=True)):
+        at = u[:, :, j, None, None]
+        drift += at * np.hstack([F, plant.B[:, j:j + 1]])
+        heard += at * U
+        driven += at * form.B[:, j:j + 1]
+    k, inner = _stages(drift, h)
+    pushes = heard @ (plant.C @ inner) + RC @ drift[..., :n] @ inner
+    pushes[..., n:] += driven + RC @ drift[..., n:]
+    way = h * np.linalg.solve((np.eye(3 * q) - h * np.kron(STAGES, form.A)).T, np.kron(WEIGHTS[:, None], np.eye(q))).T
+    steps = np.zeros((len(u), n + q, n + q + 1 + m))
+    whole = np.eye(n, n + 1) + h * (WEIGHTS @ k.reshape(len(u), 3, -1)).reshape(-1, n, n + 1)
+    pushed = way @ pushes.reshape(-1, 3 * q, n + 1)
+    for rows, part in ((slice(0, n), whole), (slice(n, None), pushed)):
+        steps[:, rows, :n], steps[:, rows, n + q:n + q + 1] = part[..., :n], part[..., n:]
+    steps[:, n:, n:n + q] = np.eye(q) + way @ np.tile(form.A, (3, 1))
     if noisy:
-        constant[seen, heard], slope[seen, heard] = form.Y, form.U
-    return constant, slope
+        steps[:, n:, n + q + 1:] = way @ heard.reshape(-1, 3 * q, m)
+    return steps
 
 
-def _steps(constant: np.ndarray, slope: np.ndarray, u: np.ndarray, h: float) -> np.ndarray:
-    """Step matrices (steps, N, N) of Gauss's three-stage method for inputs at the nodes u (steps, 3)."""
-    steps, N = len(u), len(constant)
-    M = constant + u[:, :, None, None] * slope
-    system = np.zeros((steps, 3, N, 3, N))
-    for i in range(3):
-        for j in range(3):
-            system[:, i, :, j, :] = -h * STAGES[i, j] * M[:, i]
-        system[:, i, :, i, :] += np.eye(N)
-    k = np.linalg.solve(system.reshape(steps, 3 * N, 3 * N), M.reshape(steps, 3 * N, N)).reshape(steps, 3, N, N)
-    return np.eye(N) + h * np.einsum("i,sijk->sjk", WEIGHTS, k)
+def _stages(drift: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """The slopes of x at the three stages as maps of (x, 1), (steps, 3, n, n + 1), and x there, for ẋ = drift (x, 1)."""
+    steps, _, n, _ = drift.shape
+    system = (-h * STAGES[:, None, :, None] * drift[:, :, :, None, :n]).reshape(steps, 3 * n, 3 * n)
+    system[:, np.arange(3 * n), np.arange(3 * n)] += 1.0
+    k = np.linalg.solve(system, drift.reshape(steps, 3 * n, n + 1)).reshape(steps, 3, -1)
+    return k.reshape(drift.shape), np.eye(n, n + 1) + h * (STAGES @ k).reshape(drift.shape)

@@ -28,18 +28,19 @@ MET = 1e-9  # a solvability condition counts as met below this, relative to its 
 
 @dataclass(frozen=True, eq=False)
 class _Units:
-    """Powers of two: states (n,), outputs (m,), rows of K (r,), the rate of A and the input that makes u F as fast."""
+    """Powers of two: states (n,), outputs (m,), rows of K (r,), the rate of A and the inputs (k,) that make uⱼ Fⱼ as fast."""
 
     states: np.ndarray
     outputs: np.ndarray
     wanted: np.ndarray
     rate: float
-    input: float
+    input: np.ndarray
 
     def plant(self, p: BilinearPlant) -> BilinearPlant:
         """The plant in these units: nothing is rounded."""
         D, rate = self.states, self.rate
-        return BilinearPlant(p.A * D / D[:, None] / rate, p.B * self.input / D[:, None] / rate, p.F * D / D[:, None] * self.input / rate,
+        return BilinearPlant(p.A * D / D[:, None] / rate, p.B * self.input / D[:, None] / rate,
+                             np.hstack([F * D / D[:, None] * u / rate for F, u in zip(p.parts, self.input, strict=True)]),
                              p.C * D / self.outputs[:, None])
 
     def told(self, o: BilinearObserver, plant: BilinearPlant, K: np.ndarray, asked: Poles) -> BilinearObserver:
@@ -53,7 +54,7 @@ class _Units:
         eta = z[_own(o.canonical_K1.right.T)[o.order:]]
         T = (o.T[0] * D[:, None] / E, o.T[1] * D[:, None] / mu, o.T[2] * D[:, None] / eta)
         V = (o.V[0] * E[:, None] / D, o.V[1] * mu[:, None] / D, o.V[2] * eta[:, None] / D)
-        columns = rate * np.concatenate([1 / mu / self.input, 1 / eta, 1 / eta / self.input])
+        columns = rate * np.concatenate([*(1 / mu / u for u in self.input), 1 / eta, *(1 / eta / u for u in self.input)])
         Q, L = o.Q * E[:, None] * columns, None if o.L is None else o.L * mu[:, None] / E
         free = E[_own(o.canonical_Q.left)[o.canonical_Q.rank:]]
         forms = (None, None) if L is None else forms_of(plant, K, T[0], K1 @ of_K1.unit_right, T, V, L)
@@ -88,10 +89,10 @@ def _units(plant: BilinearPlant, K: np.ndarray) -> _Units:
         sizes = np.asarray(size, dtype=float)
         return 2.0 ** np.round(np.log2(np.where(sizes > 0, sizes, 1.0)))
     D = two(natural_scale(plant.A, plant.B, plant.C))
-    A, F = (np.linalg.norm(M * D / D[:, None], 2) for M in (plant.A, plant.F))
-    rate = float(two(A if A > 0 else F))
+    A, *F = (float(np.linalg.norm(M * D / D[:, None], 2)) for M in (plant.A, *plant.parts))
+    rate = float(two(A if A > 0 else max(F)))
     return _Units(D, two(np.linalg.norm(plant.C * D, axis=1)), two(np.linalg.norm(K * D, axis=1)), rate,
-                  float(two(rate / F if F > 0 else 1.0)))
+                  two([rate / f if f > 0 else 1.0 for f in F]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,8 +123,9 @@ def bilinear_functional_observer(
 ) -> BilinearObserver:
     """Observer of g = K x for ẋ = A x + B u + u F x, y = C x, whose error decays by ẇ = A_L w under every u(t).
 
-    A, F n×n, B n×1, C m×n, K r×n. `pole`: one real pole, used for every state of the observer, or as many poles as
-    K C̄ᴿ has rank. The record tells all eight steps also where no observer exists. Raises ShapeError for shapes that
+    A, F n×n, B n×1, C m×n, K r×n; of k inputs B n×k and F = [F₁ … F_k] n×(k n) in Σ uⱼ Fⱼ x, and (15), (16) hold for each Fⱼ.
+    `pole`: one real pole, used for every state of the observer, or as many poles as K C̄ᴿ has rank.
+    The record tells all eight steps also where no observer exists. Raises ShapeError for shapes that
     disagree, EngineError where C or K leave nothing to do, PoleError for a request that no real gain can meet.
     Source: Avtometriya 53 (2017) no. 4, equations (4)–(24); sign of the error ε = ĝ − g as there.
 
@@ -151,7 +153,7 @@ def _steps(at: _Coordinates, plant: BilinearPlant, wanted: np.ndarray, asked: Po
     """Steps 2 to 8 from the coordinates of step 1."""
     q = at.c1.rank
     V1, V2, _ = at.V
-    block = np.hstack([plant.F @ at.T[1], plant.A @ at.T[2], plant.F @ at.T[2]])
+    block = np.hstack([*(F @ at.T[1] for F in plant.parts), plant.A @ at.T[2], *(F @ at.T[2] for F in plant.parts)])
     Q, right = V1 @ block, V2 @ block
     cQ = canonise(Q)
     defect = right @ cQ.zero_right
@@ -174,7 +176,7 @@ def _steps(at: _Coordinates, plant: BilinearPlant, wanted: np.ndarray, asked: Po
     forms = (None, None) if L is None else forms_of(plant, wanted, at.C.summary, at.K1 @ at.c1.unit_right, at.T, at.V, L)
     return BilinearObserver(plant, wanted, asked, at.C, at.K1, at.c1, at.T, at.V, Q, cQ, right, defect, size, case,
                             A_star, B_star, controllable, pi, L, A_L, reached, *forms, solved and stable, reason,
-                            3 * plant.m + q >= 2 * plant.n)
+                            (plant.inputs + 2) * plant.m + q >= (plant.inputs + 1) * plant.n)
 
 
 def _relative(defect: np.ndarray, first: np.ndarray, second: np.ndarray) -> float:

@@ -187,10 +187,11 @@ def simulate_functional(observer: FunctionalObserver, v: Callable[[np.ndarray], 
     if p.dt:
         Phi, forcing = loop.A, _input(v, t[:-1], p.m) @ loop.B.T
     else:
-        Phi, forcing = expm(loop.A * dt), np.zeros((t.size - 1, start.size))
-        for node, weight in zip((NODES + 1) / 2, WEIGHTS / 2, strict=True):
-            way: np.ndarray = weight * dt * expm(loop.A * (1 - node) * dt) @ loop.B
-            forcing += _input(v, t[:-1] + node * dt, p.m) @ way.T
+        nodes = (NODES + 1) / 2
+        powers: np.ndarray = expm(np.append(1.0, 1 - nodes)[:, None, None] * dt * loop.A)
+        Phi, ways = powers[0], (WEIGHTS / 2 * dt)[:, None, None] * powers[1:] @ loop.B
+        given = np.hstack([_input(v, t[:-1] + node * dt, p.m) for node in nodes])
+        forcing = given @ np.swapaxes(ways, 1, 2).reshape(-1, start.size)
     states = affine_scan(Phi, None if v is None else forcing, start, t.size - 1)
     with np.errstate(invalid="ignore"):
         fine = np.abs(states).max(axis=1) < DIVERGED

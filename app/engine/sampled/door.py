@@ -24,9 +24,9 @@ from ..systems.plant import Plant
 from . import lqg_sampled, monte_carlo, sampled_control, sampled_spectrum, trial
 from .hardware import Hardware
 from .hardware import coil_driver as _coil_driver
+from .mechanics import thin_root as _thin_root
 from .sampled_loop import SampledLoop as SampledLoop
 from .sampled_loop import sampled_loop as _sampled_loop
-from .sampled_loop import thin_root as _thin_root
 
 _PLANT, _LOOP, _HARDWARE = instance(Plant), instance(SampledLoop), instance(Hardware)
 _STEPS = count(1, 10_000_000)

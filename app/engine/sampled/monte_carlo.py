@@ -14,7 +14,8 @@ from ..kernels.held import held_steps
 from ..systems.errors import EngineError
 from ..systems.scan import affine_scan
 from ..systems.spectrum import Spectrum
-from .sampled_loop import SampledLoop, thin_root
+from .mechanics import thin_root
+from .sampled_loop import SampledLoop
 from .stepping import DIVERGED, fused, padded
 
 __all__ = ["MonteCarlo", "simulate_trials", "welch_expectation"]

@@ -14,17 +14,16 @@ from ..systems.arrays import as_covariance, frozen, symmetric
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.gates import count, gated, optional
 from ..systems.lyapunov import settled_covariance
-from ..systems.noise import root, step_covariance
+from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
-from ..systems.scan import step_matrices
-from .hardware import Hardware, coil_driver
+from .hardware import Hardware
+from .mechanics import HeldMechanics, held_mechanics, packed, thin_root
 from .sampled_control import SampledController
 
 __all__ = ["SampledLoop", "sampled_loop"]
 
 IDEAL = Hardware()
 MOST_DELAY = 1000  # samples
-THIN = 1e-28  # share of a covariance below which its directions are left out
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,90 +172,23 @@ def sampled_loop(plant: Plant, controller: SampledController, controls: Sequence
     if rows.shape[1] != plant.n:
         raise ShapeError("The outputs must have {n} columns, one for each state; they have {columns}.",
                          n=plant.n, columns=rows.shape[1])
-    mechanics = _Mechanics(plant, chosen, others, hardware, shaping, W, disturbances)
-    return _assembled(mechanics, controller, hardware, V, rows, p, m)
+    noise = None if W is None else as_covariance(W, "W", shaping.m if shaping else len(others))
+    known = None if disturbances is None else as_matrix(disturbances, phrase("The disturbances"))
+    driven = Hardware(bandwidth=hardware.bandwidth, order=hardware.order, delay=hardware.delay)
+    held = held_mechanics(plant, tuple(chosen), tuple(others), driven, shaping, packed(noise), packed(known), dt)
+    return _assembled(held, controller, hardware, V, rows, p, m)
 
 
-class _Mechanics:
-    """Driver, plant and ground filter as one continuous system, and its noise."""
-
-    def __init__(self, plant: Plant, chosen: list[int], others: list[int], hardware: Hardware, shaping: Plant | None,
-                 W: object | None, disturbances: np.ndarray | None) -> None:
-        n, m = plant.n, len(chosen)
-        driver, ground = coil_driver(hardware, m), plant.B[:, others]
-        first, last = driver.n if driver else 0, shaping.n if shaping else 0
-        if shaping is not None and (shaping.p != ground.shape[1] or np.any(np.asarray(shaping.D))):
-            raise ShapeError("The shaping filter must have {columns} outputs, one for each ground motion, and D = "
-                             "0.",
-                             columns=ground.shape[1])
-        if shaping is not None and shaping.dt:
-            raise EngineError("The shaping filter must be continuous, as the plant is.")
-        N, self.x = first + n + last, slice(first, first + n)
-        self.A, self.B = np.zeros((N, N)), np.zeros((N, m))
-        self.A[self.x, self.x] = plant.A
-        if driver is None:
-            self.B[self.x] = plant.B[:, chosen]
-        else:
-            self.A[:first, :first], self.B[:first] = driver.A, driver.B
-            self.A[self.x, :first] = plant.B[:, chosen] @ driver.C
-        enter = np.zeros((N, shaping.m if shaping else ground.shape[1]))
-        if shaping is None:
-            enter[self.x] = ground
-        else:
-            self.A[first + n:, first + n:] = shaping.A
-            self.A[self.x, first + n:] = ground @ shaping.C
-            enter[first + n:] = shaping.B
-        known = ground if disturbances is None else as_matrix(disturbances, phrase("The disturbances"))
-        if known.shape[0] != n:
-            raise ShapeError("The disturbances must enter {n} states; their matrix has {rows} rows.",
-                             n=n, rows=known.shape[0])
-        self.known = np.zeros((N, known.shape[1]))
-        self.known[self.x] = known
-        self.C = np.zeros((plant.p, N))
-        self.C[:, self.x] = plant.C
-        self.first, self.N = first, N
-        self.intensity = None if W is None else enter @ as_covariance(W, "W", enter.shape[1]) @ enter.T
-
-    def jump(self, dt: float) -> np.ndarray:
-        """A thin root (N×r) of the covariance that the ground's noise adds over a sample; the driver feels none of it."""
-        if self.intensity is None:
-            return np.zeros((self.N, 0))
-        after = slice(self.first, None)
-        Q = step_covariance(self.A[after, after], self.intensity[after, after], dt)
-        return np.vstack([np.zeros((self.first, 0 if not len(Q) else thin_root(Q).shape[1])), thin_root(Q)])
-
-
-def thin_root(Q: np.ndarray) -> np.ndarray:
-    """R (N×r) with R Rᵀ = Q to rounding and no more columns than it takes, for covariances of unequal units."""
-    if not len(Q):
-        return np.zeros((0, 0))
-    spread = np.sqrt(np.maximum(np.diag(Q), 0.0))
-    divisor = np.where(spread > 0, spread, 1.0)
-    values, vectors = np.linalg.eigh(Q / np.outer(divisor, divisor))
-    keep = values > max(THIN, 4e-16 * len(Q)) * max(values[-1], 0.0)
-    return spread[:, None] * vectors[:, keep] * np.sqrt(values[keep])
-
-
-def _assembled(mechanics: _Mechanics, controller: SampledController, hardware: Hardware, V: object | None,
+def _assembled(held: HeldMechanics, controller: SampledController, hardware: Hardware, V: object | None,
                outputs: np.ndarray, p: int, m: int) -> SampledLoop:
-    dt, a, c = controller.dt, mechanics.N, controller.n
-    steps = hardware.delay / dt
-    whole = int(np.floor(steps + 1e-9))
-    part = steps - whole if steps - whole > 1e-9 else 0.0
-    lag = whole + (part > 0)
+    dt, a, c, part, soon, late = controller.dt, len(held.Phi), controller.n, held.part, held.soon, held.late
+    lag = held.whole + (part > 0)
     drifting = p if hardware.walk > 0 or hardware.ramp != 0 else 0
     N = a + c + drifting + lag * m
     control, bias, queue = slice(a, a + c), slice(a + c, a + c + drifting), a + c + drifting
-    Phi, Phi1 = step_matrices(mechanics.A, dt)
-    late, soon = np.zeros((a, m)), Phi1 @ mechanics.B  # what the older and the newer command do within the step
-    if part > 0:
-        rest = (1 - part) * dt
-        tail, tail1 = step_matrices(mechanics.A, rest)
-        soon = tail1 @ mechanics.B
-        late = tail @ step_matrices(mechanics.A, part * dt)[1] @ mechanics.B
     k = len(controller.A)
     F, F_m, F_s = np.zeros((k, N, N)), np.zeros((k, N, p)), np.zeros((k, N, m))
-    F[:, :a, :a], F[:, control, control], F[:, bias, bias] = Phi, controller.A, np.eye(drifting)
+    F[:, :a, :a], F[:, control, control], F[:, bias, bias] = held.Phi, controller.A, np.eye(drifting)
     F_m[:, control], F_s[:, control] = controller.B, controller.E
     ways = [slice(queue + i * m, queue + (i + 1) * m) for i in range(lag)]  # ways[0] is the oldest command
     if lag:
@@ -274,19 +206,18 @@ def _assembled(mechanics: _Mechanics, controller: SampledController, hardware: H
     else:
         F_s[:, :a] += soon
     Y, U = np.zeros((p, N)), np.zeros((k, m, N))
-    Y[:, :a], Y[:, bias] = mechanics.C, np.eye(p)[:, :drifting]
+    Y[:, :a], Y[:, bias] = held.C, np.eye(p)[:, :drifting]
     U[:, :, control] = controller.C
     shown = np.zeros((len(outputs), N))
-    shown[:, mechanics.x] = outputs
-    jump = _padded(mechanics.jump(dt), N)
+    shown[:, held.x] = outputs
+    jump = _padded(held.jump, N)
     if hardware.walk > 0:
         walk = np.zeros((N, p))
         walk[bias] = hardware.walk * np.sqrt(dt) * np.eye(p)
         jump = np.hstack([jump, walk])
     sensor = np.zeros((p, p)) if V is None else _sensor_root(as_covariance(V, "V", p) / dt)
-    return SampledLoop(F, F_m, F_s, Y, U, controller.D, mechanics.x, slice(0, a), control, bias,
-                       (whole, soon, late), shown, jump, sensor,
-                       _padded(Phi1 @ mechanics.known, N), hardware, dt)
+    return SampledLoop(F, F_m, F_s, Y, U, controller.D, held.x, slice(0, a), control, bias,
+                       (held.whole, soon, late), shown, jump, sensor, _padded(held.Gamma, N), hardware, dt)
 
 
 def _padded(rows: np.ndarray, N: int) -> np.ndarray:

@@ -220,6 +220,7 @@ class Run:
     v: np.ndarray
     diverged_at: float | None
     saturated: bool
+    made_of: Any = field(default=None, repr=False)  # the loop and the disturbances, for who asks more of the same run
 
     @gated(time=number(-1e9, 1e9))
     def index(self, time: float) -> int:

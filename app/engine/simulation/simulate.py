@@ -30,8 +30,7 @@ def simulate(scenario: Scenario) -> Run:
     True
     """
     s = scenario
-    loop = loop_of(s)
-    d = disturbances(s, loop)
+    loop, d = _made_of(s)
     r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
     bound = DIVERGED * max(1.0, float(np.max(np.abs(d.z0))))
     late = None
@@ -56,7 +55,7 @@ def disturbances_of(scenario: Scenario) -> Disturbances:
     >>> disturbances_of(Scenario(plant, K=[[0.0]], L=[[1.0]], horizon=1.0, dt=0.5, x0=[2.0])).z0
     array([2., 0.])
     """
-    return disturbances(scenario, loop_of(scenario))
+    return _made_of(scenario)[1]
 
 
 def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, r: np.ndarray, late: np.ndarray | None) -> Run:
@@ -80,7 +79,13 @@ def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, r: np.ndarray,
         y += v
     e = x - xhat if x.shape == xhat.shape else np.zeros((count, 0))
     diverged_at = None if count == s.n_t else float(s.dt * count)
-    return Run(s, s.t[:count], x, xhat, e, asked, applied, y, yhat, w, v, diverged_at, bool(np.any(clipped != asked)))
+    return Run(s, s.t[:count], x, xhat, e, asked, applied, y, yhat, w, v, diverged_at, bool(np.any(clipped != asked)),
+               (loop, d))
+
+
+def _made_of(s: Scenario) -> tuple[Loop, Disturbances]:
+    loop = loop_of(s)
+    return loop, disturbances(s, loop)
 
 
 def autonomous_error(run: Run) -> np.ndarray:
@@ -96,8 +101,7 @@ def autonomous_error(run: Run) -> np.ndarray:
     s, n = run.scenario, run.scenario.plant.n
     if s.model.n != n:
         raise EngineError("Plant and model differ in order, so there is no error e = x − x̂ to compare.")
-    loop = loop_of(s)
-    d = disturbances(s, loop)
+    loop, d = run.made_of or _made_of(s)
     M, L = loop.A[n:, n:], loop.E[n:]
     Phi, Phi1 = (M, np.eye(n)) if s.discrete else step_matrices(M, s.dt)
     push = None if s.V is None else -(d.v[:-1] @ L.T) @ Phi1.T

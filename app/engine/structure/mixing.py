@@ -17,6 +17,8 @@ __all__ = ["Coupling", "Mixing", "best_mixing", "coupling", "mixing_matrix"]
 
 NEAR_SINGULAR = 1e-3  # |1 − ab| below which two mixed inputs are one
 EVALUATIONS = 600
+NEAR = 1e-3  # how near a simplex must come to the end of a valley before Newton's steps
+NEWTON = 12
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +54,13 @@ class Coupling:
             J = _share(first, a, b).sum() + _share(second, b, a).sum()
         return float(J) if np.isfinite(J) else np.inf
 
+    def slopes(self, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
+        """Gradient (2,) and Hessian matrix (2×2) of J in (a, b)."""
+        first, second = self._rows
+        (aa, ba, bb), (bb2, ab, aa2) = _bends(first, a, b), _bends(second, b, a)
+        return (np.array([aa[0] + aa2[0], bb[0] + bb2[0]]),
+                np.array([[aa[1] + aa2[1], ba + ab], [ba + ab, bb[1] + bb2[1]]]))
+
     def map(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """J over a grid, (n_b, n_a): rows follow b; ∞ where 1 − ab is (nearly) zero."""
         first, second = self._rows
@@ -66,6 +75,16 @@ def _share(row: np.ndarray, inside: float, outside: float) -> np.ndarray:
     """|own·outside + other|² / |own + other·inside|² at each frequency."""
     P, Q, R = row.T
     return (P * outside**2 + Q * outside + R) / (P + Q * inside + R * inside**2)
+
+
+def _bends(row: np.ndarray, inside: float, outside: float) -> tuple[tuple[float, float], float, tuple[float, float]]:
+    """Of the sum over `_share`: first and second derivative by `inside`, the mixed one, both by `outside`."""
+    P, Q, R = row.T
+    over, over1, over2 = (P * outside + Q) * outside + R, 2 * P * outside + Q, 2 * P
+    under, under1, under2 = P + (Q + R * inside) * inside, Q + 2 * R * inside, 2 * R
+    share, way = over / under, under1 / under
+    return ((float(-(share * way).sum()), float((share * (2 * way**2 - under2 / under)).sum())), float(-(over1 / under * way).sum()),
+            (float((over1 / under).sum()), float((over2 / under).sum())))
 
 
 def _grid(row: np.ndarray, inside: np.ndarray, outside: np.ndarray) -> np.ndarray:
@@ -120,8 +139,25 @@ def coupling(response: object, *, channels: tuple[int, int] = (0, 1)) -> Couplin
     return Coupling(np.ascontiguousarray(block) / np.abs(block).max())  # J has no unit, and squares stay in range
 
 
+def _bottom(J: Coupling, x: np.ndarray) -> np.ndarray | None:
+    """The end (2,) of the valley near x by Newton's steps; None where they do not lead there."""
+    begun, value = x, J(*x)
+    for _ in range(NEWTON):
+        slope, bend = J.slopes(*x)
+        if not (bend[0, 0] > 0 and bend[0, 0] * bend[1, 1] > bend[0, 1] ** 2):
+            return None
+        step = np.linalg.solve(bend, slope)
+        x, last = x - step, value
+        value = J(*x)
+        if not value <= last * (1 + 1e-12) or np.abs(x - begun).max() > 10 * NEAR:
+            return None
+        if np.abs(step).max() <= 1e-10:
+            return x
+    return None
+
+
 def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixing:
-    """(a, b) that minimises J of eq. (21): a closed-form start, then simplices without derivatives.
+    """(a, b) that minimises J of eq. (21): a closed-form start, then simplices without derivatives, then Newton's steps.
 
     Start: least squares of the numerators over the unmixed diagonal, b = −mean Re(g₁₂/g₁₁), a = −mean Re(g₂₁/g₂₂).
     J has several valleys where resonances lie inside the band; simplices start from the closed form and from no mixing,
@@ -132,11 +168,17 @@ def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixi
     start = (-float(np.mean((G[:, 1, 0] / G[:, 1, 1]).real)), -float(np.mean((G[:, 0, 1] / G[:, 0, 0]).real)))
     spread = max(0.05, *(abs(v) for v in start))
 
+    def walk(x: np.ndarray, side: float, near: float, flat: float) -> np.ndarray:
+        corners = np.array([x, (x[0] + side, x[1]), (x[0], x[1] + side)])
+        return minimize(lambda v: J(v[0], v[1]), x, method="Nelder-Mead", options={
+            "initial_simplex": corners, "xatol": near, "fatol": flat, "maxfev": EVALUATIONS}).x
+
     def run(x: tuple[float, float]) -> tuple[float, float, float]:
-        corners = np.array([x, (x[0] + spread, x[1]), (x[0], x[1] + spread)])
-        found = minimize(lambda v: J(v[0], v[1]), x, method="Nelder-Mead", options={
-            "initial_simplex": corners, "xatol": 1e-9, "fatol": 1e-12, "maxfev": EVALUATIONS})
-        return float(found.fun), float(found.x[0]), float(found.x[1])
+        valley = walk(np.array(x), spread, NEAR, np.inf)
+        end = _bottom(J, valley)
+        if end is None:
+            end = walk(valley, NEAR, 1e-9, 1e-12)
+        return J(*end), float(end[0]), float(end[1])
     begins = [x for x in (start, (0.0, 0.0)) if np.isfinite(J(*x))]
     value, a, b = min(run(x) for x in begins)
     return Mixing(a, b, value, start, J(*start), J(0.0, 0.0), J.count)

@@ -35,8 +35,8 @@ def _kept(value: object) -> TypeGuard[np.ndarray]:
 def covariance(size: str = "") -> Gate:
     """A symmetric positive semidefinite matrix; a number is that number times I where the size is known."""
     def gate(value: object, name: str, sizes: Sizes) -> np.ndarray:
-        found = as_matrix(value, name)
-        found = as_covariance(found, name, sizes.get(size, max(found.shape)))
+        found, known = as_matrix(value, name), sizes.get(size)
+        found = as_covariance(found, name, max(found.shape) if known is None else known)
         if size and found.shape != (1, 1):
             sizes.setdefault(size, len(found))
         return found

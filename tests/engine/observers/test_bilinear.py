@@ -40,19 +40,19 @@ def rounded(matrix, printed, digits=2):
     np.testing.assert_array_equal(np.round(np.ravel(matrix), digits) + 0.0, printed)
 
 
-def plant_of(seed, n, m):
+def plant_of(seed, n, m, inputs=1):
     rng = np.random.default_rng(seed)
-    return BilinearPlant(rng.standard_normal((n, n)), rng.standard_normal((n, 1)), rng.standard_normal((n, n)),
+    return BilinearPlant(rng.standard_normal((n, n)), rng.standard_normal((n, inputs)), rng.standard_normal((n, inputs * n)),
                          rng.standard_normal((m, n)))
 
 
 def law_residual(plant, form, K, A_w, readout, seed):
     """‖d/dt(ĝ − g) − readout A_w w‖ relative, from the definition of plant and observer at a random (x, z, u)."""
     rng = np.random.default_rng(seed)
-    x, z, u = rng.standard_normal(plant.n), rng.standard_normal(len(form.A)), rng.uniform(-3, 3)
-    dx = plant.A @ x + plant.B[:, 0] * u + u * plant.F @ x
+    x, z, u = rng.standard_normal(plant.n), rng.standard_normal(len(form.A)), rng.uniform(-3, 3, plant.B.shape[1])
+    dx = plant.A @ x + plant.B @ u + plant.F @ np.kron(u, x)
     y, dy = plant.C @ x, plant.C @ dx
-    dz = form.A @ z + form.Y @ y + form.B[:, 0] * u + u * form.U @ y + form.R @ dy
+    dz = form.A @ z + form.Y @ y + form.B @ u + form.U @ np.kron(u, y) + form.R @ dy
     error = form.G_y @ y + form.G_z @ z - K @ x
     rate = form.G_y @ dy + form.G_z @ dz - K @ dx
     w = np.linalg.lstsq(readout, error, rcond=None)[0]
@@ -149,6 +149,23 @@ def test_the_plant_moves_as_an_adaptive_solver_says():
     np.testing.assert_allclose(run.x[[125, 250, 500]], peer, atol=1e-8)
 
 
+def test_several_inputs_move_plant_and_observer_as_an_adaptive_solver_says():
+    """Two inputs, the second one also multiplied: the plant and (18) from their matrices, and an error that hears neither."""
+    plant, K = plant_of(5, 5, 4, 2), np.ones((1, 5))
+    o = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, -3)
+    form = o.without_derivative
+    run = simulate_bilinear(plant, form, K, lambda t: np.stack([np.sin(3 * t), 0.5 * np.cos(t)], axis=-1), np.ones(5), [0.0])
+
+    def rate(t, s):
+        x, z, u = s[:5], s[5:], np.array([np.sin(3 * t), 0.5 * np.cos(t)])
+        y = plant.C @ x
+        return np.append(plant.A @ x + plant.B @ u + plant.F @ np.kron(u, x), form.A @ z + form.Y @ y + form.B @ u + form.U @ np.kron(u, y))
+    peer = solve_ivp(rate, (0, 1), [1, 1, 1, 1, 1, 0], "DOP853", [0.5, 1.0], rtol=1e-11, atol=1e-13).y.T
+    np.testing.assert_allclose(np.hstack([run.x, run.z])[[250, 500]], peer, rtol=1e-8, atol=1e-8)
+    np.testing.assert_allclose(run.error[:, 0], run.error[0, 0] * np.exp(-3 * run.t), atol=1e-9 * np.abs(run.g).max())
+    assert o.case == 3 and o.advised and run.u.shape == (501, 2)
+
+
 def test_printed_coefficients_leave_a_floor():
     """Two decimals break the structural zeros: the error stops falling near 5.2e-3 instead of at rounding."""
     form = BilinearForm(*(np.array(m) for m in (
@@ -171,10 +188,11 @@ def test_a_plant_that_runs_away_is_cut_off():
 
 
 @settings(max_examples=40, deadline=None)
-@given(st.integers(0, 10**6), st.sampled_from([(4, 3, 1), (5, 4, 1), (6, 4, 1), (7, 5, 1), (7, 5, 2), (8, 6, 2)]))
+@given(st.integers(0, 10**6), st.sampled_from([
+    (4, 3, 1, 1), (5, 4, 1, 1), (6, 4, 1, 1), (7, 5, 2, 1), (8, 6, 2, 1), (5, 4, 1, 2), (8, 6, 2, 2), (5, 4, 1, 3), (9, 7, 2, 3)]))
 def test_case_3_on_random_plants_the_law_holds_at_every_point(seed, shape):
-    n, m, r = shape
-    plant = plant_of(seed, n, m)
+    n, m, r, inputs = shape
+    plant = plant_of(seed, n, m, inputs)
     K = np.random.default_rng(seed + 1).standard_normal((r, n))
     poles = [-2.0, -3.5][:r]
     o = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, poles)
@@ -228,7 +246,7 @@ def test_an_unstable_pole_is_no_observer():
     ({"K": np.zeros((1, 6))}, EngineError, "zero"),
     ({"K": np.ones((1, 5))}, ShapeError, "6 columns"),
     ({"F": np.eye(5)}, ShapeError, "6×6"),
-    ({"B": np.eye(6)}, ShapeError, "6×1"),
+    ({"B": np.eye(6)}, ShapeError, "6×36"), ({"B": np.ones((5, 1))}, ShapeError, "6×1"),
     ({"pole": -3 + 1j}, PoleError, "conjugate"),
     ({"pole": float("nan")}, PoleError, "NaN"),
 ])
@@ -239,17 +257,20 @@ def test_requests_that_make_no_sense_get_one_sentence(change, error, word):
 
 
 @settings(max_examples=25, deadline=None, derandomize=True, database=None)
-@given(st.integers(0, 10**6), st.sampled_from([(4, 3, 1), (5, 3, 1), (6, 2, 1), (7, 5, 1), (8, 5, 2), (8, 6, 2), (9, 7, 2), (10, 8, 2)]))
+@given(st.integers(0, 10**6), st.sampled_from([
+    (4, 3, 1, 1), (5, 3, 1, 1), (6, 2, 1, 1), (7, 5, 1, 1), (8, 5, 2, 1), 
+    (8, 6, 2, 1), (10, 8, 2, 1), (5, 4, 1, 2), (6, 4, 1, 2), (9, 7, 2, 3)]))
 def test_units_decide_nothing(seed, shape):
     """x = X x′, u = U u′, y = Y y′, g = S g′, t = τ t′: the case, its poles and the law of the error are the same, whatever the units."""
-    n, m, r = shape
-    plant, rng = plant_of(seed, n, m), np.random.default_rng(seed + 1)
+    n, m, r, inputs = shape
+    plant, rng = plant_of(seed, n, m, inputs), np.random.default_rng(seed + 1)
     K = rng.standard_normal((r, n))
     X, Y, S = (10 ** rng.uniform(-6, 6, k) for k in (n, m, r))
-    U, tau = 10 ** rng.uniform(-6, 6), 10 ** rng.uniform(-3, 3)
+    U, tau = 10 ** rng.uniform(-6, 6, inputs), 10 ** rng.uniform(-3, 3)
     poles = np.array([-2.0, -3.5][:r])
     own = bilinear_functional_observer(plant.A, plant.B, plant.F, plant.C, K, poles)
-    other = bilinear_functional_observer(tau * plant.A * X / X[:, None], tau * plant.B * U / X[:, None], tau * plant.F * X * U / X[:, None],
+    other = bilinear_functional_observer(tau * plant.A * X / X[:, None], tau * plant.B * U / X[:, None],
+                                         tau * plant.F * np.kron(U, X) / X[:, None],
                                          plant.C * X / Y[:, None], K * X / S[:, None], tau * poles)
     assert (other.case, other.order, other.solved, other.controllable, other.advised) == (
         own.case, own.order, own.solved, own.controllable, own.advised)

@@ -43,6 +43,7 @@ def same(one, two):
     return one == two and one.units == two.units and one.D.tobytes() == two.D.tobytes()
 
 
+@pytest.mark.slow
 @given(plants())
 @settings(max_examples=60, deadline=None)
 def test_json_and_mat_give_back_every_bit(plant):
