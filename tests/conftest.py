@@ -7,6 +7,7 @@ import warnings
 from pathlib import Path
 
 import pytest
+from hypothesis import Phase, settings
 
 HERE = Path(__file__).parent
 SLOW = frozenset({"e2e", "wire"})  # folders in which a server or a browser is started; elsewhere a test says so itself
@@ -15,6 +16,10 @@ LONG = "test_package.py"  # the longest of all begins first, so that no worker i
 os.environ["OBSERVER_LAB_KERNELS"] = "off"  # no server of a test compiles anything; tests/engine/kernels does
 
 LONGEST = 200  # letters of a test's name
+
+# an example that fails is told as it is: to explain it, every line of every example would be traced, at twice the time
+settings.register_profile("untraced", phases=[phase for phase in Phase if phase is not Phase.explain])
+settings.load_profile("untraced")
 
 pytest.register_assert_rewrite("all_replays", "lesson_checks", "pole_requests", "laws")
 

@@ -56,6 +56,13 @@ def test_the_word_lets_in_and_a_page_that_was_opened_by_it_is_kept_in(way: str) 
         assert asked("/", [("Cookie", kept.partition(";")[0])], upgrade=True) is None
 
 
+@each(("said", "secure"), [((), False), (("http",), False), (("https",), True), (("HTTPS, http",), True), (("http, https",), False),
+                           (("https", "http"), False)])
+def test_the_cookie_stays_on_tls_where_a_proxy_says_that_it_was_asked_so(said: tuple[str, ...], secure: bool) -> None:
+    page = asked(f"/?token={WORD}", [("X-Forwarded-Proto", value) for value in said])
+    assert page is not None and page.headers["Set-Cookie"].endswith("; Secure") == secure
+
+
 @each(("way", "wrong"), [(way, wrong) for way in WAYS for wrong in WRONG if (way, wrong) != ("address", WRONG[-1])
                          and (way, wrong) != ("address among others", WRONG[-1])])
 def test_another_word_is_turned_away_everywhere_with_a_sentence_in_every_language(way: str, wrong: str) -> None:

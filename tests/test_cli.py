@@ -92,6 +92,7 @@ def test_figure_and_csv_are_written(suffix: str, capsys, tmp_path: Path) -> None
     assert names == {f.id for f in SEPARATION.figures(SEPARATION.compute(SEPARATION.start()))}
 
 
+@pytest.mark.slow
 def test_a_state_brings_its_language_and_camera_to_every_file(capsys, tmp_path: Path) -> None:
     camera = (0.0, -9.0, 3.0, 0.0, 0.5, 1.0)
     token = write_token(SEPARATION, Saved(SEPARATION.start(), "zh", camera=camera))

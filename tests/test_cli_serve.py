@@ -12,17 +12,18 @@ import subprocess
 import sys
 import tomllib
 import urllib.request
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import pytest
 from client import WireTab, eventually
 from commands import refused
+from served import Served
 from websockets.exceptions import InvalidStatus
 
-from app.cli import jupyter
+from app.cli import jupyter, serve
 from app.cli.entry import main
 from app.cli.logs import RotatingFile
 from app.view.access import VARIABLE
@@ -61,8 +62,8 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        with subprocess.Popen([sys.executable, "-m", "app.cli", "--port", str(port), "--token", "auto"], cwd=ROOT,
-                              env=plain_environment(), stdout=subprocess.PIPE, text=True) as server:
+        with Served([sys.executable, "-m", "app.cli", "--port", str(port), "--token", "auto"], cwd=ROOT,
+                    env=plain_environment(), stdout=subprocess.PIPE, text=True) as server:
             try:
                 assert server.stdout is not None
                 url = next(line.strip() for line in server.stdout if line.startswith("http://"))
@@ -72,12 +73,6 @@ def test_serve_prints_the_address_it_really_took_and_ends_when_interrupted() -> 
             finally:
                 server.send_signal(signal.SIGINT)
                 assert server.wait(30) == 0
-
-
-class Served(subprocess.Popen[str]):
-    """A server in a process of its own; `told` is what it has printed, and what it has logged, after its end."""
-
-    told = ("", "")
 
 
 @contextmanager
@@ -232,8 +227,8 @@ def test_an_ipv6_address_is_printed_in_brackets() -> None:
 
 
 def test_ctrl_c_while_starting_prints_no_traceback() -> None:
-    with subprocess.Popen([sys.executable, "-X", "importtime", "-m", "app.cli", "--port", "0"], cwd=ROOT,
-                          env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
+    with Served([sys.executable, "-X", "importtime", "-m", "app.cli", "--port", "0"], cwd=ROOT,
+                env=plain_environment(), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as server:
         assert server.stderr is not None
         for line in server.stderr:
             if line.endswith(" numpy\n"):  # from here on the command has begun, and seconds of loading lie ahead
@@ -242,3 +237,27 @@ def test_ctrl_c_while_starting_prints_no_traceback() -> None:
         rest = server.stderr.read()
         assert server.wait(30) in (0, 128 + signal.SIGINT)
     assert "Traceback" not in rest
+
+
+def test_an_interrupt_that_something_else_swallows_ends_the_server_all_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A library that is being loaded may take it for an error of its own: the server then went on for ever."""
+    heard: list[str] = []
+
+    class Server:
+        def prepare(self) -> None:
+            with suppress(BaseException):
+                signal.raise_signal(signal.SIGINT)
+
+        def wait(self, ended: Callable[[], bool]) -> None:
+            heard.append("ended" if ended() else "goes on")
+            signal.raise_signal(signal.SIGTERM)  # while all stands nothing is interrupted: Python may print it, and go on
+            heard.append("calm")
+
+        def stop(self) -> None:
+            heard.append("stopped")
+
+    def begins(_: object, end: serve.Ending) -> None:
+        serve._run(Server(), lambda: None, lambda: None, end)  # type: ignore[arg-type]
+    monkeypatch.setattr(serve, "_serve", begins)
+    assert serve.serve(object()) == 0  # type: ignore[arg-type]
+    assert heard == ["ended", "calm", "stopped"]

@@ -87,11 +87,33 @@ def execute(options: argparse.Namespace) -> int:
                               options.state, options.exam, options.workers, options.exact_port, options.token))
 
 
+class Ending:
+    """Whether somebody has asked for the end, by Ctrl-C or SIGTERM.
+
+    Before all stands that interrupts what goes on. Afterwards it is remembered only: an interrupt comes up anywhere, also where
+    Python can but print it and go on, and where a library takes it for an error of its own.
+    """
+
+    def __init__(self) -> None:
+        self.stands = self.asked = False
+
+    def hear(self, *_: object) -> None:
+        """The handler of the signals."""
+        self.asked = True
+        if not self.stands:
+            raise KeyboardInterrupt
+
+    def come(self) -> bool:
+        """Whether it was asked for."""
+        return self.asked
+
+
 def serve(request: ServeRequest) -> int:
     """Serve until interrupted (Ctrl-C or SIGTERM); prints the address that was really taken."""
-    before = [signal.signal(ending, signal.default_int_handler) for ending in ENDINGS]  # a shell may have them ignored
+    end = Ending()
+    before = [signal.signal(ending, end.hear) for ending in ENDINGS]  # a shell may have them ignored
     try:
-        _serve(request)
+        _serve(request, end)
     except KeyboardInterrupt:
         pass
     finally:
@@ -100,7 +122,7 @@ def serve(request: ServeRequest) -> int:
     return 0
 
 
-def _serve(request: ServeRequest) -> None:
+def _serve(request: ServeRequest, end: Ending) -> None:
     from lessons import LESSONS, OPENING
 
     from ..engine.kernels import prepare_kernels
@@ -130,7 +152,7 @@ def _serve(request: ServeRequest) -> None:
 
     tally = Tally(request.workers)
     if request.workers == 1:
-        _run(server(listener, Seat(tally, 0, request.max_sessions)), tell, prepare_kernels)
+        _run(server(listener, Seat(tally, 0, request.max_sessions)), tell, prepare_kernels, end)
         return
     from ..view.handed import READY, HandedListener
     from .workers import Crew
@@ -140,18 +162,22 @@ def _serve(request: ServeRequest) -> None:
     def work(number: int, channel: socket.socket) -> None:
         _keep_log(request, number + 1)
         handed = HandedListener(channel, address, lambda: tally.end_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM))
-        _run(server(handed, Seat(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels)
+        _run(server(handed, Seat(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels, end)
 
-    Crew(listener, tally, work).run(tell)
+    def stand() -> None:
+        tell()
+        end.stands = True
+    Crew(listener, tally, work).run(stand, end.come)
 
 
-def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object]) -> None:
-    """Serve until interrupted; `tell` is called first."""
+def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object], end: Ending) -> None:
+    """Serve until somebody asks for the end; `tell` is called first."""
     try:
         tell()
         server.prepare()
         prepare()
-        server.wait()
+        end.stands = True
+        server.wait(end.come)
     finally:
         for ending in ENDINGS:
             signal.signal(ending, signal.SIG_IGN)  # it is ending already

@@ -29,6 +29,7 @@ LIVED = 60.0  # s after which an end has nothing to do with the one before
 LOOK = 0.02  # s between two looks at who has ended
 STUCK, SILENT = 30.0, 90.0  # s with a thread that nothing can break off, and without a sign of life, after which it is started anew
 CHECK = 5.0  # s between two looks at that
+SOON = 0.1  # s within which an end that was asked for is heard
 NOT_HERE = "This system cannot share one address among processes; leave out --workers (Linux can)."
 
 
@@ -65,14 +66,14 @@ class Crew:
         self._count = 0
         self._told = False
 
-    def run(self, stand: Callable[[], None]) -> None:
-        """Look after them until interrupted; `stand` is called once, when all take connections. Raises CommandError where one ends
-        before that."""
+    def run(self, stand: Callable[[], None], ended: Callable[[], bool] = lambda: False) -> None:
+        """Look after them until interrupted, or until `ended` says so; `stand` is called once, when all take connections. Raises
+        CommandError where one ends before that."""
         self._listener.setblocking(False)
         try:
             for worker in self._workers:
                 self._begin(worker)
-            while True:
+            while not ended():
                 self._turn(stand)
         finally:
             for ending in ENDINGS:
@@ -89,7 +90,7 @@ class Crew:
             elif worker.process is not None and worker.stands:
                 self._examine(worker, worker.process, now)
         due = [worker.due - now if worker.process is None else LOOK for worker in self._workers if worker.channel is None]
-        for key, _ in self._selector.select(max(0.0, min([*due, self._check]))):
+        for key, _ in self._selector.select(max(0.0, min([*due, self._check, SOON]))):
             if key.data is None:
                 self._take()
             else:
