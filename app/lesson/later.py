@@ -6,7 +6,7 @@ A draft whose hidden figures come later answers a hand sooner; whoever reads it 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Generic, Literal, TypeVar, overload
 
@@ -14,6 +14,7 @@ from ..text import Text
 from .figures import Figure
 
 T = TypeVar("T")
+D = TypeVar("D")
 
 
 class Later(Generic[T]):
@@ -37,16 +38,31 @@ class LaterMap(Mapping[str, T]):
     """Numbers or matrices by name, computed together when one is looked at that is not `known`."""
 
     def __init__(self, make: Callable[[], Mapping[str, T]], known: Mapping[str, T] = MappingProxyType({})) -> None:
-        self._all, self._known = Later(make), known
+        self._all, self.known = Later(make), known
 
     def __getitem__(self, name: str) -> T:
-        return self._known[name] if name in self._known else self._all.value[name]
+        return self.known[name] if name in self.known else self._all.value[name]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._all.value)
 
     def __len__(self) -> int:
         return len(self._all.value)
+
+
+def with_more(numbers: Mapping[str, T], more: Mapping[str, T]) -> Mapping[str, T]:
+    """`numbers` and `more`, which count where both have a name; those that nobody has looked at yet are still made later."""
+    known = numbers.known if isinstance(numbers, LaterMap) else numbers
+    return LaterMap(lambda: {**numbers, **more}, {**known, **more})
+
+
+def still_known(record: D, **changes: object) -> D:
+    """A frozen record with other values in fields on which no cached property of it rests: what those have found stays found."""
+    changed = replace(record, **changes)  # type: ignore[type-var]
+    for name, value in vars(record).items():
+        if name not in record.__dataclass_fields__:  # type: ignore[attr-defined]
+            changed.__dict__[name] = value
+    return changed
 
 
 class LaterItems(Sequence[T]):

@@ -1,4 +1,4 @@
-"""What the file of a plant may say beyond A, B, C and D: the bilinear term u F x, and the numbers g = K x wanted of it."""
+"""What the file of a plant may say beyond A, B, C and D: the bilinear terms uⱼ Fⱼ x, and the numbers g = K x wanted of it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,10 @@ MOST_WANTED = 16  # rows of K
 
 @dataclass(frozen=True, eq=False)
 class Beyond:
-    """ẋ = A x + B u + u F x with F n×n, and g = K x with K r×n; None where the file leaves it out. Without F no K is read."""
+    """ẋ = A x + B u + Σ uⱼ Fⱼ x with F = [F₁ … F_m] n×(m n), and g = K x with K r×n; None where the file leaves it out.
+
+    Without F no K is read.
+    """
 
     F: np.ndarray | None = None
     K: np.ndarray | None = None
@@ -28,13 +31,9 @@ NOTHING = Beyond()
 
 def beyond_in(name: str, data: bytes, plant: Plant) -> Beyond:
     """F and K of the file that the plant came from. Raises EngineError, in one sentence, where they do not fit the plant."""
-    F = read_matrix(name, data, "F")
+    F = _multiplying(name, data, plant)
     if F is None:
         return NOTHING
-    if plant.dt:
-        raise EngineError("A bilinear plant is taken in continuous time: give dx/dt = A x + B u + u F x and leave out dt, or leave out F.")
-    if F.shape != plant.A.shape:
-        raise ShapeError("F must be {n}×{n}, as A is; it is {rows}×{columns}.", n=plant.n, rows=F.shape[0], columns=F.shape[1])
     K = read_matrix(name, data, "K")
     if K is None:
         return Beyond(F)
@@ -44,12 +43,32 @@ def beyond_in(name: str, data: bytes, plant: Plant) -> Beyond:
     return Beyond(F, K)
 
 
+def _multiplying(name: str, data: bytes, plant: Plant) -> np.ndarray | None:
+    """[F₁ … F_m] of the file: F where there is one input, F1, F2, … where there are several, zero where one of them is left out."""
+    keys = [f"F{j + 1}" for j in range(plant.m)]
+    found = {key: M for key in ("F", *keys) if (M := read_matrix(name, data, key)) is not None}
+    if not found:
+        return None
+    if plant.dt:
+        raise EngineError("A bilinear plant is taken in continuous time: give dx/dt = A x + B u + u F x and leave out dt, or leave out F.")
+    if "F" in found and plant.m > 1:
+        raise EngineError("F multiplies one input, and this plant has {count}: give F1 to F{count}, one for each, or keep one column of B.",
+                          count=plant.m)
+    for key, F in found.items():
+        if F.shape != plant.A.shape:
+            raise ShapeError("{name} must be {n}×{n}, as A is; it is {rows}×{columns}.", name=key, n=plant.n, rows=F.shape[0],
+                             columns=F.shape[1])
+    return np.hstack([found.get("F", found.get(key, np.zeros_like(plant.A))) for key in keys])
+
+
 def beyond_of(text: str, plant: Plant) -> Beyond:
     """F and K of a plant in its JSON text. Raises EngineError, as `beyond_in` does."""
-    return beyond_in("plant.json", text.encode(errors="replace"), plant) if '"F"' in text else NOTHING
+    return beyond_in("plant.json", text.encode(errors="replace"), plant) if '"F' in text else NOTHING
 
 
 def written(plant: Plant, beyond: Beyond) -> str:
     """The plant as JSON that reads back exactly, with F and K where there are any."""
-    more = {key: value.tolist() for key, value in (("F", beyond.F), ("K", beyond.K)) if value is not None}
+    parts = () if beyond.F is None else np.hsplit(beyond.F, plant.m)
+    more = {"F" if plant.m == 1 else f"F{j + 1}": F.tolist() for j, F in enumerate(parts)}
+    more |= {} if beyond.K is None else {"K": beyond.K.tolist()}
     return json.dumps(json.loads(to_json(plant)) | more, ensure_ascii=False) if more else to_json(plant)

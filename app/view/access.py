@@ -46,11 +46,11 @@ class Access:
         """Whether whoever sends this knows the word."""
         return self.vouched(head) or self.shown(path) or self._knows(self._cookies(head))
 
-    @property
-    def cookie(self) -> str:
+    def cookie(self, head: Head) -> str:
         """The field Set-Cookie by which a browser keeps the word. It names no path: a browser takes the one that it asked for,
-        which a proxy may have shortened on its way to us."""
-        return f"{self._name}={self.word}; HttpOnly; SameSite=Strict"
+        which a proxy may have shortened on its way to us. Where a proxy says that it was asked over TLS, it stays on TLS."""
+        asked = [value.split(",")[0].strip().lower() for value in head.get_all("X-Forwarded-Proto")]
+        return f"{self._name}={self.word}; HttpOnly; SameSite=Strict" + ("; Secure" if asked == ["https"] else "")
 
     def at(self, url: str) -> str:
         """An address with the word in it."""

@@ -136,7 +136,7 @@ class Reception:
         if is_socket(head):
             return None
         answer = page.answer(request)
-        return _with(answer, ("Set-Cookie", access.cookie)) if access is not None and access.shown(request.path) else answer
+        return _with(answer, ("Set-Cookie", access.cookie(head))) if access is not None and access.shown(request.path) else answer
 
 
 def guarded(listener: socket.socket, page: Page, reception: Reception, ready: Callable[[], bool]) -> Callable[..., Any]:

@@ -7,7 +7,7 @@ import socket
 import sys
 import threading
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from importlib import import_module
 
@@ -35,6 +35,7 @@ NEEDED = ("imageio.v3", "babel.numbers")  # by which viser packs pictures, and a
 STOPPING = 5.0  # s within which a server has stopped, whatever its tabs are doing
 SWITCH = 5e-4  # s that a computing thread keeps the interpreter for, while the one that talks to all browsers waits
 FAREWELL = 0.5  # s in which the last word goes out
+SOON = 0.1  # s within which it hears of its end
 NOTED = 5.0  # s between two times that other workers are told how this one is
 TOLD = 20  # different refusals that are written down: a name is enough to help, and a flood is none
 
@@ -129,11 +130,14 @@ class LabServer:
                 import_module(module)
         Image.init()
 
-    def wait(self) -> None:
-        """Serve until interrupted."""
-        while True:
-            self._seat.note(WATCH.stuck)
-            time.sleep(NOTED)
+    def wait(self, ended: Callable[[], bool]) -> None:
+        """Serve until `ended` says so."""
+        due = 0.0
+        while not ended():
+            if time.monotonic() >= due:
+                self._seat.note(WATCH.stuck)
+                due = time.monotonic() + NOTED
+            time.sleep(SOON)
 
     def stop(self) -> None:
         """Tell the tabs, close every session and the server; at most STOPPING seconds."""

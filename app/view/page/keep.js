@@ -78,7 +78,7 @@
       if (isOpen(head) !== lab.hand[name]) head.click();
     }
     const now = tabs();
-    if (!turned && now.length === before.length && !now.includes(before[0])) {
+    if (!turned && now.length === before.length && !now.some(tab => before.includes(tab))) {  // all new: they come one by one
       turned = now[chosen].ariaSelected === 'true';
       if (!turned) now[chosen].dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
     }

@@ -2,6 +2,7 @@
 () => {
   if (window.observerLabNames) return;
   const MOST = 4, COLUMNS = 72, REST = 250;  // ms without a new drawing before a name looks for a better place
+  const ON = 60;  // trouble of a name on another
 
   // A colour #rrggbb with black or white in it, to read words in.
   const mixed = (colour, share, other) => `rgb(${[1, 3, 5].map(i => Math.round(share * parseInt(colour.slice(i, i + 2), 16) + (1 - share) * other))})`;
@@ -40,11 +41,31 @@
         const near = Math.min(...curves.filter(curve => curve !== own && curve[c]).map(curve =>
           Math.max(curve[c][0] - y - size.high, y - curve[c][1], 0)), 1e3);
         if (near < 10) trouble += 4;  // whose name would it be?
-        for (const box of taken) if (left < box.right && box.left < left + size.wide && y < box.bottom && box.top < y + size.high) trouble += 60;
+        for (const box of taken) if (left < box.right && box.left < left + size.wide && y < box.bottom && box.top < y + size.high) trouble += ON;
         if (!found || trouble < found.trouble) found = {trouble, left, y, side, column: c};
       }
     }
     return found;
+  };
+
+  const orders = list => (list.length < 2 ? [list] : list.flatMap((one, i) => orders(list.toSpliced(i, 1)).map(rest => [one, ...rest])));
+
+  // A place for each name, one after the other; where a later one finds none that is free, the order with the least trouble.
+  const arranged = (names, all, room) => {
+    let found = null;
+    for (const order of orders(names)) {
+      const taken = [], spots = new Map();
+      let trouble = 0;
+      for (const name of order) {
+        const spot = best(all[name.k], all.slice(1), room, name.size, taken);
+        spots.set(name, spot);
+        trouble += spot?.trouble ?? 2 * ON;
+        if (spot) taken.push({left: spot.left - 2, right: spot.left + name.size.wide + 2, top: spot.y, bottom: spot.y + name.size.high});
+      }
+      if (!found || trouble < found.trouble) found = {trouble, spots};
+      if (found.trouble < ON) break;
+    }
+    return found?.spots ?? new Map();
   };
 
   const place = chart => {
@@ -57,8 +78,8 @@
     const spans = chart.over.observerLabNames ??= new Map();
     for (const [label, span] of spans) if (!few || !seen.has(label)) { span.remove(); spans.delete(label); }
     if (!few) return;
-    const all = chart.series.map((_, k) => k && fills(chart, k, wide, high)), taken = [];
-    for (const [series, k] of told) {
+    const all = chart.series.map((_, k) => k && fills(chart, k, wide, high));
+    const names = told.map(([series, k]) => {
       let span = spans.get(series.label);
       if (!span) {
         span = document.createElement('span');
@@ -66,17 +87,18 @@
         chart.over.append(span);
         spans.set(series.label, span);
       }
+      span.hidden = false;
       span.textContent = series.label;
       const stroke = String(series._stroke ?? series.stroke?.(chart) ?? '#333333');
       span.style.setProperty('--by-day', mixed(stroke, .66, 0));
       span.style.setProperty('--by-night', mixed(stroke, .4, 255));
-      const size = {wide: span.offsetWidth, high: span.offsetHeight};
-      const spot = best(all[k], all.slice(1), {wide, high}, size, taken);
+      return {k, span, size: {wide: span.offsetWidth, high: span.offsetHeight}};
+    });
+    for (const [{k, span, size}, spot] of arranged(names, all, {wide, high})) {
       span.hidden = !spot;
       if (!spot) continue;
       span.observerLabSpot = {...spot, k, size};
       span.style.transform = `translate(${spot.left.toFixed(1)}px,${spot.y.toFixed(1)}px)`;
-      taken.push({left: spot.left - 2, right: spot.left + size.wide + 2, top: spot.y, bottom: spot.y + size.high});
     }
   };
 
