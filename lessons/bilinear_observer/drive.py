@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy.linalg import expm
@@ -10,6 +10,7 @@ from scipy.linalg import expm
 from app.engine.observers import BilinearForm
 from app.lesson.lesson import Design
 
+Signal = Callable[[np.ndarray], np.ndarray]
 PLAIN, EXACT, FILTERED = "plain", "exact", "filtered"
 FORMS = (PLAIN, EXACT, FILTERED)
 HORIZON = 2.0
@@ -23,9 +24,21 @@ def form_index(design: Design) -> int:
     return FORMS.index(design["form"])
 
 
-def signal(design: Design, *, horizon: float = HORIZON) -> Callable[[np.ndarray], np.ndarray]:
+def signal(design: Design, *, horizon: float = HORIZON) -> Signal:
     """u(t) as the student chose it, for a run of `horizon` s."""
-    kind, size, omega = design["input"], design["amplitude"], design["omega"]
+    kind = design["input"]
+    if kind == "random":
+        values = random_values(design)
+        return lambda t: values[np.minimum(t / (horizon / HELD) + 1e-9, len(values) - 1).astype(int)]
+    if kind == "hand" and design["hand"]:
+        times, drawn = np.array(design["hand"]).T
+        held = np.concatenate([[0.0], drawn])
+        return lambda t: held[np.searchsorted(times, t + 1e-9 * horizon, side="right")]
+    return wave(kind, design["amplitude"], design["omega"], horizon)
+
+
+def wave(kind: str, size: float, omega: float, horizon: float) -> Signal:
+    """A sine, step, square wave or sweep, else nothing."""
     if kind == "sine":
         return lambda t: size * np.sin(omega * t)
     if kind == "step":
@@ -34,14 +47,23 @@ def signal(design: Design, *, horizon: float = HORIZON) -> Callable[[np.ndarray]
         return lambda t: np.where(np.floor(t * omega / np.pi + 1e-9) % 2 == 0, size, -size)
     if kind == "sweep":
         return lambda t: size * np.cos(omega * t**2 * 2.0 / horizon)
-    if kind == "random":
-        values = random_values(design)
-        return lambda t: values[np.minimum(t / (horizon / HELD) + 1e-9, len(values) - 1).astype(int)]
-    if kind == "hand" and design["hand"]:
-        times, drawn = np.array(design["hand"]).T
-        held = np.concatenate([[0.0], drawn])
-        return lambda t: held[np.searchsorted(times, t + 1e-9 * horizon, side="right")]
     return lambda t: np.zeros(np.shape(t))
+
+
+def further(design: Design, which: int, *, horizon: float) -> Signal:
+    """What drives the second input (1) or one that follows, by knobs of its own."""
+    kind, size, omega = (design[f"{name}{which + 1}"] for name in ("input", "amplitude", "omega"))
+    return wave(kind, size, omega, horizon)
+
+
+def together(signals: Sequence[Signal]) -> Signal:
+    """Several inputs along a last axis; one by itself."""
+    return signals[0] if len(signals) == 1 else lambda t: np.stack([one(t) for one in signals], axis=-1)
+
+
+def columns(u: np.ndarray) -> np.ndarray:
+    """The inputs of a run as columns (n_t, k)."""
+    return u.reshape(len(u), -1)
 
 
 def random_values(design: Design) -> np.ndarray:
@@ -57,7 +79,7 @@ def noise_values(design: Design, count: int, outputs: int) -> np.ndarray:
 def joined(plain: BilinearForm, exact: BilinearForm, tau: float) -> BilinearForm:
     """One form with the states (χ, μ̂, μ̂ of the differentiator, d), q each: ḋ = (L y − d)/τ stands for L ẏ in the third."""
     q = len(exact.A)
-    one, none, still = np.eye(q), np.zeros_like(exact.R), np.zeros((q, 1))
+    one, none = np.eye(q), np.zeros_like(exact.R)
     A, L = np.zeros((4 * q, 4 * q)), exact.R
     for k, block in enumerate((plain.A, exact.A, exact.A, -one / tau)):
         A[k * q:(k + 1) * q, k * q:(k + 1) * q] = block
@@ -67,7 +89,7 @@ def joined(plain: BilinearForm, exact: BilinearForm, tau: float) -> BilinearForm
     for k, block in enumerate((plain.G_z, exact.G_z, exact.G_z)):
         G_z[k * r:(k + 1) * r, k * q:(k + 1) * q] = block
     return BilinearForm(A, np.vstack([plain.Y, exact.Y, exact.Y + L / tau, L / tau]),
-                        np.vstack([plain.B, exact.B, exact.B, still]), np.vstack([plain.U, exact.U, exact.U, none]),
+                        np.vstack([plain.B, exact.B, exact.B, 0 * exact.B]), np.vstack([plain.U, exact.U, exact.U, 0 * exact.U]),
                         np.vstack([none, L, none, none]), np.vstack([plain.G_y, exact.G_y, exact.G_y]), G_z)
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
 
 from app.engine.observers import BilinearObserver
 from app.lesson.claims import claim
-from app.lesson.figures import Curve, Dash, Figure, LineFigure, TableFigure
+from app.lesson.figures import Curve, Dash, LineFigure, TableFigure
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Check, Outcome
 from app.plants.bilinear import POLE
 from app.text import same, text, text_in
@@ -17,7 +19,8 @@ from ..toolkit.figures import TIME_TAB
 from .drive import HORIZON, form_index
 from .page import DOUBTED, LINES, words
 from .problems import PAPER, PROBLEMS
-from .study import FORM_NAMES, Study, Watch
+from .record import Record
+from .study import FORM_NAMES, Study
 
 STEPS_TAB = text("Eight steps")
 CASES_TAB, FORMS_TAB = text("Three cases"), text("With and without ẏ")
@@ -72,16 +75,16 @@ def _page(line: str) -> TableFigure:
                        tuple(rows), tab=STEPS_TAB, caption=caption)
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> Sheaf:
     """Everything on the right of the stage."""
     design, observer, run = outcome.design, outcome.study.observer, outcome.study.run
-    return (_functional(outcome, run), _error(outcome, run), _input(run),
-            *steps_figures(design["problem"], observer, int(design["step"]), design["line"]),
-            lights(outcome.checks), _singular(observer), _problems(design["problem"]),
-            _forms(run), _fed(run, design["tau"]))
+    return Sheaf(leaf(TIME_TAB, lambda: (_functional(outcome, run), _error(outcome, run), _input(run))),
+                 leaf(STEPS_TAB, lambda: steps_figures(design["problem"], observer, int(design["step"]), design["line"])),
+                 leaf(CASES_TAB, lambda: (lights(outcome.checks), _singular(observer), _problems(design["problem"]))),
+                 leaf(FORMS_TAB, lambda: (_forms(run), _fed(run, design["tau"]))))
 
 
-def _functional(outcome: Outcome[Study], run: Watch) -> LineFigure:
+def _functional(outcome: Outcome[Study], run: Record) -> LineFigure:
     guess = run.estimates[:, form_index(outcome.design)]
     met = outcome.metrics["settled_after"]
     caption = (text("After {met:.3g} s the error of ĝ stays below 2 % of its peak.", met=met) if met <= HORIZON
@@ -91,7 +94,7 @@ def _functional(outcome: Outcome[Study], run: Watch) -> LineFigure:
                       tab=TIME_TAB, caption=caption)
 
 
-def _error(outcome: Outcome[Study], run: Watch) -> LineFigure:
+def _error(outcome: Outcome[Study], run: Record) -> LineFigure:
     m = outcome.metrics
     pole = words(np.array([m["pole"]]), 2)
     follows = text("|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.",
@@ -105,14 +108,14 @@ def _error(outcome: Outcome[Study], run: Watch) -> LineFigure:
                       log_y=True, window=(1e-6, 10.0), tab=TIME_TAB, caption=caption)
 
 
-def _input(run: Watch) -> LineFigure:
+def _input(run: Record) -> LineFigure:
     peak = float(np.max(np.abs(run.u)))
     return LineFigure("input", text("input u, which also multiplies the state"), run.t,
                       (Curve(same("u"), run.u, "force"),), "u", window=(-1.0, 1.0), tab=TIME_TAB,
                       caption=text("Largest |u|: {peak:.3g}.", peak=peak))
 
 
-def lights(checks: tuple[Check, ...]) -> TableFigure:
+def lights(checks: Sequence[Check]) -> TableFigure:
     """Which statements hold."""
     lit = sum(c.holds for c in checks)
     return TableFigure("lights", text("lights"), (text("statement"), text("holds")),
@@ -156,7 +159,7 @@ def _problems(chosen: str) -> TableFigure:
                            "expected; the third problem has one without it."))
 
 
-def _forms(run: Watch) -> LineFigure:
+def _forms(run: Record) -> LineFigure:
     late = np.max(np.abs(run.errors[len(run.t) // 2:]), axis=0)
     styles: tuple[tuple[str, Dash], ...] = (("error", "solid"), ("second", "dot"), ("disturbance", "dash"))
     curves = tuple(Curve(name, np.abs(size), *style)
@@ -169,7 +172,7 @@ def _forms(run: Watch) -> LineFigure:
                                                                        late=late[0], late2=late[1], late3=late[2]))
 
 
-def _fed(run: Watch, tau: float) -> LineFigure:
+def _fed(run: Record, tau: float) -> LineFigure:
     gap = float(np.max(np.abs(run.fed[:, 0] - run.fed[:, 1])))
     return LineFigure("fed", text("L ẏ, true and from the differentiator"), run.t,
                       (Curve(text("true"), run.fed[:, 0], "second"),

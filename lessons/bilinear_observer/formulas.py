@@ -11,9 +11,9 @@ from ..toolkit.latex import MOST_ENTRIES, matrix, number, pole_words
 from .page import base_of, pole_of
 
 BLOCK = r"\begin{bmatrix} FT_2 & AT_3 & FT_3 \end{bmatrix}"
+BLOCKS = r"\begin{bmatrix} F_jT_2 & AT_3 & F_jT_3 \end{bmatrix}_{j=1,\ldots,%d}"  # of several inputs
 P = "(V_2 - LV_1)"
 EMPTY = r"\varnothing"
-ROW = rf"W = V_2 {BLOCK}"
 
 
 def _shown(M: np.ndarray, digits: int = 4) -> str:
@@ -28,21 +28,23 @@ def _is(name: str, left: str, M: np.ndarray, digits: int = 4) -> Formula:
 
 def formulas_of(o: BilinearObserver, L: np.ndarray, plain: BilinearForm, step: int) -> tuple[Formula, ...]:
     """The equations of one step with their present entries; L (1×m) and `plain` are what runs."""
-    c = o.canonical_Q
+    c, k = o.canonical_Q, o.plant.inputs
+    block, times = (BLOCK, "uF") if k == 1 else (BLOCKS % k, r"\textstyle\sum_j u_jF_j")
     match step:
         case 1:
             return (Formula("x", r"x = T_1 y + T_2 \mu + T_3 \eta"), _is("K1", r"K_1 = K \bar C^R", o.K1),
                     _is("T2", r"T_2^{\mathsf T}", o.T[1].T, 3), _is("T3", r"T_3^{\mathsf T}", o.T[2].T, 3), _is("V2", "V_2", o.V[1], 3))
         case 2:
-            return (Formula("Q", rf"Q = V_1 {BLOCK}"), _is("Qn", "Q", o.Q, 3), _is("QL", r"\bar Q^L", c.zero_left, 3),
+            return (Formula("Q", rf"Q = V_1 {block}"), _is("Qn", "Q", o.Q, 3), _is("QL", r"\bar Q^L", c.zero_left, 3),
                     _is("QR", r"\bar Q^R", c.zero_right, 3), _is("Qs", r"\tilde Q^{\mathsf T}", c.summary.T, 3))
         case 3:
             defect = o.defect if o.case == 1 else np.zeros_like(o.defect)
-            return (Formula("14", rf"\dot w = {P}(AT_2 + uFT_2)\,w - {P}(AT_3 + uFT_3)\,\eta"),
-                    Formula("W", ROW), Formula("21", r"W \bar Q^R = 0 \;?"), _is("right", "W", o.right, 3),
+            return (Formula("14", rf"\dot w = {P}(AT_2 + {times}T_2)\,w - {P}(AT_3 + {times}T_3)\,\eta"),
+                    Formula("W", rf"W = V_2 {block}"), Formula("21", r"W \bar Q^R = 0 \;?"), _is("right", "W", o.right, 3),
                     _is("defect", r"W \bar Q^R", defect, 3))
         case 4:
-            return (Formula("W", ROW), Formula("22", r"L = W \tilde Q + \pi \bar Q^L"), _is("base", r"W \tilde Q", base_of(o)),
+            return (Formula("W", rf"W = V_2 {block}"), Formula("22", r"L = W \tilde Q + \pi \bar Q^L"),
+                    _is("base", r"W \tilde Q", base_of(o)),
                     _is("QL", r"\bar Q^L", c.zero_left, 3))
         case 5:
             return (Formula("star", r"A_L = (A^* - B^* \pi^{\mathsf T})^{\mathsf T}"), _is("A", "A^*", o.A_star), _is("B", "B^*", o.B_star))
@@ -94,7 +96,7 @@ def own_formulas(o: BilinearObserver, L: np.ndarray, plain: BilinearForm, pi: np
     if step == 7:
         return (_is("L", "L", L), reached)
     return (
-        Formula("18", r"\dot\chi = A_L\chi + Y y + b u + u\,U y"),
+        Formula("18", r"\dot\chi = A_L\chi + Y y + b u + " + (r"u\,U y" if o.plant.inputs == 1 else r"\textstyle\sum_j u_jU_j y")),
         Formula("19", r"\hat g = G y + H\chi"),
         _is("AL", "A_L", plain.A), _is("Y", "Y", plain.Y), _is("b", "b", plain.B), _is("U", "U", plain.U), _is("G", "G", plain.G_y),
         _is("H", "H", plain.G_z),

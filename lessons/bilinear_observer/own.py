@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Board, Check, Design, Lesson, Outcome, Stage
 from app.plants import Model
 from app.text import text
@@ -15,7 +17,7 @@ from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
 from .code import own_code
 from .derive import own_derived
-from .drive import form_index
+from .drive import columns, form_index
 from .formulas import own_formulas
 from .own_figures import figures
 from .own_knobs import own_knobs
@@ -33,10 +35,11 @@ def compute(here: Here, design: Design) -> Outcome[Story]:
     poles = np.sort_complex(np.linalg.eigvals(error_matrix(wanted.solved, L)).astype(complex))
     run = run_of(here, design, wanted, L)
     story = Story(here, wanted, L, forms_at(wanted, L)[1], poles, run)
-    metrics, plants = _metrics(design, story), np.sort_complex(np.asarray(here.model.plant.poles, dtype=complex))
-    return Outcome(design, {"L": L}, {"observer": poles, "plant": plants}, metrics, _checks(story, metrics), None, _boards(design, story),
-                   _stage(design, story), own_formulas(wanted.solved, L, story.plain, wanted.pi(asked), poles, int(design["step"])),
-                   live(design, story, metrics), story)
+    metrics, plants = LaterMap(lambda: _metrics(design, story)), np.sort_complex(np.asarray(here.model.plant.poles, dtype=complex))
+    return Outcome(design, {"L": L}, {"observer": poles, "plant": plants}, metrics, LaterItems(lambda: _checks(story, metrics)), None,
+                   _boards(design, story), _stage(design, story), LaterItems(lambda: own_formulas(
+                       wanted.solved, L, story.plain, wanted.pi(asked), poles, int(design["step"]))),
+                   Later(lambda: live(design, story, metrics)), story)
 
 
 def _metrics(design: Design, s: Story) -> dict[str, float]:
@@ -57,7 +60,7 @@ def _metrics(design: Design, s: Story) -> dict[str, float]:
     return {name: float(np.clip(value, -1e15, 1e15)) for name, value in found.items()}
 
 
-def _checks(s: Story, m: dict[str, float]) -> tuple[Check, ...]:
+def _checks(s: Story, m: Mapping[str, float]) -> tuple[Check, ...]:
     o, start = s.wanted.solved, s.wanted.start
     return (
         Check("case1", text("case 1: (21) fails, no L"), o.case == 1, o.defect_size),
@@ -89,7 +92,7 @@ def _boards(design: Design, s: Story) -> tuple[Board, ...]:
 def _stage(design: Design, s: Story) -> Stage:
     run, standing = s.run, s.wanted.standing
     true, ghost = np.hstack([run.x, run.g]), np.hstack([run.x, run.estimates[:, form_index(design)]])
-    return Stage(s.wanted.body, run.t, true[:, standing], ghost[:, standing], run.u[:, None])
+    return Stage(s.wanted.body, run.t, true[:, standing], ghost[:, standing], columns(run.u))
 
 
 def adapted(lesson: Lesson, model: Model) -> Lesson:

@@ -5,28 +5,33 @@ from __future__ import annotations
 import numpy as np
 
 from app.lesson.claims import claim
-from app.lesson.figures import Curve, Dash, Figure, LineFigure, TableFigure
+from app.lesson.figures import Curve, Dash, LineFigure, TableFigure
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
-from app.text import joined, same, text, text_in
+from app.text import joined, listed, same, text, text_in
 
-from ..toolkit.boards import listed
+from ..toolkit.boards import listed as in_pairs
 from ..toolkit.figures import TIME_TAB
 from ..toolkit.latex import pole_words
-from .drive import form_index
+from .drive import columns, form_index
 from .figures import CASES_TAB, FORMS_TAB, HEADINGS, STEPS_TAB, lights
 from .own_words import LAW, Story
-from .study import FORM_NAMES
+from .study import FORM_NAMES, bound, counts
 
 DRAWN = 3  # rows of g in a figure
 MOST_CELLS = 12  # entries of a matrix that a table writes out
 ROLES = (("plant", "estimate"), ("second", "disturbance"), ("force", "error"))
 WINDOW = (1e-6, 1.0)
+LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 
 
-def figures(outcome: Outcome[Story]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Story]) -> Sheaf:
     """Everything on the right of the stage."""
-    return (_functional(outcome), _error(outcome), _input(outcome), _step(outcome), lights(outcome.checks), _conditions(outcome.study),
-            _wanted(outcome.study), _forms(outcome.study), _fed(outcome))
+    s = outcome.study
+    return Sheaf(leaf(TIME_TAB, lambda: (_functional(outcome), _error(outcome), _input(outcome))),
+                 leaf(STEPS_TAB, lambda: (_step(outcome),)),
+                 leaf(CASES_TAB, lambda: (lights(outcome.checks), _conditions(s), _wanted(s))),
+                 leaf(FORMS_TAB, lambda: (_forms(s), _fed(outcome))))
 
 
 def _sizes(s: Story) -> np.ndarray:
@@ -63,16 +68,26 @@ def _error(outcome: Outcome[Story]) -> LineFigure:
     said = claim(text("|ε| follows ẇ = A_L w to within {law_gap:.0e} of its peak, whatever u does.", law_gap=m["law_gap"]), m["law_gap"],
                  below=LAW, otherwise=text("|ε| leaves its law: in the last tenth of the run it is up to {late:.2g} of g.",
                                            late=m["late_error"]))
+    if s.wanted.solved.case == 1:  # at some u it may follow a law all the same
+        said = text("No L frees |ε| from u and x: in the last tenth of the run it is up to {late:.2g} of g.", late=m["late_error"])
     return LineFigure("error", text("error ε = ĝ − g over the largest g"), s.run.t, tuple(curves), "|ε| / |g|", log_y=True, window=WINDOW,
                       tab=TIME_TAB, caption=said)
 
 
 def _input(outcome: Outcome[Story]) -> LineFigure:
     s = outcome.study
-    unit = s.here.model.input_unit
-    return LineFigure("input", text("input u, which also multiplies the state"), s.run.t, (Curve(same("u"), s.run.u, "force"),),
-                      f"u [{unit}]" if unit else "u", tab=TIME_TAB,
-                      caption=text("Largest |u|: {peak:.3g}.", peak=float(np.max(np.abs(s.run.u)))))
+    here, drive = s.here, columns(s.run.u)
+    peaks = np.max(np.abs(drive), axis=0)
+    if len(peaks) == 1:
+        unit = here.units[0]
+        return LineFigure("input", text("input u, which also multiplies the state"), s.run.t, (Curve(same("u"), drive[:, 0], "force"),),
+                          f"u [{unit}]" if unit else "u", tab=TIME_TAB, caption=text("Largest |u|: {peak:.3g}.", peak=float(peaks[0])))
+    looks: tuple[tuple[str, Dash], ...] = (("force", "solid"), ("second", "dash"), ("disturbance", "dot"), ("error", "solid"))
+    curves = tuple(Curve(name, u / (size or 1.0), *looks[j % len(looks)])
+                   for j, (name, u, size) in enumerate(zip(here.names, drive.T, peaks.tolist(), strict=True)))
+    told = listed(same(f"{peak:.3g} {unit}".rstrip()) for peak, unit in zip(peaks.tolist(), here.units, strict=True))
+    return LineFigure("input", text("inputs, which also multiply the state, over their largest values"), s.run.t, curves, "u / max |u|",
+                      tab=TIME_TAB, caption=text("Largest values: {peaks}.", peaks=told))
 
 
 def _step(outcome: Outcome[Story]) -> TableFigure:
@@ -86,7 +101,7 @@ def _step(outcome: Outcome[Story]) -> TableFigure:
              8: (("A_L", s.plain.A), ("Y", s.plain.Y), ("b", s.plain.B), ("U", s.plain.U), ("G", s.plain.G_y), ("H", s.plain.G_z))}[step]
     rows = tuple((same(name), f"{M.shape[0]} × {M.shape[1]}", _cells(M)) for name, M in shown)
     return TableFigure("step", HEADINGS[step - 1], (text("item"), text("size"), text("entries, row by row")), rows, tab=STEPS_TAB,
-                       caption=text("The entries, in the units of the file; larger matrices stand in the formulas."))
+                       caption=text("The entries, in the units of the file; the formulas show larger matrices, of the largest the norm."))
 
 
 def _cells(M: np.ndarray) -> str:
@@ -98,8 +113,8 @@ def _conditions(s: Story) -> TableFigure:
     n, m, q = o.plant.n, o.plant.m, o.order
     left = len(o.canonical_Q.zero_left)
     rows = (
-        (text("input u"), s.here.name),
-        (text("what u multiplies"), text("nothing: F is zero") if s.here.linear else same("F x")),
+        (text("input u"), listed(s.here.names)),
+        (text("what u multiplies"), text("nothing: F is zero") if s.here.linear else same(_terms(o.plant.inputs))),
         (text("states n, sensors m, numbers wanted r"), f"{n}, {m}, {len(o.K)}"),
         (text("order q of the observer"), str(q)),
         (text("order n − m of Luenberger's reduced observer"), str(n - m)),
@@ -110,7 +125,14 @@ def _conditions(s: Story) -> TableFigure:
     )
     lower = (text("Order {q} instead of n − m = {most}: the functional observer is the smaller one.", q=q, most=n - m) if q < n - m else
              text("Order {q} is that of Luenberger's reduced observer: all that is not measured is estimated.", q=q))
+    if q < len(o.K):
+        lower = joined(lower, text("Beyond what y says, the {rows} numbers wanted have rank {q}: r is {q} in "
+                                   "the lights.", rows=len(o.K), q=q))
     return TableFigure("conditions", text("sizes and conditions"), (text("quantity"), text("value")), rows, tab=CASES_TAB, caption=lower)
+
+
+def _terms(inputs: int) -> str:
+    return "F x" if inputs == 1 else ", ".join(f"F{str(j + 1).translate(LOWERED)} x" for j in range(inputs))
 
 
 def _wanted(s: Story) -> TableFigure:
@@ -122,14 +144,14 @@ def _wanted(s: Story) -> TableFigure:
         if o.case == 3 and not w.bolted:
             poles = text("any")
         else:
-            fixed = w.bolted if o.case == 3 else tuple(listed(o.reached))
+            fixed = w.bolted if o.case == 3 else tuple(in_pairs(o.reached))
             poles = same("—" if o.case == 1 else pole_words(fixed[:4]))
-        known, needed = 3 * o.plant.m + o.order, 2 * o.plant.n
+        known, needed = counts(o)
         rows.append((name, str(o.case), fate, poles, str(o.order), f"{known} {'≥' if o.advised else '<'} {needed}"))
     met = sum(w.solved.case != 1 for w in s.here.wanted)
     return TableFigure("problems", text("what may be wanted of this plant"),
                        (text("wanted"), text_in("bilinear-observer", "case"), text("solutions"), text("pole"), text("order"),
-                        same("3m + r ≥ 2n")), tuple(rows), tab=CASES_TAB,
+                        same(bound(s.here.plant))), tuple(rows), tab=CASES_TAB,
                        caption=text("{met} of {count} have an L that frees ε from u and x.", met=met, count=len(rows)))
 
 

@@ -1,4 +1,4 @@
-"""Knobs of the lesson on a person's own plant: what is wanted, the input, the poles, the form that runs, the noise."""
+"""Knobs of the lesson on a person's own plant: what is wanted, the inputs, the poles, the form that runs, the noise."""
 
 from __future__ import annotations
 
@@ -12,31 +12,34 @@ from .own_plant import Here, omega_of
 from .study import FORM_NAMES
 
 STRONGEST = 4.0  # times the natural input
+WAVES = (("none", text_in("bilinear-observer", "none")), ("sine", text("sine")), ("step", text("step")), ("square", text("square wave")),
+         ("sweep", text("sweep")))  # of each input
 
 
 def own_knobs(here: Here) -> tuple[Knob, ...]:
     """The knobs of a plant: those of the paper's page that any plant has, in this plant's own sizes."""
-    unit, most = here.model.input_unit, STRONGEST * here.strength
-    omega = omega_of(here.horizon)
+    unit, strength = here.units[0], float(here.strength[0])
+    most, omega = STRONGEST * strength, omega_of(here.horizon)
     return (
         Number("step", "", text("step of the algorithm"), low=1, high=8, default=1, scale="integer",
                hint=text("The formulas and the tab Eight steps show this step.")),
         Choice("wanted", "K", text("wanted, g = K x"), default=here.wanted[0].id, options=tuple((w.id, w.label) for w in here.wanted),
-               hidden=len(here.wanted) == 1, hint=text("The rows of K in the file, together or alone, or one state that no sensor reads.")),
+               hidden=len(here.wanted) == 1, hint=text("The rows of K in the file, together or alone, or one state that y does not give.")),
         Choice("input", "u", text("input"), default="sine", options=(
-            ("none", text_in("bilinear-observer", "none")), ("sine", text("sine")), ("step", text("step")), ("square", text("square wave")),
-            ("sweep", text("sweep")), ("random", text("random")), ("hand", text("your own hand"))),
-            hint=text("u is {name}. The plant is linear: F is zero, and u multiplies nothing.", name=here.name) if here.linear else
-            text("u pushes the plant and also multiplies its state: {name}.", name=here.name)),
-        Number("amplitude", r"u_0", text("amplitude"), unit, low=0.0, high=most, default=here.strength, step=most / 100,
+            *WAVES, ("random", text("random")), ("hand", text("your own hand"))),
+            hint=text("u is {name}. The plant is linear: F is zero, and u multiplies nothing.", name=here.names[0]) if here.linear else
+            text("u pushes the plant and also multiplies its state: {name}.", name=here.names[0])),
+        Number("amplitude", r"u_0", text("amplitude"), unit, low=0.0, high=most, default=strength, step=most / 100,
                when=("input", SHAPED), hint=text("At first half of what a regulator would ask for.") if here.linear else
-               text("At first the input with which u F is half as fast as the plant.")),
+               text("At first the input with which u F is half as fast as the plant.") if here.plant.inputs == 1 else
+               text("At first all inputs together make the plant at most half as fast again.")),
         Number("omega", r"\omega", text_in("bilinear-observer", "frequency"), "rad/s", low=omega / 4, high=20 * omega, default=omega,
                scale="log", when=("input", MOVING), hint=text("The sweep ends four times as fast as it says here.")),
         Number("seed", r"s_0", text("random seed"), low=0, high=9999, default=1, scale="integer", when=("input", ("random",)),
                hint=text("The same seed gives the same input.")),
         Track("hand", "u", text("input by hand"), low=-most, high=most, when=("input", ("hand",)),
               hint=text("Slow the clock down, press play and move this.")),
+        *(knob for j in range(1, here.plant.inputs) for knob in _further(here, j)),
         *(Poles(f"poles_{w.id}", "p", text("Observer poles"), "rad/s", default=w.poles, re_low=w.window.re_low, re_high=w.window.re_high,
                 im_high=w.window.im_high, role="estimate", when=("wanted", (w.id,)),
                 hint=text("Those that π moves; poles that stay put in every L are bolted.")) for w in here.wanted if w.poles),
@@ -47,4 +50,20 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
         Number("noise", r"\sigma", text("noise of each sensor"), "%", low=0.0, high=10.0, default=0.0, step=0.1,
                hint=text("The standard deviation of what each sensor adds to y, as a share of what it reads at most in the first run.")),
         run_knobs(here.horizon)[1],
+    )
+
+
+def _further(here: Here, which: int) -> tuple[Knob, ...]:
+    """The drive of the second input or of one that follows."""
+    name, strength, omega, number = here.names[which], float(here.strength[which]), omega_of(here.horizon, which), which + 1
+    most, kinds = STRONGEST * strength, tuple(id for id, _ in WAVES)
+    return (
+        Choice(f"input{number}", f"u_{number}", text("input {name}", name=name), default="sine", options=WAVES,
+               hint=text("It multiplies the state by a matrix of its own, F{number}.", number=number)),
+        Number(f"amplitude{number}", "u_0", text("amplitude of {name}", name=name), here.units[which], low=0.0, high=most, default=strength,
+               step=most / 100, when=(f"input{number}", tuple(k for k in SHAPED if k in kinds)),
+               hint=text("At first all inputs together make the plant at most half as fast again.")),
+        Number(f"omega{number}", r"\omega", text("frequency of {name}", name=name), "rad/s", low=omega / 4, high=20 * omega, default=omega,
+               scale="log", when=(f"input{number}", tuple(k for k in MOVING if k in kinds)),
+               hint=text("The sweep ends four times as fast as it says here.")),
     )

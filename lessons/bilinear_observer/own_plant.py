@@ -18,6 +18,7 @@ from app.plants.own import board_of
 from app.plants.own_body import MOST_IN_ROW, tubes_body
 from app.text import Text, lowered, same, text
 
+from .drive import columns, together, wave
 from .page import base_of
 
 STEPS = 400  # of a run
@@ -85,14 +86,21 @@ class Here:
     model: Model
     plant: BilinearPlant
     wanted: tuple[Wanted, ...]
-    strength: float
+    strength: np.ndarray  # (k,)
     horizon: float
     readings: np.ndarray  # (m,)
 
     @property
-    def name(self) -> Text:
-        """What u is called."""
-        return called(self.model.plant, self.model.plant.input_names[0])
+    def names(self) -> tuple[Text, ...]:
+        """What the inputs are called."""
+        p = self.model.plant
+        return tuple(called(p, name) for name in p.input_names[:self.plant.inputs])
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """The units of the inputs."""
+        p = self.model.plant
+        return tuple(p.unit(name) for name in p.input_names[:self.plant.inputs])
 
     @property
     def linear(self) -> bool:
@@ -117,19 +125,17 @@ class Here:
     def inner(self) -> BilinearPlant:
         """The plant in states of like size, in which it is simulated."""
         p, D = self.plant, self.scale
-        return BilinearPlant(p.A * D / D[:, None], p.B / D[:, None], p.F * D / D[:, None], p.C * D)
+        return BilinearPlant(p.A * D / D[:, None], p.B / D[:, None], np.hstack([F * D / D[:, None] for F in p.parts]), p.C * D)
 
 
 def fitted(model: Model) -> Here:
     """What the lesson needs of a plant. Raises KnobError or EngineError, in one sentence, where it does not fit."""
     p, beyond = model.plant, model.beyond
-    if p.m != 1 and beyond.F is not None:
-        raise KnobError(text("This lesson has one input u, which also multiplies the state; the plant has {count}: keep one column of B.",
-                             count=p.m))
-    if np.any(p.D[:, 0]):
+    count = 1 if beyond.F is None else p.m  # of a linear plant the first input is u, the others rest
+    if np.any(p.D[:, :count]):
         raise KnobError(text("This lesson has y = C x: leave out D, or take y − D u for the output."))
     F = np.zeros_like(p.A) if beyond.F is None else beyond.F
-    plant = BilinearPlant(p.A, p.B[:, :1], F, p.C)  # of a linear plant the first input is u, the others rest
+    plant = BilinearPlant(p.A, p.B[:, :count], F, p.C)
     rate = typical_rate(p)
     growing = float(np.max(np.real(p.poles)))
     horizon = float(f"{min(SPAN / rate, GROWTH / growing if growing > 0 else np.inf):.2g}")
@@ -146,31 +152,31 @@ def fitted(model: Model) -> Here:
                 raise
             continue  # the sensors read this row already
         sizes = np.max(np.abs(x @ K.T), axis=0)
-        wanted.append(_choice(here, id, label, rows, units, solved, full, np.where(sizes > 0, sizes, 1.0), float(np.max(np.abs(u)))))
+        wanted.append(_choice(here, id, label, rows, units, solved, full, np.where(sizes > 0, sizes, 1.0), u))
     return Here(model, plant, tuple(wanted), here.strength, horizon, np.where(readings > 0, readings, 1.0))
 
 
-def _strength(model: Model, plant: BilinearPlant, rate: float) -> float:
-    """The input with which u F is half as fast as the plant; without F its own natural size."""
+def _strength(model: Model, plant: BilinearPlant, rate: float) -> np.ndarray:
+    """The inputs (k,) which make Σ uⱼ Fⱼ at most half as fast as the plant; where Fⱼ is zero an input's own natural size."""
     D = np.abs(np.array(model.x0))
-    size = float(np.linalg.norm(plant.F * D / D[:, None], 2))
-    return float(f"{0.5 * rate / size if size > 0 else model.u_max:.2g}")
+    sizes = [float(np.linalg.norm(F * D / D[:, None], 2)) for F in plant.parts]
+    return np.array([float(f"{0.5 * rate / size / plant.inputs if size > 0 else model.u_max:.2g}") for size in sizes])
 
 
 def _first_run(here: Here) -> tuple[np.ndarray, np.ndarray]:
-    """x and u of the plant alone under the sine that the knobs begin with."""
+    """x (n_t, n) and u (n_t, k) of the plant alone under the sines that the knobs begin with."""
     p = here.inner
-    none = np.zeros((1, p.m))
-    still = BilinearForm(np.zeros((1, 1)), none, np.zeros((1, 1)), none, none, none, np.zeros((1, 1)))
-    omega = omega_of(here.horizon)
-    run = simulate_bilinear(p, still, np.ones((1, p.n)), lambda t: here.strength * np.sin(omega * t), np.array(here.model.x0) / here.scale,
-                            [0.0], horizon=here.horizon, dt=here.dt)
-    return run.x * here.scale, run.u
+    none, one = np.zeros((1, p.m)), np.zeros((1, 1))
+    still = BilinearForm(one, none, np.zeros((1, p.inputs)), np.zeros((1, p.inputs * p.m)), none, none, one)
+    sines = together([wave("sine", size, omega_of(here.horizon, j), here.horizon) for j, size in enumerate(here.strength.tolist())])
+    run = simulate_bilinear(p, still, np.ones((1, p.n)), sines, np.array(here.model.x0) / here.scale, [0.0],
+                            horizon=here.horizon, dt=here.dt)
+    return run.x * here.scale, columns(run.u)
 
 
-def omega_of(horizon: float) -> float:
-    """The frequency that the input begins with: about two periods in a run."""
-    return float(f"{4 * np.pi / horizon:.2g}")
+def omega_of(horizon: float, which: int = 0) -> float:
+    """The frequency that an input begins with: about two periods in a run, and more of each that follows."""
+    return float(f"{4 * np.pi / horizon * (1 + 0.6 * which):.2g}")
 
 
 def _choices(model: Model) -> list[tuple[str, Text, tuple[Text, ...], tuple[str, ...], np.ndarray]]:
@@ -195,7 +201,7 @@ def _even(C: np.ndarray) -> np.ndarray:
 
 
 def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tuple[str, ...], o: BilinearObserver, full: np.ndarray,
-            sizes: np.ndarray, strongest: float) -> Wanted:
+            sizes: np.ndarray, u: np.ndarray) -> Wanted:
     p = here.model.plant
     start = starting_feedback(Plant(o.A_star, o.B_star, np.eye(o.order)), eager=QUICK) if o.case == 3 else None
     if start is not None:
@@ -212,7 +218,7 @@ def _choice(here: Here, id: str, label: Text, rows: tuple[Text, ...], units: tup
                  "arrow: u.") if few else
             text("Tubes for states that no sensor reads alone, and on the right one for each row of g with its ghost ĝ; green arrow: u."))
     body = replace(tubes_body([*(called(p, p.state_names[k]) for k in states), *rows], [*full[states].tolist(), *sizes.tolist()],
-                              measured if few else (), [strongest if strongest > 0 else 1.0]), caption=told)
+                              measured if few else (), [float(s) or 1.0 for s in np.max(np.abs(u), axis=0)]), caption=told)
     return Wanted(id, label, rows, units, o, start, poles, window, body, np.array([*states, *range(p.n, p.n + len(rows))]), sizes)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +16,7 @@ from ..toolkit.boards import listed
 from ..toolkit.latex import pole_words
 from .own_plant import Here, Wanted
 from .own_run import Run
+from .study import bound, counts
 
 LAW = 1e-6  # how near to its own law an error counts as free of u and x
 
@@ -31,7 +33,7 @@ class Story:
     run: Run
 
 
-def live(design: Design, s: Story, m: dict[str, float]) -> Text:
+def live(design: Design, s: Story, m: Mapping[str, float]) -> Text:
     """The sentence of the present design: what holds, or which condition fails and what to change."""
     o, late = s.wanted.solved, m["late_error"]
     if o.case == 1:
@@ -57,8 +59,9 @@ def live(design: Design, s: Story, m: dict[str, float]) -> Text:
 
 
 def _no_gain(o: BilinearObserver, late: float) -> Text:
+    (have, need), (left, right) = counts(o), bound(o.plant).split("≥")
     if o.advised:
         return text("Case 1: (21) fails, and the nearest L leaves ε at {late:.2g} of g when the run ends. Measure other states, or want "
                     "another g.", late=late)
-    return text("Case 1: (21) fails, and the nearest L leaves ε at {late:.2g} of g when the run ends. 3m + r is {have}, 2n is {need}: "
-                "measure more, or want another g.", late=late, have=3 * o.plant.m + o.order, need=2 * o.plant.n)
+    return text("Case 1: (21) fails, and the nearest L leaves ε at {late:.2g} of g when the run ends. {left} is {have}, {right} is {need}: "
+                "measure more, or want another g.", late=late, left=left.strip(), have=have, right=right.strip(), need=need)

@@ -1,4 +1,4 @@
-"""Tasks of the lesson: the slip, the plant that runs away, no derivative, three sensors, an input that blinds, sensors that are off."""
+"""Tasks of the lesson: the slip, the runaway, no derivative, three sensors, an input that blinds, sensors off, how many sensors."""
 
 from __future__ import annotations
 
@@ -107,6 +107,11 @@ BLIND_INPUT = Typed("(1-g*b)/(g^2*f)", ("b", "f", "g"), slips=(
     ("(1-g*b)/(g*f)", text("The second row hears u through g, and the determinant multiplies it by g once more.")),
     ("1/(g^2*f)", text("That is without the friction b."))))
 
+ENOUGH = Typed("((k+1)*n-r)/(k+2)", ("n", "k", "r"), slips=(
+    ("(2*n-r)/3", text("That is for one input; each further one asks for an F_j T₂ and an F_j T₃ of its own.")),
+    ("((k+1)*n)/(k+2)", text("A T₃ has n − m − r columns only: A T₂ stands in no condition, it makes the poles.")),
+    ("k*(2*n-r)/(2*k+1)", text("A T₃ stands in Q once, however many inputs there are."))))
+
 TASKS = (
     Task("slip", _slip, {"line": FATAL, "gain": TYPED, "l4": 9.29}),
     Task("runaway", _runaway, {"input": "step", "amplitude": 2.5}),
@@ -114,4 +119,5 @@ TASKS = (
     Task("three-sensors", _three, {"problem": "three-fitting", "chi0": 4.5}),
     pencil("blind-input", BLIND_INPUT),
     Task("offsets", _offsets, {"pole": (-8.4 + 0j,)}),
+    pencil("enough", ENOUGH),
 )

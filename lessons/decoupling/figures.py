@@ -62,7 +62,7 @@ def _nano(density: np.ndarray) -> np.ndarray:
 
 
 def _spectrum(outcome: Outcome[Study], i: int, name: str, title: Text) -> LineFigure:
-    s, gain = outcome.study.spectra, outcome.metrics[name]
+    s, gain = outcome.study.spectra, float(outcome.study.down[i])
     noise = np.full(len(s.f), outcome.design["noise"] ** 2 / 2)
     caption = (text("The loop is unstable: what is drawn is no spectrum.")
                if outcome.metrics["rightmost"] >= 0 else

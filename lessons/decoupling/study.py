@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from app.engine.design import polynomial_roots
+from app.engine.feedback import NoisyLoop
 from app.engine.structure import mixing_matrix
 from app.lesson.claims import claim
 from app.lesson.later import Later, LaterItems, LaterMap
@@ -50,12 +51,23 @@ BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, cap
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """Mixing, controllers, spectra and the run of a design."""
+    """Mixing, controllers, loop and the run of a design; spectra when they are looked at."""
 
+    design: Design
     mixed: Mixed
     controllers: Controllers
-    spectra: Spectra
+    loop: NoisyLoop
     shaken: Shaken
+
+    @cached_property
+    def spectra(self) -> Spectra:
+        """With control and without."""
+        return spectra(self.loop, self.design)
+
+    @cached_property
+    def down(self) -> np.ndarray:
+        """Decibels by which the peaks of vertical, rotation and horizontal have come down."""
+        return suppression(self.spectra)
 
 
 def compute(design: Design) -> Outcome[Study]:
@@ -65,17 +77,15 @@ def compute(design: Design) -> Outcome[Study]:
     lower = lower_of(design)
     loop = close(built.whole, design["noise"], lower)
     right, drift = rightmost(loop, built.whole)
-    seen, run = spectra(loop, design), shaken(loop, design)
-    down = suppression(seen)
-    known = {"vertical": float(down[0]), "rotation": float(down[1]), "horizontal": float(down[2]), "rightmost": right,
-             "drift": max(drift, -1.0)}
-    metrics = LaterMap(lambda: _metrics(known, design, mix, built), known)
+    run = shaken(loop, design)
+    study, known = Study(design, mix, built, loop, run), {"rightmost": right, "drift": max(drift, -1.0)}
+    metrics = LaterMap(lambda: _metrics(known, design, study), known)
     zeros = zeros_of(mix.a, mix.b, lower)
     own = built.whole.poles if built.whole.n else np.zeros(0, dtype=complex)
     return Outcome(design, {"S": mix.S}, {"loop": loop.poles, "controller": own, "zeros of P_h": zeros}, metrics,
                    LaterItems(lambda: _checks(metrics, drift)), None,
                    _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
-                   LaterItems(lambda: _formulas(mix, built)), Later(lambda: _live(metrics)), Study(mix, built, seen, run))
+                   LaterItems(lambda: _formulas(mix, built)), Later(lambda: _live(metrics)), study)
 
 
 @lru_cache(maxsize=32)
@@ -85,13 +95,14 @@ def zeros_of(a: float, b: float, lower: float) -> np.ndarray:
     return polynomial_roots(siso.rigid_polynomials(HORIZONTAL, S, platform.Parameters(lower=lower))[0])
 
 
-def _metrics(known: Mapping[str, float], design: Design, mix: Mixed, built: Controllers) -> dict[str, float]:
-    without = known["rightmost"]
+def _metrics(known: Mapping[str, float], design: Design, study: Study) -> dict[str, float]:
+    without, mix, built = known["rightmost"], study.mixed, study.controllers
+    down = {name: float(v) for name, v in zip(("vertical", "rotation", "horizontal"), study.down, strict=True)}
     if design["pitch"]:
         apart = siso.from_channels(built.vertical, None, built.horizontal, mixing=mix.S)
         without = rightmost(close(apart, lower=lower_of(design)), apart)[0]
     return {
-        **known, "rightmost_pitch_open": without, "J": min(mix.J, 1e9), "J_plain": mix.best.plain_J,
+        **down, **known, "rightmost_pitch_open": without, "J": min(mix.J, 1e9), "J_plain": mix.best.plain_J,
         "J_best": mix.best.J, "a": mix.a, "b": mix.b, "a_best": mix.best.a, "b_best": mix.best.b,
         "placement_residual": built.placed.residual if built.placed else 0.0,
     }

@@ -10,7 +10,7 @@ from app.engine import lqr
 from app.lesson.derivation import Value
 from app.lesson.lesson import Outcome
 
-from .study import Setting, Twins, weights_of
+from .twins import Setting, Twins, weights_of
 
 
 def derived(here: Setting, outcome: Outcome[Twins]) -> Mapping[str, Value]:

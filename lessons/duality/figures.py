@@ -4,28 +4,32 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, TableFigure, nice
+from app.lesson.figures import Curve, LineFigure, PlaneFigure, TableFigure, nice
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Design, Outcome
 from app.text import NO_WORDS, Text, joined, same, symbol, text
 
-from ..toolkit.figures import error_figure, input_figure, state_figures
+from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
-from .horizon import horizon_figure
-from .study import Setting, Twins, weights_of
+from .horizon import HORIZON_TAB, horizon_figure
+from .twins import Setting, Twins, weights_of
 
 TWINS_TAB, ELLIPSES_TAB = text("Twins"), text("Ellipses")
 MOST_ROWS = 12  # of a table
 CIRCLE = np.linspace(0.0, 2 * np.pi, 121)
 
 
-def all_figures(here: Setting, outcome: Outcome[Twins]) -> tuple[Figure, ...]:
+def all_figures(here: Setting, outcome: Outcome[Twins]) -> Sheaf:
     """The run; gains, Riccati solutions and the pairing beside their twins; both ellipses."""
-    run, twins = outcome.run, outcome.study
+    run, twins, design = outcome.run, outcome.study, outcome.design
     assert run is not None
-    return (*state_figures(here.model, run, 2), error_figure(run), input_figure(run, here.model), _gain_table(outcome, twins),
-            _riccati_table(here, outcome, twins), _pairing(twins, outcome.metrics["pairing_gap"]),
-            _horizon(here, outcome.design, twins),
-            *_ellipses(here, outcome.design["window"], twins, outcome.metrics["mirror_gap"]))
+    return Sheaf(
+        leaf(TIME_TAB, lambda: state_figures(here.model, run, 2)),
+        leaf(ERROR_TAB, lambda: (error_figure(run), input_figure(run, here.model))),
+        leaf(TWINS_TAB, lambda: (_gain_table(outcome, twins), _riccati_table(here, outcome, twins),
+                                 _pairing(twins, twins.pairing_gap))),
+        leaf(HORIZON_TAB, lambda: (_horizon(here, design, twins),)),
+        leaf(ELLIPSES_TAB, lambda: _ellipses(here, design["window"], twins, twins.mirror_gap)))
 
 
 def _entry(value: float) -> str:

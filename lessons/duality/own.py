@@ -19,7 +19,8 @@ from ..toolkit.knobs import BY_POLES, BY_WEIGHTS, run_knobs
 from .derive import derived
 from .figures import all_figures
 from .knobs import KNOBS
-from .study import Setting, compute
+from .study import compute
+from .twins import Setting
 
 BY_HAND = 6  # most states for which Ackermann's formula, the observer's own, is trusted
 

@@ -7,7 +7,8 @@ from app.lesson.typed import Typed
 from app.text import text
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
-from .study import BLOCK, Twins, gains_of, gap
+from .study import BLOCK
+from .twins import Twins, gap
 
 SAME = 0.01  # of L: two gains nearer than this are one
 SLOW, QUICK, CLOSE, MODEST = -0.5, -1.5, 0.02, 3.0  # slowest poles asked for, how nearly, and the largest entry of L
@@ -29,7 +30,7 @@ def _ratio(outcome: Outcome[Twins]) -> Verdict:
     if d["method"] != BY_WEIGHTS or d["mirror"]:
         return Verdict(False, text("Choose gains by weights and switch the mirror off."))
     scale = d["w"] / d["q"]
-    L, mirrored = outcome.gains["L"], gains_of(BLOCK, d.with_values(mirror=True), BLOCK.plant(d))[1]
+    L, mirrored = outcome.gains["L"], Twins(BLOCK, d.with_values(mirror=True), BLOCK.plant(d)).L_engine
     if max(scale, 1 / scale) < 10:
         return Verdict(False, text("α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
                                    scale=scale))

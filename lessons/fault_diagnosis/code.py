@@ -7,16 +7,16 @@ import numpy as np
 from app.lesson.code import Code, Given, Shown
 from app.lesson.lesson import Outcome
 
-from .bank import COUNT, DT, MODEL, NAMES, Q_WEIGHT, SIGMA, guard, model, truth
+from .bank import COUNT, DT, MODEL, NAMES, PLACES, Q_WEIGHT, SIGMA, guard, model, truth
 from .diagnosis import ENERGY, FADE, HOLD, POWER
-from .runs import OPEN, SWITCH, drawn
-from .study import Study
+from .record import Study
+from .runs import NONE, OPEN, SWITCH, Fault, drawn
 
 
 def code(outcome: Outcome[Study]) -> Code:
     """The records of a design that its script starts from and finds again."""
     d, m, s = outcome.design, outcome.metrics, outcome.study
-    case, kf, bank = s.case, model(), guard().bank
+    case, also, kf, bank = s.case, s.case.also or Fault(), model(), guard().bank
     A_true, B_true = truth(case.stiffer)
     noise = drawn(int(d["seed"]))
     ignoring = np.array([member.basis @ noise.bank[part] for member, part in zip(bank.members, bank.slices, strict=True)][4:])
@@ -29,7 +29,10 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("place", -1 if s.column is None else s.column, "what fails: sensor 0 ... 3, coil 4 ... 6, or -1: nothing"),
         Given("kind", case.kind, "how a sensor lies"),
         Given("size", case.size, "mm/s of a bias, mm/s^2 of a drift, share of a coil's force that is lost"),
-        Given("fails_at", case.start, "the first sample with the fault"), Given("force", case.force, "N"), Given("tone", case.tone, "Hz"),
+        Given("fails_at", case.start, "the first sample with the fault"),
+        Given("also_place", -1 if also.place == NONE else PLACES.index(also.place), "what fails besides, or -1: nothing"),
+        Given("also_kind", also.kind), Given("also_size", also.size), Given("also_fails_at", also.start),
+        Given("force", case.force, "N"), Given("tone", case.tone, "Hz"),
         Given("closed", case.loop != OPEN), Given("switches", case.loop == SWITCH, "the loop acts on the verdict"),
         Given("kick_at", round(case.kick / DT) - 1 if case.kick >= 0 else -2, "the sample after which x jumps, -2: never"),
         Given("kick", np.asarray(MODEL.kick)), Given("energy", s.test.statistic == ENERGY, "sum of squares, or square of the mean"),
@@ -42,7 +45,7 @@ def code(outcome: Outcome[Study]) -> Code:
         Shown("L", outcome.gains["L"]), *poles, Shown("x", s.record.x), Shown("xhat", s.record.xhat), Shown("y", s.record.y),
         Shown("asked", s.record.asked), Shown("applied", s.record.applied), Shown("statistics", s.verdict.values),
         *(Shown(name, m[name]) for name in ("threshold", "dof", "needed", "hourly", "accused", "right_verdict", "delay", "expected_delay",
-                                            "pitch"))), "Shares over many runs, and the cumulative sum", (
+                                            "pitch"))), "Shares over many runs, the cumulative sum, and the bank of pairs", (
         Given("w", noise.w), Given("v", noise.v), Given("first_error", noise.whole, "of the filter that the loop believes"),
         Given("first_starts", np.array([noise.bank[part] for part in bank.slices[:4]]), "of the members that leave out a sensor"),
     ), DT)

@@ -11,7 +11,9 @@ from app.lesson.lesson import Outcome
 
 from .bank import DT, MODEL, SIGMA, guard
 from .diagnosis import ENERGY
-from .study import Study, hourly
+from .pairs import PAIRS, pair_bank, rank_of
+from .record import Study
+from .study import hourly
 
 MICRO = 1e6  # mm²/s² in a m²/s²
 SENSORS = 4  # members that leave one out and read the others as they are
@@ -27,7 +29,8 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     known: dict[str, Value] = {
         "count": float(N if s.test.statistic == ENERGY else 1), "dof": float(s.test.dof), "alpha": s.test.rate, "N": float(N), "dt": DT,
         "hourly": hourly(s), "needed": s.test.needed, "least": float(s.test.needed / N) ** 0.5,
-        "inner": float((Cb.T @ Cb)[0, 0]), "size": float(np.linalg.norm(Cb)), "one": 1.0}
+        "inner": float((Cb.T @ Cb)[0, 0]), "size": float(np.linalg.norm(Cb)), "one": 1.0,
+        "pairs": float(len(PAIRS)), "rank": float(rank_of(frozenset(s.pair or PAIRS[0]))), "left": float(pair_bank().dof)}
     if column < SENSORS:
         known |= {"S": S, "R": R, "CPC": S - R}
     return known

@@ -9,10 +9,11 @@ import numpy as np
 
 from app.engine.observers import isolate, needed_noncentrality, residual_threshold, window_energy, window_mean
 
-from .bank import COUNT, NAMES, PLACES, guard
+from .bank import COUNT, PLACES, guard
 from .runs import Record
 
 ENERGY, MEAN = "energy", "mean"
+NOTHING, UNCLEAR = -1, -2  # what `isolate` says beside the column of a fault
 HOLD = 10  # samples that one pattern of alarms must last before anyone is accused
 FADE = 100  # samples in which the bank forgets a kick
 POWER = 0.99
@@ -82,20 +83,25 @@ def judge(test: Rule, record: Record) -> Verdict:
 def judged(test: Rule, ratio: np.ndarray) -> Verdict:
     """`judge` by the statistic over its threshold, (COUNT, 7)."""
     alarms, signature = ratio > 1, guard().bank.signature
-    named, some = isolate(alarms, signature), alarms.any(axis=1)
-    calm = np.maximum.accumulate(np.where(some, -1, np.arange(COUNT)))  # the last sample without an alarm
-    heard = np.vstack([np.zeros(len(NAMES), dtype=int), np.cumsum(alarms, axis=0)])
-    since = np.maximum(calm + 1, np.arange(COUNT) + 1 - test.window - FADE)
-    upset = heard[1:] > heard[since]  # which members have given an alarm since
-    at = _lasting((named[:, None] == np.arange(len(PLACES))) & ~(upset @ ~signature))
-    column, first = int(at.argmin()), np.flatnonzero(some)
-    return Verdict(ratio, named, int(first[0]) if len(first) else None,
+    at, first = lasting_fit(alarms, signature, test.window), np.flatnonzero(alarms.any(axis=1))
+    column = int(at.argmin())
+    return Verdict(ratio, isolate(alarms, signature), int(first[0]) if len(first) else None,
                    *((int(at[column]), PLACES[column]) if at[column] < COUNT else (None, None)))
 
 
-def _lasting(holds: np.ndarray) -> np.ndarray:
+def lasting_fit(alarms: np.ndarray, signature: np.ndarray, window: int) -> np.ndarray:
+    """The sample at which each column of a signature (members, faults) is accused by alarms (COUNT, members), COUNT for never."""
+    fits = (alarms[:, :, None] == signature).all(axis=1)
+    calm = np.maximum.accumulate(np.where(alarms.any(axis=1), -1, np.arange(COUNT)))  # the last sample without an alarm
+    heard = np.vstack([np.zeros(alarms.shape[1], dtype=int), np.cumsum(alarms, axis=0)])
+    since = np.maximum(calm + 1, np.arange(COUNT) + 1 - window - FADE)
+    upset = heard[1:] > heard[since]  # which members have given an alarm since
+    return lasting(fits & ~(upset @ ~signature))
+
+
+def lasting(holds: np.ndarray) -> np.ndarray:
     """The sample at which each column's condition has held for HOLD samples for the first time, COUNT where it never does."""
-    total = np.zeros((COUNT + 1, holds.shape[1]), dtype=int)
+    total = np.zeros((len(holds) + 1, holds.shape[1]), dtype=int)
     np.cumsum(holds, axis=0, out=total[1:])
     full = total[HOLD:] - total[:-HOLD] == HOLD
     return np.where(full.any(axis=0), full.argmax(axis=0) + HOLD - 1, COUNT)
@@ -112,11 +118,14 @@ class Forecast:
     delay: int | None
 
 
-def forecast(test: Rule, silent: Record, column: int | None, start: int) -> Forecast:
-    """What the fault does without noise: from when on every member that sees it gives an alarm with probability POWER."""
+def forecast(test: Rule, silent: Record, column: int | None, start: int, until: int = COUNT) -> Forecast:
+    """What the fault does without noise: from when on every member that sees it gives an alarm with probability POWER.
+
+    `until`: where another fault begins, after which alarms are no longer those of this one.
+    """
     strength = test.values(silent.residuals) / test.needed
     if column is None:
         return Forecast(strength, None)
     seen = guard().bank.signature[:, column]
-    at = int(_lasting(np.all(strength[:, seen] >= 1, axis=1, keepdims=True))[0])
-    return Forecast(strength, at - start if at < COUNT else None)
+    at = int(lasting(np.all(strength[:, seen] >= 1, axis=1, keepdims=True))[0])
+    return Forecast(strength, at - start if at < until else None)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.lesson.figures import Curve, Dash, Figure, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from app.lesson.figures import Curve, Dash, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.text import Text, listed, same, text, text_in
 
 from .bank import COILS, COUNT, DT, NAMES, PLACE_NAMES, PLACES, guard
 from .cusum import cusum
 from .diagnosis import POWER
+from .pair_figures import PAIR_TAB, pair_figures
 from .reach import TONES, least, least_force
+from .record import LEVEL, Study
 from .runs import NONE, OPEN, SWITCH
-from .study import LEVEL, Study, unknown_coil
+from .study import unknown_coil
 
 RESIDUAL_TAB, VERDICT_TAB, LOOP_TAB = text("Residuals"), text("Verdict"), text("Loop")
 RATE_TAB, REACH_TAB = text("False alarms"), text("Reach")
@@ -24,12 +27,15 @@ LOOKS: tuple[tuple[str, Dash], ...] = (("plant", "solid"), ("estimate", "dash"),
 YES, NO, HERE = "●", "○", "▶ "
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> Sheaf:
     """Everything on the right of the stage."""
     s: Study = outcome.study
-    return (_residuals(s, "sensors", text("leaving out one sensor"), range(4)),
-            _residuals(s, "coils", text("ignoring one coil"), range(4, 7)), _reading(s),
-            isolation(s), _members(), _pitch(s), _across(s), _forces(s), _rates(s), _counts(s), _cusum(s), _tones(s), _least(s))
+    return Sheaf(
+        leaf(RESIDUAL_TAB, lambda: (_residuals(s, "sensors", text("leaving out one sensor"), range(4)),
+                                    _residuals(s, "coils", text("ignoring one coil"), range(4, 7)), _reading(s))),
+        leaf(VERDICT_TAB, lambda: (isolation(s), _members())), leaf(PAIR_TAB, lambda: pair_figures(outcome)),
+        leaf(LOOP_TAB, lambda: (_pitch(s), _across(s), _forces(s))), leaf(RATE_TAB, lambda: (_rates(s), _counts(s), _cusum(s))),
+        leaf(REACH_TAB, lambda: (_tones(s), _least(s))))
 
 
 # --- residuals ---------------------------------------------------------------------------------------------------------
@@ -96,7 +102,7 @@ def _unclear(alarms: np.ndarray) -> Text:
     """Why no row fits: everybody gives an alarm, or more than one member is quiet."""
     quiet = [name for name, loud in zip(NAMES, alarms, strict=True) if not loud]
     if not quiet:
-        return text("Every member gives an alarm: this is none of the seven faults.")
+        return text("Every member gives an alarm: this is none of the seven faults alone.")
     names = listed(map(same, quiet[:3]))
     if len(quiet) > 3:
         return text("No row fits: {count} members are quiet, {names} …", count=len(quiet), names=names)
@@ -216,7 +222,8 @@ def _cusum(s: Study) -> LineFigure:
     curves = [values[:, member] for values in (judged(s), both.values)]
     window, total = (_crossing(values) for values in curves)
     hours = both.mean * DT / 3600
-    said = text("The window crosses at {window}, the sum at {total}. Either would give a false alarm of one member every {hours:.2g} h.",
+    said = text("The window crosses at {window}, the sum at {total}. Windows side by side and the sum are made for a false alarm of one "
+                "member every {hours:.2g} h.",
                 window=window, total=total, hours=hours)
     return LineFigure("cusum", text("window and cumulative sum of {member}", member=NAMES[member]), T,
                       (Curve(text("window"), np.maximum(curves[0], FLOOR), "plant"),

@@ -13,8 +13,9 @@ from app.text import text
 from .bank import COUNT, DT, NAMES
 from .diagnosis import judged
 from .many import residuals_of
+from .record import Study, Trials, named_by
 from .runs import BLIND, SWITCH, Case, draw
-from .study import Study, Trials, case_of, metrics_of, test_of
+from .study import case_of, metrics_of, test_of
 
 RUNS, AT_ONCE = 400, 40
 
@@ -35,9 +36,10 @@ def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials | None]]:
         ratios = s.test.values(residuals_of(faulty, noises)) / s.test.threshold if s.column is not None else np.empty((COUNT, 0))
         for run in range(ratios.shape[1]):
             v = judged(s.test, ratios[:, run])
-            if v.who == s.case.place and v.decided is not None and v.decided >= s.case.start:
+            named = named_by(v, s.case)
+            if named is not None and v.decided is not None:
                 right += 1
-                delays.append(DT * (v.decided - s.case.start))
+                delays.append(DT * (v.decided - named.start))
             elif v.who is not None:
                 wrong += 1
         yield count / RUNS, Trials(count, windows, alarms, some, right, wrong, tuple(delays))

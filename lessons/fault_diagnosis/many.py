@@ -6,8 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .bank import COUNT, DT, gain, guard, model, truth
-from .runs import DRIFT, OPEN, STUCK, Case, Noise, known_force
+from .bank import COUNT, gain, guard, truth
+from .runs import OPEN, Case, Noise, failed, known_force, stretches
 
 
 def residuals_of(case: Case, noises: Sequence[Noise]) -> np.ndarray:
@@ -22,39 +22,19 @@ def residuals_of(case: Case, noises: Sequence[Noise]) -> np.ndarray:
 
 def _loop(case: Case, w: np.ndarray, v: np.ndarray, whole: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What the sensors say, (COUNT, runs, 4), and what is asked of the coils, (COUNT, runs, 3)."""
-    kf, o, start = model(), guard().whole, case.start
+    o, (A, _) = guard().whole, truth(case.stiffer)
     K = gain() if case.loop != OPEN else np.zeros((3, 6))
-    A, B = truth(case.stiffer)
-    C, shape = kf.C, known_force(case)[:, None]
+    shape = known_force(case)[:, None]
     z = np.empty((COUNT + 1, len(whole), 12))
     z[0], said = np.hstack([np.zeros((len(whole), 6)), whole]), np.empty((COUNT, len(whole), 4))
-    for begin, end in ((0, min(start, COUNT)), (start, COUNT)):
-        if begin >= end:
-            continue
-        if begin == start:
-            B, C, v = _lies(case, B, C, v, z[start, :, :6])
-        step = np.block([[A, -B @ K], [o.K @ C, o.F - o.G @ K]])
-        push = np.concatenate([shape[begin:end] @ B.T + w[begin:end], shape[begin:end] @ o.G.T + v[begin:end] @ o.K.T], axis=2)
+    for begin, end in stretches(case, 0):
+        deck = failed(case, v, z[:, :, :6], begin)
+        step = np.block([[A, -deck.B @ K], [o.K @ deck.C, o.F - o.G @ K]])
+        push = np.concatenate([shape[begin:end] @ deck.B.T + w[begin:end],
+                               shape[begin:end] @ o.G.T + deck.extra[begin:end] @ o.K.T], axis=2)
         z[begin:end + 1] = _scan(step, push, z[begin])
-        said[begin:end] = z[begin:end, :, :6] @ C.T + v[begin:end]
+        said[begin:end] = z[begin:end, :, :6] @ deck.C.T + deck.extra[begin:end]
     return said, shape - z[:COUNT, :, 6:] @ K.T
-
-
-def _lies(case: Case, B: np.ndarray, C: np.ndarray, v: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """B and C with the fault, and what is added to C x, as in `runs`; x (runs, 6) is where the fault begins."""
-    start = case.start
-    if case.coil is not None:
-        B = B.copy()
-        B[:, case.coil] *= 1 - case.size
-    elif case.sensor is not None:
-        i, C, v = case.sensor, C.copy(), v.copy()
-        if case.kind == STUCK:
-            v[start:, :, i] = x @ C[i] + v[start, :, i]
-            C[i] = 0.0
-        else:
-            late = np.arange(COUNT - start)[:, None]
-            v[start:, :, i] += 1e-3 * case.size * (DT * late if case.kind == DRIFT else 1.0)
-    return B, C, v
 
 
 def _scan(step: np.ndarray, push: np.ndarray, start: np.ndarray) -> np.ndarray:

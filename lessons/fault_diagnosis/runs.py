@@ -1,9 +1,11 @@
-"""One run: the deck, a fault at a chosen time and place, the loop that believes its filter, and the bank that watches."""
+"""One run: the deck, one fault or two at chosen times and places, the loop that believes its filter, and the bank that watches."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,22 +20,13 @@ OPEN, BLIND, SWITCH = "open", "blind", "switch"
 
 
 @dataclass(frozen=True)
-class Case:
-    """What is simulated. `size`: mm/s of a bias, mm/s² of a drift, share of a coil's force that is lost.
-
-    `force` N and `tone` Hz: the known force on top of what the loop asks for. `stiffer`: share by which the true vertical
-    springs are stiffer than the model's.
-    """
+class Fault:
+    """What fails, how, how much and when. `size`: mm/s of a bias, mm/s² of a drift, share of a coil's force that is lost."""
 
     place: str = NONE
     kind: str = BIAS
     size: float = 0.0
     at: float = 4.0
-    force: float = 1.0
-    tone: float = 0.5
-    loop: str = BLIND
-    stiffer: float = 0.0
-    kick: float = -1.0
 
     @property
     def sensor(self) -> int | None:
@@ -51,6 +44,27 @@ class Case:
     def start(self) -> int:
         """The first sample with the fault; beyond the record if there is none."""
         return COUNT if self.place == NONE else min(max(round(self.at / DT), 1), COUNT)
+
+
+@dataclass(frozen=True)
+class Case(Fault):
+    """What is simulated: a fault, `also` one of another part that begins no sooner, and what goes on besides.
+
+    `force` N and `tone` Hz: the known force on top of what the loop asks for. `stiffer`: share by which the true vertical
+    springs are stiffer than the model's.
+    """
+
+    force: float = 1.0
+    tone: float = 0.5
+    loop: str = BLIND
+    stiffer: float = 0.0
+    kick: float = -1.0
+    also: Fault | None = None
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """The faults in the order in which they begin."""
+        return tuple(f for f in (self, self.also) if f is not None and f.place != NONE)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,6 +106,40 @@ def known_force(case: Case) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
+class Deck:
+    """The deck with what has failed so far: B and C as they are, and what is added to C x (COUNT, …, 4): noise, bias, what is stuck."""
+
+    B: np.ndarray
+    C: np.ndarray
+    extra: np.ndarray
+
+
+def stretches(case: Case, begin: int) -> Iterator[tuple[int, int]]:
+    """From a sample to the end of the record, cut wherever a fault begins."""
+    return pairwise(sorted({begin, COUNT, *(f.start for f in case.faults if begin < f.start)}))
+
+
+def failed(case: Case, v: np.ndarray, x: np.ndarray, now: int) -> Deck:
+    """The deck from sample `now` until the next fault, for noise v (COUNT, …, 4) and states x (COUNT, …, 6) known up to `now`."""
+    honest, (_, B), C, extra = model().C, truth(case.stiffer), model().C, v
+    for fault in case.faults:
+        if fault.start > now or fault.start >= COUNT:
+            continue
+        start = fault.start
+        if fault.coil is not None:
+            B = B.copy()
+            B[:, fault.coil] *= 1 - fault.size
+        elif (i := fault.sensor) is not None:
+            C, extra = C.copy(), extra.copy()
+            if fault.kind == STUCK:
+                C[i], extra[start:, ..., i] = 0.0, x[start] @ honest[i] + v[start, ..., i]
+            else:
+                grown = DT * np.arange(COUNT - start) if fault.kind == DRIFT else np.ones(COUNT - start)
+                extra[start:, ..., i] += 1e-3 * fault.size * grown.reshape(-1, *[1] * (v.ndim - 2))
+    return Deck(B, C, extra)
+
+
+@dataclass(frozen=True, eq=False)
 class Record:
     """States x, estimates that the loop uses, readings y, what honest sensors would read, forces asked and delivered.
 
@@ -109,100 +157,78 @@ class Record:
 
 
 @dataclass(frozen=True, eq=False)
-class _Leg:
-    """A stretch of the run in which nothing changes: which observer the loop believes, its gain, what reaches what."""
+class _Loop:
+    """Who is believed: the gain, the observer, and the force that is known to it."""
 
     K: np.ndarray
     observer: ResidualGenerator
-    B: np.ndarray
-    C: np.ndarray
     known: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class _Trace:
+    """What a run fills: states, estimates, forces asked."""
+
+    x: np.ndarray
+    guess: np.ndarray
+    asked: np.ndarray
 
 
 def simulate(case: Case, noise: Noise) -> Record:
     """The run in which nobody notices: the loop keeps believing all four sensors."""
-    K = gain() if case.loop != OPEN else np.zeros((3, 6))
-    return _finish(case, noise, *_healthy_then_not(case, noise, K))
+    loop = _Loop(gain() if case.loop != OPEN else np.zeros((3, 6)), guard().whole, known_force(case))
+    trace = _Trace(np.empty((COUNT, 6)), np.empty((COUNT, 6)), np.empty((COUNT, 3)))
+    _through(case, noise, loop, 0, np.concatenate([np.zeros(6), noise.whole]), trace)
+    return _finish(case, noise, trace)
 
 
 def switched(case: Case, noise: Noise, before: Record, decided: int, verdict: str) -> Record:
     """The run in which the loop acts on the verdict: the accused sensor is left out, or the accused coil is no longer used."""
     g, index = guard(), PLACES.index(verdict)
     sensor, coil = index < 4, index - 4
-    observer = g.bank.members[index] if sensor else g.whole
     xhat = before.states[decided][g.bank.slices[index]] if sensor else before.xhat[decided]
     shape = known_force(case)
     if not sensor:
         shape[:, coil] = 0.0
-    start = min(case.start, COUNT - 1)
-    B, C, extra = _lies(case, noise, before.honest[start] + noise.v[start])
-    leg = _Leg(gain(None if sensor else coil), observer, B, C, shape)
-    x, guess, asked = before.x.copy(), before.xhat.copy(), before.asked.copy()
-    _march(case, noise, leg, extra, decided, COUNT, np.concatenate([x[decided], xhat]), x, guess, asked)
-    return _finish(case, noise, x, guess, asked)
+    loop = _Loop(gain(None if sensor else coil), g.bank.members[index] if sensor else g.whole, shape)
+    trace = _Trace(before.x.copy(), before.xhat.copy(), before.asked.copy())
+    _through(case, noise, loop, decided, np.concatenate([before.x[decided], xhat]), trace)
+    return _finish(case, noise, trace)
 
 
-def _healthy_then_not(case: Case, noise: Noise, K: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    g, kf = guard(), model()
-    _, B = truth(case.stiffer)
-    x, guess, asked = np.empty((COUNT, 6)), np.empty((COUNT, 6)), np.empty((COUNT, 3))
-    shape, start = known_force(case), min(case.start, COUNT)
-    first = _Leg(K, g.whole, B, kf.C, shape)
-    z = _march(case, noise, first, noise.v, 0, start, np.concatenate([np.zeros(6), noise.whole]), x, guess, asked)
-    if start < COUNT:
-        x[start] = z[:6]
-        stuck = kf.C @ x[start] + noise.v[start]
-        B, C, extra = _lies(case, noise, stuck)
-        _march(case, noise, _Leg(K, g.whole, B, C, shape), extra, start, COUNT, z, x, guess, asked)
-    return x, guess, asked
+def _through(case: Case, noise: Noise, loop: _Loop, begin: int, z: np.ndarray, trace: _Trace) -> None:
+    """Fill the trace from `begin` on, where (x, x̂) = z, stretch by stretch."""
+    for first, end in stretches(case, begin):
+        trace.x[first] = z[:6]
+        z = _march(case, noise, loop, failed(case, noise.v, trace.x, first), first, end, z, trace)
 
 
-def _lies(case: Case, noise: Noise, stuck: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """B, C of the deck with its fault, and what is added to C x: noise, bias, or the value that is stuck."""
-    _, B = truth(case.stiffer)
-    C, extra, start = model().C, noise.v, case.start
-    if case.coil is not None:
-        B = B.copy()
-        B[:, case.coil] *= 1 - case.size
-    elif case.sensor is not None and start < COUNT:
-        i, C, extra = case.sensor, C.copy(), extra.copy()
-        if case.kind == STUCK:
-            C[i], extra[start:, i] = 0.0, stuck[i]
-        else:
-            extra[start:, i] += 1e-3 * case.size * (DT * np.arange(COUNT - start) if case.kind == DRIFT else 1.0)
-    return B, C, extra
-
-
-def _march(case: Case, noise: Noise, leg: _Leg, extra: np.ndarray, begin: int, end: int, z0: np.ndarray, x: np.ndarray,
-           guess: np.ndarray, asked: np.ndarray) -> np.ndarray:
+def _march(case: Case, noise: Noise, loop: _Loop, deck: Deck, begin: int, end: int, z0: np.ndarray, trace: _Trace) -> np.ndarray:
     """Fill samples begin … end − 1 of x, x̂ and u; returns (x, x̂) at `end`. z⁺ = Φ z + forcing for z = (x, x̂)."""
-    A = truth(case.stiffer)[0]
-    o = leg.observer
-    Phi = np.block([[A, -leg.B @ leg.K], [o.K @ leg.C, o.F - o.G @ leg.K]])
-    r = leg.known[begin:end]
-    forcing = np.hstack([r @ leg.B.T + noise.w[begin:end], r @ o.G.T + extra[begin:end] @ o.K.T])
+    A, o = truth(case.stiffer)[0], loop.observer
+    Phi = np.block([[A, -deck.B @ loop.K], [o.K @ deck.C, o.F - o.G @ loop.K]])
+    r = loop.known[begin:end]
+    forcing = np.hstack([r @ deck.B.T + noise.w[begin:end], r @ o.G.T + deck.extra[begin:end] @ o.K.T])
     kicked = round(case.kick / DT) - 1 if case.kick >= 0 else -1
     if begin <= max(kicked, 0) < end and case.kick >= 0:
         forcing[max(kicked, 0) - begin, :6] += MODEL.kick
     z = affine_scan(Phi, forcing, z0, end - begin)
-    x[begin:end], guess[begin:end] = z[:-1, :6], z[:-1, 6:]
-    asked[begin:end] = r - guess[begin:end] @ leg.K.T
+    trace.x[begin:end], trace.guess[begin:end] = z[:-1, :6], z[:-1, 6:]
+    trace.asked[begin:end] = r - trace.guess[begin:end] @ loop.K.T
     return z[-1]
 
 
-def _finish(case: Case, noise: Noise, x: np.ndarray, guess: np.ndarray, asked: np.ndarray) -> Record:
-    kf, start = model(), case.start
-    honest = x @ kf.C.T
-    y = honest + noise.v
-    applied = asked
-    if start < COUNT:
-        _, C, extra = _lies(case, noise, honest[start] + noise.v[start])
-        y[start:] = x[start:] @ C.T + extra[start:]
-        if case.coil is not None:
-            applied = asked.copy()
-            applied[start:, case.coil] *= 1 - case.size
-    residuals, states = guard().bank.run(y, asked, noise.bank)
-    return Record(x, guess, y, honest, asked, applied, residuals, states)
+def _finish(case: Case, noise: Noise, trace: _Trace) -> Record:
+    x, honest, y, applied = trace.x, trace.x @ model().C.T, np.empty((COUNT, 4)), trace.asked
+    for begin, end in stretches(case, 0):
+        deck = failed(case, noise.v, x, begin)
+        y[begin:end] = x[begin:end] @ deck.C.T + deck.extra[begin:end]
+    for fault in case.faults:
+        if fault.coil is not None:
+            applied = applied.copy()
+            applied[fault.start:, fault.coil] *= 1 - fault.size
+    residuals, states = guard().bank.run(y, trace.asked, noise.bank)
+    return Record(x, trace.guess, y, honest, trace.asked, applied, residuals, states)
 
 
 def quiet(case: Case) -> Record:

@@ -2,93 +2,52 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
-from app.engine.observers import Decoupling, binomial_band, decoupling
+from app.engine.observers import Decoupling, decoupling
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
-from app.text import NO_WORDS, Text, joined, text
+from app.text import text
 
 from ..toolkit.boards import listed
 from ..toolkit.latex import matrix, number
-from .bank import COUNT, DT, MODEL, PLACES, guard
+from .bank import COILS, COUNT, DT, MODEL, PLACES, guard
 from .body import BODY
-from .diagnosis import ENERGY, Forecast, Rule, Verdict, forecast, judge
-from .runs import BIAS, NONE, SWITCH, Case, Record, drawn, quiet, simulate, switched
-
-LEVEL = 0.99  # of the binomial band
-
-
-@dataclass(frozen=True, eq=False)
-class Trials:
-    """What many drawn runs gave: alarms of windows that do not overlap, and, with a fault, who was accused.
-
-    alarms (7,) and `any` over `windows` windows of healthy runs; right, wrong, nobody: verdicts of `runs` runs with the
-    fault; delays in s of the right ones.
-    """
-
-    runs: int
-    windows: int
-    alarms: np.ndarray
-    any: int
-    right: int
-    wrong: int
-    delays: tuple[float, ...]
-
-    @property
-    def nobody(self) -> int:
-        """Runs in which nobody was accused."""
-        return self.runs - self.right - self.wrong
-
-    def band(self, rate: float) -> tuple[float, float]:
-        """Where the share of alarms of one member is to lie."""
-        return binomial_band(self.windows, rate, level=LEVEL)
-
-
-@dataclass(frozen=True, eq=False)
-class Study:
-    """`record` is the run that is shown; `blind` the one in which nobody acts (the same object if nobody does)."""
-
-    case: Case
-    test: Rule
-    record: Record
-    blind: Record
-    verdict: Verdict
-    silent: Record
-    forecast: Forecast
-    calm: float
-    trials: Trials | None = None
-
-    @property
-    def column(self) -> int | None:
-        """The column of the true fault, if there is one."""
-        return None if self.case.place == NONE else PLACES.index(self.case.place)
-
-    @property
-    def right(self) -> bool:
-        """Whether the verdict is the truth and came after the fault."""
-        v = self.verdict
-        return v.who == self.case.place and v.decided is not None and v.decided >= self.case.start
-
-    @property
-    def delay(self) -> float | None:
-        """Seconds from the fault to the verdict."""
-        d = self.verdict.decided
-        return None if d is None or self.case.place == NONE else DT * (d - self.case.start)
+from .diagnosis import ENERGY, Forecast, Rule, forecast, judge
+from .pairs import SURE, isolable, rivals
+from .record import Study
+from .runs import BIAS, NONE, SWITCH, Case, Fault, Record, drawn, quiet, simulate, switched
+from .words import live
 
 
 def case_of(d: Design) -> Case:
     """What a design simulates; knobs that do not matter are left at their defaults, so that equal runs are equal cases."""
-    place, kind = d["place"], d["kind"]
     common = {"force": d["force"], "tone": d["tone"], "loop": d["loop"], "stiffer": d["stiffer"] / 100, "kick": d["kick"]}
-    if place == NONE:
+    one, other = _first(d), _second(d)
+    if one is None:
         return Case(**common)
-    if place.startswith("u"):
-        return Case(place, BIAS, d["loss"] / 100, d["at"], **common)
-    size = {"bias": d["bias"], "drift": d["drift"]}.get(kind, 0.0)
-    return Case(place, kind, size, d["at"], **common)
+    if other is not None and other.start < one.start:
+        one, other = other, one
+    return Case(one.place, one.kind, one.size, one.at, **common, also=other)
+
+
+def _first(d: Design) -> Fault | None:
+    place, kind = d["place"], d["kind"]
+    if place == NONE:
+        return None
+    if place in COILS:
+        return Fault(place, BIAS, d["loss"] / 100, d["at"])
+    return Fault(place, kind, {"bias": d["bias"], "drift": d["drift"]}.get(kind, 0.0), d["at"])
+
+
+def _second(d: Design) -> Fault | None:
+    """The second fault, None where it is none or of the same part."""
+    place = d["place2"]
+    if place in (NONE, d["place"]):
+        return None
+    return Fault(place, BIAS, d["loss2"] / 100 if place in COILS else d["bias2"], d["at2"])
 
 
 def test_of(d: Design) -> Rule:
@@ -108,7 +67,7 @@ def study(d: Design) -> Study:
         verdict = replace(later, decided=verdict.decided, who=verdict.who, first=verdict.first)
     silent = quiet(case)
     column = None if case.place == NONE else PLACES.index(case.place)
-    expected = forecast(test, silent, column, case.start)
+    expected = forecast(test, silent, column, case.start, COUNT if case.also is None else case.also.start)
     return Study(case, test, record, blind, verdict, silent, expected, _calm(case, silent, expected))
 
 
@@ -140,7 +99,7 @@ def _outcome(design: Design, s: Study) -> Outcome[Study]:
     members = guard().bank.members
     coil = s.case.coil or 0
     return Outcome(design, {"L": guard().whole.K}, {m.name: m.poles for m in members}, metrics_of(s), _checks(s), None, _boards(s),
-                   _stage(s), _formulas(s, coil), _live(s), s)
+                   _stage(s), _formulas(s, coil), live(s), s)
 
 
 def metrics_of(s: Study) -> dict[str, float]:
@@ -172,6 +131,8 @@ def _checks(s: Study) -> tuple[Check, ...]:
         Check("patient", text("nobody is accused before the fault"), not early, float(early)),
         Check("expected", text("the fault is large enough to count on that"),
               s.forecast.delay is not None, -1.0 if s.forecast.delay is None else DT * s.forecast.delay),
+        *(() if s.pair is None else (Check("pair", text("no other pair of faults can make the same readings"), isolable(s.pair) == SURE,
+                                           float(len(rivals()[s.pair]))),)),
     )
 
 
@@ -195,8 +156,8 @@ def _ignoring(s: Study) -> int:
 
 def _stage(s: Study) -> Stage:
     fails, accused = np.zeros((COUNT, 7)), np.zeros((COUNT, 7))
-    if s.column is not None:
-        fails[s.case.start:, s.column] = 1.0
+    for fault in s.case.faults:
+        fails[fault.start:, PLACES.index(fault.place)] = 1.0
     if s.verdict.who is not None:
         accused[s.verdict.decided:, PLACES.index(s.verdict.who)] = 1.0
     t = DT * np.arange(COUNT)
@@ -220,19 +181,3 @@ def _formulas(s: Study, coil: int) -> tuple[Formula, ...]:
                         rf"s_0 = {number(0.0 if zeros is None else float(abs(zeros[0])) if abs(zeros[0]) > 1e-9 else 0.0)}",
                 text("a coil as unknown input: its zero")),
     )
-
-
-def _live(s: Study) -> Text:
-    v, place = s.verdict, s.case.place
-    if v.who is None:
-        alarms = NO_WORDS if v.first is None else text("First alarm at {first:.2f} s.", first=DT * v.first)
-        healthy = text("Nothing fails and nobody is accused.")
-        missed = text("{place} fails at {dt:.1f} s and nobody is accused.", place=place, dt=DT * s.case.start)
-        said = healthy if place == NONE else missed
-        return joined(said, alarms)
-    at = DT * (v.decided or 0)
-    if place == NONE or not s.right:
-        return text("{who} is accused at {at:.2f} s, wrongly.", who=v.who, at=at)
-    due = (NO_WORDS if s.forecast.delay is None else
-           text("Without a kick the design expects it after {expected:.2f} s.", expected=DT * s.forecast.delay))
-    return joined(text("{who} is accused {delay:.2f} s after it failed, rightly.", who=v.who, delay=s.delay), due)

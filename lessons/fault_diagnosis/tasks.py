@@ -1,21 +1,24 @@
-"""Tasks: rare false alarms, a coil that half works, a fault that nothing shows, the loop that limps on, a slow drift."""
+"""Tasks: rare false alarms, a coil at half strength, a fault unseen, the loop that limps on, a slow drift, an innocent framed."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from app.engine.observers import alarm_probability
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text, text_in
 
 from .bank import DT, PLACES
-from .diagnosis import MEAN
+from .diagnosis import MEAN, forecast
+from .record import Study
 from .runs import OPEN, SWITCH
-from .study import Study, hourly
+from .study import hourly
 
 HOURLY, SOONEST, CALM = 1.0, 3.0, 1.5  # alarms an hour, s, mrad
 HALF, MOST = 0.5, 1.0  # share lost, N
 SLOW, OFTEN, DUE = 1.0, (0.9, 1.1), 2.06  # mm/s², alarms an hour, s
+LIE, FRAMED, HUSHED = 3.0, "u3", 1.0  # mm/s, who is to be accused, per cent
 
 
 def _rare(o: Outcome[Study]) -> Verdict:
@@ -82,6 +85,24 @@ def _ramp(o: Outcome[Study]) -> Verdict:
                                "and {soonest:.2f} s at most.", often=often, when=when, soonest=DUE))
 
 
+def _framed(o: Outcome[Study]) -> Verdict:
+    s: Study = o.study
+    lies = o.design["place"] == "HL" and o.design["kind"] == "bias" and o.design["bias"] >= LIE
+    if not lies or any(f.coil is not None for f in s.case.faults):
+        return Verdict(False, text("Let HL have a bias of at least {lie:.0f} mm/s, and no coil fail.", lie=LIE))
+    column = PLACES.index(FRAMED)
+    due = forecast(s.test, s.silent, column, s.case.start).delay
+    heard = float(s.test.values(s.silent.residuals)[:, column].max())
+    alarm = 100 * float(alarm_probability(heard, s.test.dof, s.test.rate))
+    if alarm > HUSHED:
+        return Verdict(False, text("Member −{who} would give an alarm with {alarm:.2g} %; above {most:.0f} % {who} is not accused.",
+                                   who=FRAMED, alarm=alarm, most=HUSHED))
+    if due is None:
+        return Verdict(False, text("Member −{who} keeps quiet, but not all the others see it with 99 %.", who=FRAMED))
+    return Verdict(True, text("All others see it with 99 % after {dt:.2f} s and −{who} keeps quiet: {who} is accused, which is healthy.",
+                              dt=DT * due, who=FRAMED))
+
+
 SWALLOWED = Typed("a*f/(a+L)", ("a", "L", "f"), slips=(
     ("f", text("That is the first moment; then the observer follows its sensor.")),
     ("L*f/(a+L)", text("That is how far the estimate is led astray; the residual is what is left of f."))))
@@ -93,4 +114,5 @@ TASKS = (
     Task("limp", _limp, {"place": "VR", "kind": "drift", "drift": 4.0, "loop": SWITCH, "statistic": MEAN}),
     pencil("swallowed", SWALLOWED),
     Task("ramp", _ramp, {"place": "HR", "kind": "drift", "drift": 1.0, "statistic": MEAN, "window": 64.0, "rate": 5e-5}),
+    Task("framed", _framed, {"place2": "HR", "bias2": -3.0, "at2": 4.0}),
 )

@@ -10,8 +10,8 @@ from app.lesson.lesson import Outcome
 
 from .filters import ADC, SIGMA, SINE, SPREAD, drawn_jumps, truth, tuned
 from .knobs import CARRIED, COUNT, DT, MODEL, WHITE
-from .own import SKIP as OWN_SKIP
-from .own import Study as OwnStudy
+from .own_study import SKIP as OWN_SKIP
+from .own_study import Study as OwnStudy
 from .study import SKIP, Study
 
 UNSAID = "Means over many records, and the two updates in poor arithmetic"

@@ -16,7 +16,7 @@ from .filters import SKIP, STEPS
 from .identify import FIT_TAB, fit_figure
 from .knobs import CARRIED, DT
 from .report import REPORT_TAB, report_figure
-from .study import Study, expected
+from .study import Study, expected, holds
 
 STEP_TAB, GAIN_TAB, TEST_TAB = text("One step"), text("Gain"), text("Consistency")
 INNOVATION_TAB, SPECTRUM_TAB = text("Innovations"), text("Spectrum")
@@ -140,17 +140,18 @@ def _distance(outcome: Outcome[Study]) -> LineFigure:
 
 
 def _forms(outcome: Outcome[Study]) -> LineFigure:
-    f, m = outcome.study.forms, outcome.metrics
+    f = outcome.study.forms
+    short_gap, joseph_gap = float(f.short.max()), float(f.joseph.max())
     single = outcome.design["arithmetic"] == "single"
-    lost = (text("; neither is a covariance any more.") if m["joseph_least"] < 0 else
-            text("; the short form is no covariance any more.") if m["short_least"] < 0 else
+    lost = (text("; neither is a covariance any more.") if f.least_joseph < 0 else
+            text("; the short form is no covariance any more.") if f.least_short < 0 else
             text("."))
     said = (text("Single precision: the short form is off by up to {short_gap:.1e}, Joseph's by "
                  "{joseph_gap:.1e}{lost}",
-                 short_gap=m["short_gap"], joseph_gap=m["joseph_gap"], lost=lost) if single else
+                 short_gap=short_gap, joseph_gap=joseph_gap, lost=lost) if single else
             text("With the final gain from the start the short form is wrong by up to {short_gap:.1e}; Joseph's "
                  "is right for every gain.",
-                 short_gap=m["short_gap"]))
+                 short_gap=short_gap))
     return LineFigure("forms", text("two updates of P, distance to the right one"), _time(outcome)[:STEPS],
                       (Curve(text("short form"), np.maximum(f.short, 1e-12), "error"),
                        Curve(text("Joseph's form"), np.maximum(f.joseph, 1e-12), "force", "dash")), "‖ΔP‖ / ‖P‖", log_y=True,
@@ -214,16 +215,17 @@ def _nees(outcome: Outcome[Study]) -> LineFigure:
 
 
 def _tests(outcome: Outcome[Study]) -> TableFigure:
-    m, held = outcome.metrics, {c.id: c.holds for c in outcome.checks}
+    s = outcome.study
+    test, whole, held = s.test, s.settled, holds(s.test, s.settled)
 
     def verdict(name: str) -> Text:
         return text("passes") if held[name] else text("flagged")
 
     rows = (
-        (text("mean of NIS"), f"{m['nis_mean']:.3f}", f"{m['nis_low']:.3f} … {m['nis_high']:.3f}", verdict("nis")),
-        (text("mean of NEES"), f"{m['nees_mean']:.3g}", f"{m['nees_low']:.3g} … {m['nees_high']:.3g}", verdict("nees")),
-        (text("whiteness, p"), f"{m['white_p']:.2g}", "≥ 0.017", verdict("white")),
-        (text("bias, p"), f"{m['bias_p']:.2g}", "≥ 0.017", verdict("centred")),
+        (text("mean of NIS"), f"{test.nis.mean:.3f}", f"{test.nis.mean_band[0]:.3f} … {test.nis.mean_band[1]:.3f}", verdict("nis")),
+        (text("mean of NEES"), f"{whole.mean:.3g}", f"{whole.mean_band[0]:.3g} … {whole.mean_band[1]:.3g}", verdict("nees")),
+        (text("whiteness, p"), f"{test.whiteness.p_value:.2g}", "≥ 0.017", verdict("white")),
+        (text("bias, p"), f"{test.bias_p_value:.2g}", "≥ 0.017", verdict("centred")),
     )
     return TableFigure("tests", text("tests after 2 s"),
                        (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows, tab=TEST_TAB,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -72,16 +72,17 @@ truth = lru_cache(maxsize=8)(draw)
 
 @dataclass(frozen=True, eq=False)
 class Watcher:
-    """A filter with what it expects before any measurement: Riccati solution, schedule and start.
-
-    independent: how many independent samples the NEES of a record after its first SKIP samples are worth, by its own beliefs.
-    """
+    """A filter with what it expects before any measurement: Riccati solution, schedule and start."""
 
     filter: KalmanFilter
     steady: DiscreteFilter
     schedule: Schedule
     start: Belief
-    independent: float
+
+    @cached_property
+    def independent(self) -> float:
+        """How many independent samples the NEES of a record after its first SKIP samples are worth, by its own beliefs."""
+        return _independent(self.filter)
 
 
 @lru_cache(maxsize=8)
@@ -98,9 +99,9 @@ def watcher(noise: str, q: float, r: float, p0: float) -> Watcher:
         P[:6, :6], P[:6, 6:], P[6:, :6] = np.diag(p0 * SPREAD**2), 0.0, 0.0
         P[6:, 6:] = np.kron(np.eye(4), ADC.relaxations[1] * np.eye(len(ADC.relaxations[0])))
         start = Belief(np.zeros(kf.n), P)
-        return Watcher(kf, steady, kf.schedule(start, COUNT), start, _independent(kf))
+        return Watcher(kf, steady, kf.schedule(start, COUNT), start)
     kf, start = _believing(q, r * (ADC.variance / SIGMA**2 if noise == COLOURED else 1.0), p0)
-    return Watcher(kf, kf.steady, kf.schedule(start, COUNT), start, _independent(kf))
+    return Watcher(kf, kf.steady, kf.schedule(start, COUNT), start)
 
 
 def _independent(kf: KalmanFilter) -> float:

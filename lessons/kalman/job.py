@@ -9,6 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from app.engine import nees, nis
+from app.lesson.later import still_known, with_more
 from app.lesson.lesson import Design, Job, Outcome
 from app.text import text
 
@@ -37,9 +38,9 @@ def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
 
 def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     """The outcome with what the records showed."""
-    metrics = {**outcome.metrics, "trials": float(trials.count), "trials_nis": float(trials.nis[SKIP:].mean()),
-               "trials_nees": float(trials.nees[SKIP:].mean())}
-    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)
+    more = {"trials": float(trials.count), "trials_nis": float(trials.nis[SKIP:].mean()),
+            "trials_nees": float(trials.nees[SKIP:].mean())}
+    return replace(outcome, study=still_known(outcome.study, trials=trials), metrics=with_more(outcome.metrics, more))
 
 
 def key(design: Design) -> Design:

@@ -15,7 +15,7 @@ from app.text import Text, same, squared, text, text_in
 from ..toolkit.figures import TIME_TAB, axis_name, within
 from .loops import Robustness
 from .rules import REPORT_TAB, rules_figure
-from .study import Study
+from .study import Study, sensor_share
 
 SPECTRUM_TAB, COST_TAB = text("Spectrum"), text("Input and cost")
 ROBUST_TAB, RECOVERY_TAB = text("Robustness"), text("Recovery")
@@ -120,7 +120,8 @@ def _input(outcome: Outcome[Study]) -> LineFigure:
                                 "dash" if j == 1 else "solid"))
         curves.append(Curve(text("{names}, sensors' part", names=names[-1]),
                             finite(square * sensors[:, -1], TOO_MUCH), "estimate", "dot", 1.6))
-        share = 100 * outcome.metrics.get("sensor_share", 0.0)
+        part = sensor_share(s.cost)[1]
+        share = 100 * part if np.isfinite(part) else 0.0
         said = text("The sensors' noise causes {share:.3g} % of the input's power.", share=share)
     else:
         curves.append(Curve(text_in("lqg", "none"), np.ones(len(case.frequency)), "muted"))

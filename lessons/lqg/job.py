@@ -13,6 +13,7 @@ from app.engine.feedback import NoisyLoop
 from app.engine.sampled import SampledLqg
 from app.engine.systems import root, step_covariance
 from app.lesson.knobs import KnobError
+from app.lesson.later import still_known, with_more
 from app.lesson.lesson import Design, Job, Outcome
 from app.text import text
 
@@ -124,10 +125,10 @@ def _trials(bench: Bench, count: int, density: np.ndarray, predicted: np.ndarray
 
 def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     """The outcome with what the runs showed."""
-    metrics = {**outcome.metrics, "trials": float(trials.count),
-               **{f"trial_ratio_{i}": float(r) for i, r in enumerate(trials.ratio)},
-               **{f"trial_inside_{i}": float(r) for i, r in enumerate(trials.inside)}}
-    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)
+    more = {"trials": float(trials.count),
+            **{f"trial_ratio_{i}": float(r) for i, r in enumerate(trials.ratio)},
+            **{f"trial_inside_{i}": float(r) for i, r in enumerate(trials.inside)}}
+    return replace(outcome, study=still_known(outcome.study, trials=trials), metrics=with_more(outcome.metrics, more))
 
 
 VIEWS = MappingProxyType({"rule": NONE, "cut": "1", "kick": -1.0})  # knobs that change no spectrum

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
+import numpy as np
 
 from app.lesson.figures import TableFigure
 from app.lesson.lesson import Outcome
@@ -17,7 +17,8 @@ REPORT_TAB = text("Report")
 
 def rules_figure(outcome: Outcome[Study]) -> TableFigure:
     """The rules one by one; the chosen one with its evidence."""
-    m, chosen = defaultdict(lambda: float("inf"), outcome.metrics), outcome.design["rule"]
+    study, chosen = outcome.study, outcome.design["rule"]
+    m = {name: value if np.isfinite(value) else np.inf for name, value in study.answers.items()}
     evidence = {
         SPLIT: lambda: text("holds: the loop's poles are both sets, off by {union_error}",
                             union_error=tiny(m["union_error"])),
@@ -27,7 +28,7 @@ def rules_figure(outcome: Outcome[Study]) -> TableFigure:
         PROCESS: lambda: text("holds: at 10 β_Q the sum of the filter's poles ×{process_more:.3g}, input from "
                               "sensor noise ×{process_input:.3g}",
                               process_more=m["process_more"], process_input=m["process_input"]),
-        CAUTION: lambda: text("holds: nothing is promised; here min |1 + ℓ| = {nearest:.3g}", nearest=m["nearest"]),
+        CAUTION: lambda: text("holds: nothing is promised; here min |1 + ℓ| = {nearest:.3g}", nearest=study.real.margins.nearest),
         UNITS: lambda: text("slip: R_v = σ_v² I gives 1e-18; the figures use 1e-9 and 1e-6"),
     }
     rows = tuple((label, evidence[key]() if key == chosen else same("—")) for key, label in RULES if key != NONE)

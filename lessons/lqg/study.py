@@ -10,6 +10,7 @@ import numpy as np
 
 from app.engine import closed_loop
 from app.engine.design import Optimal
+from app.engine.feedback import NoisyLoop
 from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
 from app.plants.doyle import gains as gains_of_paper
@@ -54,22 +55,64 @@ class Trials:
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """All that a design leads to. density (n_f, k) and variance (k,) of the channels, asked: the inputs' densities by
-    cause, suppression and low: dB gained at the peak and at the case's low frequency; None where the loop (or, for the
-    gains, the plant) is unstable. `disturbance` is the true factor of W, `cut` the input at which robustness is asked for.
-    Costs and robustness are found when they are looked at."""
+    """All that a design leads to, found when it is looked at; None where the loop (or, for the gains in decibels, the plant) is
+    unstable. `disturbance` is the true factor of W, `cut` the input at which robustness is asked for, `rule` the line in doubt."""
 
     case: Case
     setting: Setting
     cut: int
     disturbance: float
-    density: np.ndarray | None
-    variance: np.ndarray | None
-    asked: tuple[np.ndarray, np.ndarray] | None
-    suppression: np.ndarray | None
-    low: np.ndarray
+    rule: str
     trace: Trace
     trials: Trials | None = None
+
+    @property
+    def loop(self) -> NoisyLoop:
+        """The loop of the true plant under the true noise."""
+        return loop(self.case, self.setting)
+
+    @cached_property
+    def parts(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Densities (n_f, k + m) of the channels and the inputs by cause: ground, sensors."""
+        z = self.loop
+        return z.parts(self.case.frequency, np.vstack([z.outputs(), z.inputs()])) if z.stable else None
+
+    @cached_property
+    def density(self) -> np.ndarray | None:
+        """Of the channels (n_f, k)."""
+        return None if self.parts is None else (self.parts[0] + self.parts[1])[:, :len(self.case.names)]
+
+    @property
+    def asked(self) -> tuple[np.ndarray, np.ndarray] | None:
+        """Of the inputs, by cause."""
+        k = len(self.case.names)
+        return None if self.parts is None else (self.parts[0][:, k:], self.parts[1][:, k:])
+
+    @cached_property
+    def variance(self) -> np.ndarray | None:
+        """Of the channels (k,)."""
+        return self.loop.variance() if self.loop.stable else None
+
+    @cached_property
+    def gained(self) -> tuple[np.ndarray | None, np.ndarray]:
+        """Decibels gained at the peak, and at the case's low frequency (k,)."""
+        none = np.zeros(len(self.case.names))
+        return (None, none) if self.density is None else _gained(self.case, self.disturbance, self.density)
+
+    @property
+    def suppression(self) -> np.ndarray | None:
+        """At the peak."""
+        return self.gained[0]
+
+    @property
+    def low(self) -> np.ndarray:
+        """At the low frequency."""
+        return self.gained[1]
+
+    @cached_property
+    def answers(self) -> dict[str, float]:
+        """What this loop says of the line in doubt."""
+        return _answers(self)
 
     @cached_property
     def cost(self) -> Cost:
@@ -106,21 +149,10 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
     setting = setting_of(case, design)
     f, cut = setting.factors, min(int(values.get("cut", "1")), case.plant.m) - 1
     reg, est = gains(case, setting)
-    z = loop(case, setting)
-    true = case.true_disturbance(f)
-    density = variance = asked = suppression = None
-    low = np.zeros(len(case.names))
-    if z.stable:
-        rows = np.vstack([z.outputs(), z.inputs()])
-        ground, sensors = z.parts(case.frequency, rows)
-        k = len(case.names)
-        density, asked = (ground + sensors)[:, :k], (ground[:, k:], sensors[:, k:])
-        variance = z.variance()
-        suppression, low = _gained(case, true, density)
-    study = Study(case, setting, cut, true, density, variance, asked, suppression, low,
+    study = Study(case, setting, cut, case.true_disturbance(f), design["rule"],
                   trace(case, setting, design["kick"], design["filter"] == RECURSIVE))
-    metrics = LaterMap(lambda: _metrics(study, setting, design, reg, est))
-    return Outcome(design, {"K": reg.gain, "L": est.gain}, {"regulator": reg.poles, "filter": est.poles, "loop": z.poles}, metrics,
+    metrics, poles = LaterMap(lambda: _metrics(study, reg, est)), {"regulator": reg.poles, "filter": est.poles}
+    return Outcome(design, {"K": reg.gain, "L": est.gain}, LaterMap(lambda: {**poles, "loop": study.loop.poles}, poles), metrics,
                    LaterItems(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
                    Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u, note=_note(study.trace, design)),
                    LaterItems(lambda: _formulas(study, setting)), Later(lambda: _live(study)), study)
@@ -143,34 +175,42 @@ def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | 
     return (10 * np.log10(opened[band].max(axis=0) / floor[band].max(axis=0)), 10 * np.log10(opened[at] / floor[at]))
 
 
-def _metrics(s: Study, setting: Setting, design: Design, reg: Optimal, est: Optimal) -> dict[str, float]:
-    case, c = s.case, s.cost
+def sensor_share(c: Cost) -> tuple[float, float]:
+    """The power of what the sensors' noise makes the inputs do, and its share of all."""
     power, noise = float(np.sum(np.square(c.ground))) + float(np.sum(np.square(c.sensors))), float(np.sum(np.square(c.sensors)))
-    m = s.real.margins
+    return noise, noise / power if 0 < power < np.inf else np.inf
+
+
+def _metrics(s: Study, reg: Optimal, est: Optimal) -> dict[str, float]:
+    c, m, (noise, share) = s.cost, s.real.margins, sensor_share(s.cost)
     out = {
         "stable": float(s.density is not None), "J": c.total, "J_known": c.known, "J_least": c.least, "J_open": c.idle,
-        "sensor_input": float(np.sqrt(noise)), "sensor_share": noise / power if 0 < power < np.inf else np.inf,
+        "sensor_input": float(np.sqrt(noise)), "sensor_share": share,
         "gain_low": m.gain[0], "gain_high": m.gain[1], "phase_deg": float(np.degrees(m.phase)), "delay": m.delay,
         "disk": m.disk.alpha, "nearest": m.nearest, "nearest_lqr": s.ideal.margins.nearest,
         "all_inputs_alpha": s.real.alpha, "all_inputs_nearest": s.real.nearest,
         "riccati_residual": max(reg.residual, est.residual),
     }
     out |= {f"suppression_{i}": float(v) for i, v in enumerate(s.suppression if s.suppression is not None else ())}
-    out |= {f"low_{i}": float(v) for i, v in enumerate(s.low)}
-    f, rule = setting.factors, design["rule"]
-    if rule == SPLIT:
-        out["union_error"] = closed_loop(case.plant, reg.gain, est.gain).union_error
-    elif rule == SENSOR:
-        base = out["sensor_input"]
-        for name, factor in (("sensor_less", 0.1), ("sensor_more", 10.0)):
-            other = replace(setting, factors=replace(f, beta_r=f.beta_r * factor))
-            out[name] = sensor_input(case, other) / base if base > 0 else np.inf
-    elif rule == PROCESS:
-        more = estimator(case, f.beta_q * 10.0, f.beta_r, setting.recovery)
-        out["process_more"] = float(np.sum(more.poles.real) / np.sum(est.poles.real))
-        told = replace(setting, factors=replace(f, beta_q=f.beta_q * 10.0))
-        out["process_input"] = sensor_input(case, told) / out["sensor_input"] if out["sensor_input"] > 0 else np.inf
+    out |= {f"low_{i}": float(v) for i, v in enumerate(s.low)} | s.answers
     return {name: float(value) for name, value in out.items() if np.isfinite(value)}
+
+
+def _answers(s: Study) -> dict[str, float]:
+    case, f, rule, (reg, est) = s.case, s.setting.factors, s.rule, gains(s.case, s.setting)
+    base = float(np.sqrt(sensor_share(s.cost)[0])) if rule in (SENSOR, PROCESS) else 0.0
+    if rule == SPLIT:
+        return {"union_error": closed_loop(case.plant, reg.gain, est.gain).union_error}
+    if rule == SENSOR:
+        others = {name: replace(s.setting, factors=replace(f, beta_r=f.beta_r * factor))
+                  for name, factor in (("sensor_less", 0.1), ("sensor_more", 10.0))}
+        return {name: sensor_input(case, other) / base if base > 0 else np.inf for name, other in others.items()}
+    if rule == PROCESS:
+        more = estimator(case, f.beta_q * 10.0, f.beta_r, s.setting.recovery)
+        told = replace(s.setting, factors=replace(f, beta_q=f.beta_q * 10.0))
+        return {"process_more": float(np.sum(more.poles.real) / np.sum(est.poles.real)),
+                "process_input": sensor_input(case, told) / base if base > 0 else np.inf}
+    return {}
 
 
 def _checks(s: Study, m: Mapping[str, float]) -> tuple[Check, ...]:

@@ -13,7 +13,7 @@ from app.text import Text, raised, same, text, text_in
 from ..toolkit.figures import TIME_TAB
 from .cases import KINDS, SAMPLES
 from .job import RUNS
-from .study import HELD, INPUT_LOSSES, LOSSES, MOST, OVER, ZERO, Study, bounds_over_loss, growth_now, input_growth, key
+from .study import HELD, INPUT_LOSSES, LOSSES, MOST, OVER, ZERO, Study, bounds_over_loss, growth_now, input_growth, key, loop_radius
 
 MEAN_TAB, WALL_TAB, INPUT_TAB = text("Covariance"), text("Separation"), text("Lost inputs")
 JUST = 1e-3  # of a period: how long before a sample its upper corner is drawn
@@ -164,7 +164,7 @@ def _means(outcome: Outcome[Study]) -> PlaneFigure:
 
 
 def _limits(outcome: Outcome[Study]) -> TableFigure:
-    s, d, m = outcome.study, outcome.design, outcome.metrics
+    s, d = outcome.study, outcome.design
     plant = s.watched.sampled
     edge, p = plant.edge, d["loss"]
     least = (f"{s.watched.ratio(mean_lower_limit(plant.plant.A, plant.Q, p)):.4g}" if p * plant.radius**2 < 1 else NEVER)
@@ -173,7 +173,7 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
         (text("diverges above 1/max|λ|²"), f"{100 * edge.lost:.2f} %" if edge.lost < 1 else NEVER),
         (text("the upper bound has a limit below"), f"{100 * edge.safe:.2f} %"),
         (text("lost now"), f"{100 * p:.1f} %"),
-        (text("loss · max|λ|², growth per sample"), f"{m['growth']:.4f}"),
+        (text("loss · max|λ|², growth per sample"), f"{p * plant.radius**2:.4f}"),
         (text("least limit of the mean, σ²/σ₀²"), least),
     )
     said = (text("The mean grows without end.") if not edge.bounded(p) else
@@ -185,7 +185,7 @@ def _limits(outcome: Outcome[Study]) -> TableFigure:
 
 # --- separation --------------------------------------------------------------------------------------------------------
 def _error(outcome: Outcome[Study]) -> LineFigure:
-    s, meter = outcome.study, outcome.metrics["separation_meter"]
+    s, meter = outcome.study, outcome.study.meter
     held = meter < HELD
     words = (text("Separation meter: 0. The error is what noise and packets make of it, whatever the controller "
                   "does.") if held else
@@ -199,7 +199,7 @@ def _error(outcome: Outcome[Study]) -> LineFigure:
 
 def _spectrum(outcome: Outcome[Study]) -> PlaneFigure:
     groups = (("controller", "plant", "cross"), ("observer", "estimate", "cross"), ("loop", "reference", "circle"))
-    radius = outcome.metrics["loop_radius"]
+    radius = loop_radius(outcome.study)
     reach = float(np.clip(1.15 * radius, 1.25, 4.5))
     points = tuple(Point(float(p.real), float(p.imag), role, mark)  # type: ignore[arg-type]
                    for name, role, mark in groups for p in outcome.poles[name])
@@ -222,7 +222,7 @@ def _blocks(outcome: Outcome[Study]) -> MatrixFigure:
     shown = s.loop / scale[:, None] * scale[None, :] if n > 1 else s.loop
     corner = float(np.abs(shown[N:, :N]).max())
     words = (text("Delay alone. The lower left block is zero: state and inputs do not drive the error.")
-             if corner == 0 and outcome.metrics["separation_meter"] < HELD else
+             if corner == 0 and s.meter < HELD else
              text("Delay alone leaves the lower left block at zero; what the meter reads comes from packets lost or out of order.")
              if corner == 0 else
              text("The lower left block is not zero: what the observer is told is not what acts, and the "

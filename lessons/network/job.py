@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.engine.network import intermittent_steps
+from app.lesson.later import still_known, with_more
 from app.lesson.lesson import Design, Job, Outcome
 from app.text import text
 
@@ -60,7 +61,7 @@ def with_trials(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     more = {"trials_done": min(found.done, 1.0)}
     if len(found.mean):
         more["trials_mean"] = float(found.mean[-1])
-    return replace(outcome, study=replace(outcome.study, trials=found), metrics={**outcome.metrics, **more})
+    return replace(outcome, study=still_known(outcome.study, trials=found), metrics=with_more(outcome.metrics, more))
 
 
 JOB = Job(text("Average {runs} runs", runs=RUNS), average, depends, with_trials, figure="means", follows=True)

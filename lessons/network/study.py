@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -67,8 +67,8 @@ class Study:
     """One run of one design and what many runs have shown so far; arrays over SAMPLES, the last value held where the run diverged.
 
     teeth (SAMPLES, 2): ratio of the covariance just after the packets of a sample, and just before those of the next.
-    lower, upper (SAMPLES + 1,): bounds of the mean of that before the packets. size, promised: error in standard
-    deviations of the filter without loss. loop: z⁺ = loop z of the steady filter with delay and no loss.
+    lower, upper (SAMPLES + 1,): bounds of the mean of that before the packets. loop: z⁺ = loop z of the steady filter with
+    delay and no loss.
     """
 
     watched: Watched
@@ -81,12 +81,32 @@ class Study:
     fresh: np.ndarray
     teeth: np.ndarray
     bounds: Later[tuple[np.ndarray, np.ndarray]]
-    size: np.ndarray
-    promised: np.ndarray
-    meter: float
     loop: np.ndarray
     ages: tuple[np.ndarray, np.ndarray]
     trials: Trials | None = None
+
+    @cached_property
+    def told_all(self) -> np.ndarray:
+        """The error (N, n) of an observer that is told everything."""
+        return promised_error(self.run)
+
+    @cached_property
+    def meter(self) -> float:
+        """How far the error is not its own."""
+        return min(network_meter(self.run, promised=self.told_all), MOST)
+
+    @property
+    def size(self) -> np.ndarray:
+        """The error, in standard deviations of the filter without loss."""
+        return self._sized(self.run.e)
+
+    @property
+    def promised(self) -> np.ndarray:
+        """The same of an observer that is told everything."""
+        return self._sized(self.told_all)
+
+    def _sized(self, e: np.ndarray) -> np.ndarray:
+        return _held(np.minimum(np.linalg.norm(e * np.sqrt(self.watched.weights), axis=1), MOST))
 
     @property
     def lower(self) -> np.ndarray:
@@ -113,14 +133,10 @@ def tell(design: Design) -> Study:
     after = run.plan.P
     before = s.plant.A @ after @ s.plant.A.T + s.Q
     limits = Later(lambda: _late(*bounds(design["loss"], key(design)), int(design["jitter"]), who))
-    root = np.sqrt(who.weights)
-    promised = promised_error(run)
-    size, goal = (np.minimum(np.linalg.norm(e * root, axis=1), MOST) for e in (run.e, promised))
     return Study(
         watched=who, run=run, x=_held(run.x), xhat=_held(run.xhat), asked=_held(run.u_asked), applied=_held(run.u_applied),
         heard=np.isin(np.arange(SAMPLES), run.draw.sensed), fresh=np.isin(np.arange(SAMPLES), run.draw.acted),
         teeth=np.clip(np.column_stack([who.ratio(after), who.ratio(before)]), 1 / MOST, MOST), bounds=limits,
-        size=_held(size), promised=_held(goal), meter=min(network_meter(run, promised=promised), MOST),
         loop=delayed_loop(s.plant, s.K, who.steady.filter_gain, delay, told=told, ahead=ahead),
         ages=(_held(run.sensor_age), _held(run.actuator_age)))
 
@@ -191,8 +207,8 @@ def compute(design: Design) -> Outcome[Study]:
     """One run over the two links, bounds of the mean covariance, the loop with its delay."""
     study = tell(design)
     s = study.watched.sampled
-    poles = {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
-             "loop": np.linalg.eigvals(study.loop)}
+    poles = LaterMap(lambda: {"controller": np.linalg.eigvals(s.plant.A - s.plant.B @ s.K), "observer": study.watched.steady.poles,
+                              "loop": np.linalg.eigvals(study.loop)})
     metrics = LaterMap(lambda: {
         "critical": s.edge.lost, "safe": s.edge.safe, "growth": design["loss"] * s.radius**2, "radius": s.radius,
         "period": s.plant.dt, "separation_meter": study.meter, "loop_radius": loop_radius(study),

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.engine import simulate
+from app.lesson.later import with_more
 from app.lesson.lesson import Design, Job, Outcome
 from app.text import text
 
@@ -32,9 +33,9 @@ def try_often(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
 def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     """The outcome with what the runs showed."""
     tail = trials.square[-1] / np.diagonal(outcome.study.grown[-1])
-    metrics = {**outcome.metrics, "trials": float(trials.count), "trial_ratio_position": float(tail[0]),
-               "trial_ratio_velocity": float(tail[1])}
-    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=metrics)
+    more = {"trials": float(trials.count), "trial_ratio_position": float(tail[0]),
+            "trial_ratio_velocity": float(tail[1])}
+    return replace(outcome, study=replace(outcome.study, trials=trials), metrics=with_more(outcome.metrics, more))
 
 
 def key(design: Design) -> Design:

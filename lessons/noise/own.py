@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from app.lesson.knobs import Choice, Knob, Number, Poles
+from app.lesson.later import still_known
 from app.lesson.lesson import Design, Job, Lesson, Outcome
 from app.plants import Model
 from app.text import text
@@ -65,7 +66,7 @@ def try_often(model: Model, outcome: Outcome[Study]) -> Iterator[tuple[float, Tr
 
 def shown(outcome: Outcome[Study], trials: Trials) -> Outcome[Study]:
     """The outcome with what the runs showed."""
-    return replace(outcome, study=replace(outcome.study, trials=trials))
+    return replace(outcome, study=still_known(outcome.study, trials=trials))
 
 
 def key(design: Design) -> Design:

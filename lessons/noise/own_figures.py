@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.simulation import Run
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
+from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants import Model, Signal
 from app.text import squared, text, text_in
@@ -15,14 +16,17 @@ from .figures import RUNS_TAB, SPEED_TAB, error_curves, variance_curves
 from .job import RUNS
 from .own_study import BELIEF, RUNGS, Study, watched_signal
 
+QUICK = 12  # states up to which the ladder of beliefs follows a hand; beyond, it follows when the hand pauses
+
 
 # --- figures -----------------------------------------------------------------------------------------------------------
-def figures(model: Model, outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(model: Model, outcome: Outcome[Study]) -> Sheaf:
     """The valley and the peak over belief, shares; one run; many runs."""
-    run, signal = outcome.run, watched_signal(model, outcome.design)
-    assert run is not None
-    return (_valley(outcome, signal), _peaks(outcome), _shares(model, outcome), _seen(model, run), _hidden(signal, run),
-            _error(outcome, signal, run), _variance(outcome, signal, run))
+    run, signal = outcome.study.run, watched_signal(model, outcome.design)
+    return Sheaf(leaf(SPEED_TAB, lambda: (_valley(outcome, signal), _peaks(outcome)), "open" if model.plant.n <= QUICK else "late"),
+                 leaf(SPEED_TAB, lambda: (_shares(model, outcome),)),
+                 leaf(TIME_TAB, lambda: (_seen(model, run), _hidden(signal, run), _error(outcome, signal, run))),
+                 leaf(RUNS_TAB, lambda: (_variance(outcome, signal, run),)))
 
 
 def _rms(P: np.ndarray, signal: Signal) -> float:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from app.engine.filters import ErrorParts, Ladder, growing_error, noise_ladder
 from app.engine.simulation import Run
 from app.engine.systems import sorted_poles
 from app.lesson.knobs import KnobError
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Model, Signal
 from app.text import Text, text
@@ -30,15 +32,50 @@ SAMPLED = 120  # instants at which a peak is looked for
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """The ladder of beliefs, the observer of the design on it, and its error: without noise, and how its variance grows."""
+    """The observer of a design, its error's parts and its run; what other observers do, and the rest, when it is looked at."""
 
-    ladder: Ladder
+    model: Model
+    design: Design
+    L: np.ndarray
     parts: ErrorParts
-    least: ErrorParts
-    quiet: np.ndarray
-    grown: np.ndarray  # (n_t,) of the watched signal
-    peaks: np.ndarray  # (k,) largest error of the watched signal along the ladder, without noise
+    run: Run
     trials: Trials | None = None
+
+    @cached_property
+    def kalman(self) -> np.ndarray:
+        """The gain (n×p) of the filter that believes the truth."""
+        return _best(self.model.plant, *_packed(self.model, self.design))
+
+    @cached_property
+    def least(self) -> ErrorParts:
+        """What it leaves of the error."""
+        return error_parts(self.model.plant, self.kalman, *noises(self.model, self.design))
+
+    @cached_property
+    def ladder(self) -> Ladder:
+        """Filters of other beliefs."""
+        return _ladder(self.model.plant, *_packed(self.model, self.design))
+
+    @cached_property
+    def row(self) -> np.ndarray:
+        """The weights (1×n) of the signal that is watched."""
+        return np.array(watched_signal(self.model, self.design).weights)[None]
+
+    @cached_property
+    def quiet(self) -> np.ndarray:
+        """The error without noise (n_t, n), as far as both runs go."""
+        return drawn(replace(self.run.scenario, W=None, V=None)).e[:len(self.run.t)]
+
+    @cached_property
+    def grown(self) -> np.ndarray:
+        """The variance (n_t,) of the watched signal's error about that."""
+        model, V = self.model, noises(self.model, self.design)[2]
+        return growing_error(model.plant, self.L, self.parts, V, model.dt, self.row, len(self.quiet))[:, 0]
+
+    @cached_property
+    def peaks(self) -> np.ndarray:
+        """The largest error (k,) of the watched signal along the ladder, without noise."""
+        return _peaks_along(self.model.plant, self.ladder, np.array(self.model.x0), self.row, self.model.dt, SAMPLED)
 
 
 def signals(model: Model) -> tuple[Signal, Signal]:
@@ -64,6 +101,17 @@ def _ladder(plant: Plant, G: bytes, W: bytes, V: bytes) -> Ladder:
     return noise_ladder(plant, G_, np.frombuffer(W).reshape(q, q), np.frombuffer(V).reshape(plant.p, plant.p), RUNGS)
 
 
+@lru_cache(maxsize=32)
+def _best(plant: Plant, G: bytes, W: bytes, V: bytes) -> np.ndarray:
+    G_ = np.frombuffer(G).reshape(plant.n, -1)
+    return lqe(plant.A, G_, plant.C, np.frombuffer(W).reshape(G_.shape[1], -1), np.frombuffer(V).reshape(plant.p, plant.p)).gain
+
+
+def _packed(model: Model, design: Design) -> tuple[bytes, bytes, bytes]:
+    G, W, V = (np.ascontiguousarray(M).tobytes() for M in noises(model, design))
+    return G, W, V
+
+
 def scenario_of(model: Model, design: Design, L: np.ndarray) -> Scenario:
     """Plant and observer under both noises, steered by the starting controller where the plant would run away."""
     G, W, V = noises(model, design)
@@ -84,32 +132,36 @@ def drawn(scenario: Scenario) -> Run:
 
 def compute(model: Model, design: Design) -> Outcome[Study]:
     """The observer's error covariance beside the least one, the ladder, and one noisy run. Raises EngineError."""
-    plant, row = model.plant, np.array(watched_signal(model, design).weights)[None]
+    plant = model.plant
     G, W, V = noises(model, design)
-    ladder = _ladder(plant, *(np.ascontiguousarray(M).tobytes() for M in (G, W, V)))
     L = (lqe(plant.A, G, plant.C, design["belief"] * W, V).gain if design["method"] == BELIEF
          else injection(plant, design["observer_poles"], model))
-    parts, least = error_parts(plant, L, G, W, V), ladder.parts[len(RUNGS) // 2]
-    scenario = scenario_of(model, design, L)
-    run, quiet = drawn(scenario), drawn(replace(scenario, W=None, V=None))
-    count = min(len(run.t), len(quiet.t))
-    study = Study(ladder, parts, least, quiet.e[:count], growing_error(plant, L, parts, V, model.dt, row, count)[:, 0],
-                  _peaks_along(plant, ladder, np.array(model.x0), row, model.dt, SAMPLED))
-    now, best = (float(np.sqrt(max((row @ P @ row.T).item(), 0.0))) for P in (parts.total, least.total))
-    floor = float(np.linalg.eigvalsh(parts.total - least.total)[0] / max(np.trace(least.total), 1e-300))
-    poles = sorted_poles(plant.A - L @ plant.C)
-    metrics = {"rms": now, "least_rms": best, "ratio": now / max(best, 1e-300), "floor": floor, "largest_gain": float(np.abs(L).max()),
-               "peak": float(np.abs(quiet.e @ row[0]).max())}
-    checks = (
-        Check("least", text("within 1 % of the least variance"), metrics["ratio"] ** 2 <= 1.01,
-              metrics["ratio"]),
-        Check("floor", text("no observer beats the Kalman filter: P − P_min ≥ 0"),
-              floor > -1e-6,
-              floor))
-    window = model.observer_window
-    by_hand = design["method"] == POLES
-    kalman = np.linalg.eigvals(plant.A - ladder.gains[len(RUNGS) // 2] @ plant.C)
-    boards = (
+    study = Study(model, design, L, error_parts(plant, L, G, W, V), drawn(scenario_of(model, design, L)))
+    poles, kalman = sorted_poles(plant.A - L @ plant.C), np.linalg.eigvals(plant.A - study.kalman @ plant.C)
+    metrics = LaterMap(lambda: _metrics(study))
+    return Outcome(design, {"L": L}, {"observer": poles, "kalman": kalman}, metrics, LaterItems(lambda: _checks(metrics)), study.run,
+                   _boards(model, design, L, poles, kalman), stage(model, study.run), LaterItems(lambda: (
+                       Formula("lyapunov", r"F P + P F^{\mathsf T} + G W G^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
+                       Formula("L", gain_words("L", L)))), Later(lambda: _live(metrics)), study)
+
+
+def _metrics(study: Study) -> dict[str, float]:
+    total, least, row = study.parts.total, study.least.total, study.row
+    now, best = (float(np.sqrt(max((row @ P @ row.T).item(), 0.0))) for P in (total, least))
+    return {"rms": now, "least_rms": best, "ratio": now / max(best, 1e-300),
+            "floor": float(np.linalg.eigvalsh(total - least)[0] / max(np.trace(least), 1e-300)),
+            "largest_gain": float(np.abs(study.L).max()), "peak": float(np.abs(study.quiet @ row[0]).max())}
+
+
+def _checks(m: Mapping[str, float]) -> tuple[Check, ...]:
+    return (
+        Check("least", text("within 1 % of the least variance"), m["ratio"] ** 2 <= 1.01, m["ratio"]),
+        Check("floor", text("no observer beats the Kalman filter: P − P_min ≥ 0"), m["floor"] > -1e-6, m["floor"]))
+
+
+def _boards(model: Model, design: Design, L: np.ndarray, poles: np.ndarray, kalman: np.ndarray) -> tuple[Board, Board]:
+    window, plant, by_hand = model.observer_window, model.plant, design["method"] == POLES
+    return (
         Board("kalman", text("poles of the Kalman filter"), listed(np.sort_complex(kalman)), side="left",
               re_low=window.re_low, re_high=window.re_high, im_high=window.im_high),
         Board("observer", text("observer poles  eig(A − LC)"),
@@ -117,9 +169,6 @@ def compute(model: Model, design: Design) -> Outcome[Study]:
               "observer_poles" if by_hand or len(poles) == len(model.observer_poles) else None,
               bolts(model.observer, window) if by_hand else (), role="estimate", side="right", re_low=window.re_low,
               re_high=window.re_high, im_high=window.im_high, also=(("method", POLES),), landscape=plant.A - L @ plant.C))
-    return Outcome(design, {"L": L}, {"observer": poles, "kalman": kalman}, metrics, checks, run, boards, stage(model, run),
-                   (Formula("lyapunov", r"F P + P F^{\mathsf T} + G W G^{\mathsf T} + L V L^{\mathsf T} = 0,\quad F = A - LC"),
-                    Formula("L", gain_words("L", L))), _live(metrics), study)
 
 
 def _peaks_along(plant: Plant, ladder: Ladder, start: np.ndarray, row: np.ndarray, dt: float, count: int) -> np.ndarray:
@@ -138,7 +187,7 @@ def _peaks_along(plant: Plant, ladder: Ladder, start: np.ndarray, row: np.ndarra
     return np.maximum(np.nan_to_num(known, nan=fill), abs(float((row @ start).item())))
 
 
-def _live(m: dict[str, float]) -> Text:
+def _live(m: Mapping[str, float]) -> Text:
     if m["ratio"] < 1.005:
         return text("The error is as small as any observer can make it.")
     return text("The error is {ratio:.3g} times the least possible.", ratio=m["ratio"])

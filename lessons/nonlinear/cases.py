@@ -123,3 +123,8 @@ def inputs_of(case: Case, count: int, force: float) -> np.ndarray:
     if case.id != PLATFORM:
         return np.zeros((count, len(case.u_max)))
     return np.outer(force * np.cos(2 * np.pi * SINE * case.step * np.arange(count)), [1.0, 1.0, 0.5])
+
+
+def judged(case: Case) -> int:
+    """Which of the watched signals the filters are judged by: of the falling body the drag, elsewhere the first."""
+    return int(case.id == FALL)

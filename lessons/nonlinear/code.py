@@ -14,7 +14,7 @@ from app.plants import cart_pendulum, falling_body, nonlinear_platform, platform
 from .cases import FALL, LENGTH, PENDULUM, PLATFORM, SINE, case_of, starts
 from .runs import FEW, FILTERS, Study
 
-UNSAID = "What the lines of the report in doubt lead to"
+UNSAID = "The bound that no filter beats, and what the lines of the report in doubt lead to"
 PARTS = MappingProxyType({PLATFORM: "nonlinear_deck", PENDULUM: "nonlinear_pole", FALL: "nonlinear_fall"})
 
 

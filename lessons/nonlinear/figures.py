@@ -6,13 +6,15 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure
+from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants import cart_pendulum, falling_body, platform
 from app.text import NO_WORDS, Text, joined, listed, same, text
 
 from ..toolkit.figures import TIME_TAB
-from .cases import EKF, FALL, KF, LENGTH, PENDULUM, PLATFORM, UKF
+from .bound import words
+from .cases import EKF, FALL, KF, LENGTH, PENDULUM, PLATFORM, UKF, judged
 from .report import LINES, NONE, finding, linear_spreads
 from .runs import FILTERS, Study
 from .study import band_of, verdict
@@ -30,10 +32,12 @@ def name_of(filter_: str) -> Text:
     return same(filter_.upper())
 
 
-def figures(outcome: Outcome[Study]) -> tuple[Figure, ...]:
+def figures(outcome: Outcome[Study]) -> Sheaf:
     """Every figure of the lesson."""
-    return (_state(outcome), _errors(outcome), _nees(outcome), _nis(outcome), _verdicts(outcome), _law(outcome),
-            _second_law(outcome), _algorithm(outcome), _lines(outcome))
+    return Sheaf(leaf(TIME_TAB, lambda: (_state(outcome), _errors(outcome))),
+                 leaf(CONSISTENCY_TAB, lambda: (_nees(outcome), _nis(outcome), _verdicts(outcome))),
+                 leaf(LAW_TAB, lambda: (_law(outcome), _second_law(outcome))),
+                 leaf(REPORT_TAB, lambda: (_algorithm(outcome), _lines(outcome))))
 
 
 # --- one run ---------------------------------------------------------------------------------------------------------
@@ -57,19 +61,22 @@ def _state(outcome: Outcome[Study]) -> LineFigure:
 
 def _errors(outcome: Outcome[Study]) -> LineFigure:
     s, who = outcome.study, outcome.design["filter"]
-    signal = s.case.watched[1] if s.case.id == FALL else s.case.watched[0]
-    at = 1 if s.case.id == FALL else 0
+    at = judged(s.case)
+    signal = s.case.watched[at]
     state = int(np.argmax(np.abs(signal.weights)))
     curves = [Curve(name_of(n), np.clip(signal.scale * s.rms[n][:, at], 1e-9, CEILING), role, dash)  # type: ignore[arg-type]
               for n, role, dash in LOOKS]
     claimed = np.clip(signal.scale * s.sigmas[who][:, state], 1e-9, CEILING)
     curves.append(Curve(text("σ that the {who} claims", who=who.upper()), claimed, "muted", "dot", 1.6))
+    curves.append(Curve(text("Cramér–Rao bound"), np.clip(signal.scale * s.bound.rms, 1e-9, CEILING), "reference", "solid", 1.6))
+    kicked = outcome.design["kick"] >= 0 and round(outcome.design["kick"] / s.case.step) < len(s.t)
     last = float(signal.scale * s.rms[who][-1, at] / max(claimed[-1], 1e-12))
     return LineFigure("errors", text("rms error: {name}", name=signal.name), s.t, tuple(curves),
                       f"[{signal.unit}]", log_y=True, tab=TIME_TAB,
-                      caption=text("Over {runs} runs. At the end the {who}'s errors are {last:.2g} times the σ "
-                                   "that it claims in the run shown.",
-                                   runs=s.runs, who=who.upper(), last=last))
+                      caption=joined(text("Over {runs} runs. At the end the {who}'s errors are {last:.2g} times the σ "
+                                          "that it claims in the run shown.",
+                                          runs=s.runs, who=who.upper(), last=last),
+                                     words(who, s.bound, s.runs, s.fallen + s.lost[who], kicked)))
 
 
 # --- consistency -------------------------------------------------------------------------------------------------------

@@ -21,7 +21,7 @@ from .tasks import TASKS
 LESSON = Lesson(
     "nonlinear", 14, KNOBS, compute, figures, answer=3, answering="errors", tasks=TASKS, exams=EXAMS,
     source="Platform report (003), chapter 4, Algorithms 1–3, and appendix B; Athans, Wishner and Bertolini (1968); Julier, Uhlmann and "
-           "Durrant-Whyte (2000)",
+           "Durrant-Whyte (2000); Tichavský, Muravchik and Nehorai (1998)",
     place=PLACES["nonlinear"],
     again=Again(("sensor",), 2, {"sensor": 0.1}, ("nees", "nis", "verdicts", "errors")),
     words=read_prose(Path(__file__).parent), key=("case", "filter", "size"),

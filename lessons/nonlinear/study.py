@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
 
 from app.engine import chi2_band
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.text import Text, listed, same, text
 
@@ -47,15 +49,15 @@ def compute(design: Design) -> Outcome[Study]:
 def outcome_of(design: Design, study: Study) -> Outcome[Study]:
     """What a study shows."""
     who, case = design["filter"], study.case
-    metrics = _metrics(study)
+    metrics = LaterMap(lambda: _metrics(study))
     spread = 3 * case.scale * case.error_gain * study.sigmas[who][:, case.state]
     away = np.clip(study.means[who] - study.x, -1e9, 1e9)
     stage = Stage(case.body, study.t, study.x, study.x + case.error_gain * away, study.u if study.u.shape[1] else
                   np.zeros((len(study.t), 1)), spread)
     if case.id == FALL:
         stage = _smooth(stage)
-    return Outcome(design, {}, {}, metrics, _checks(study, metrics), None, (), stage, _formulas(design, study), _live(design, study),
-                   study)
+    return Outcome(design, {}, {}, metrics, LaterItems(lambda: _checks(study, metrics)), None, (), stage,
+                   LaterItems(lambda: _formulas(design, study)), Later(lambda: _live(design, study)), study)
 
 
 def _smooth(stage: Stage) -> Stage:
@@ -75,10 +77,11 @@ def _metrics(s: Study) -> dict[str, float]:
     found |= {f"largest_{n}": float(np.max(s.nees[n])) for n in FILTERS}
     found |= {f"apart_{n}": float(min(s.apart[n], 1e9)) for n in (EKF, UKF)}
     found |= {f"lost_{n}": float(s.lost[n]) for n in FILTERS}
+    found |= {f"times_bound_{n}": float(min(s.bound.times[n], 1e9)) for n in FILTERS if s.bound.times[n] >= 0}
     return found | {"runs": float(s.runs), "fallen": float(s.fallen), "horizon": float(s.t[-1])}
 
 
-def _checks(s: Study, m: dict[str, float]) -> tuple[Check, ...]:
+def _checks(s: Study, m: Mapping[str, float]) -> tuple[Check, ...]:
     n = s.x.shape[1]
 
     def held(name: str) -> bool:

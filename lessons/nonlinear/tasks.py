@@ -1,4 +1,4 @@
-"""Tasks of the lesson: back to linear, a start small enough, a filter that deceives itself, the report, two tangents."""
+"""Tasks of the lesson: back to linear, a start small enough, a filter that deceives itself, the report, two tangents, a bound."""
 
 from __future__ import annotations
 
@@ -80,6 +80,9 @@ SQUARE = Typed("2*m*P/(4*m^2*P+R)", ("m", "P", "R"), slips=(
 DRAG = Typed("-c^3*v^2*exp(-k*h)", ("c", "k", "h", "v"), slips=(
     ("c^3*v^2*exp(-k*h)", text("The size is right; the sign follows the order h, v, β of the state.")),
     ("c*v^2*exp(-k*h)", text("That is the last entry alone; the determinant has the two others of the triangle as factors."))))
+LEAST = Typed("P*R/(R+4*N*P*(m^2+P))", ("m", "P", "R", "N"), slips=(
+    ("P*R/(R+4*N*P*m^2)", text("That is the tangent at m; the bound takes the mean of x² over all truths, m² + P.")),
+    ("R/(4*N*(m^2+P))", text("What is known beforehand is information too: 1/P."))))
 
 TASKS = (
     Task("linear", _linear, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0}),
@@ -88,4 +91,5 @@ TASKS = (
     Task("report", _report, {"case": PLATFORM, "hardening": 0.0, "weakening": 0.0, "redraw": False, "line": REDRAW}),
     pencil("square", SQUARE),
     pencil("drag", DRAG),
+    pencil("least", LEAST),
 )

@@ -7,7 +7,6 @@ import numpy as np
 from app.lesson.claims import claim
 from app.lesson.figures import (
     Curve,
-    Figure,
     LineFigure,
     MapFigure,
     PlaneFigure,
@@ -16,6 +15,7 @@ from app.lesson.figures import (
     nice,
     over_frequency,
 )
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Design, Outcome
 from app.text import Text, same, text, text_in
 
@@ -35,10 +35,12 @@ EDGE = 200.0  # signals beyond are drawn at the edge
 NONE = same("–")
 
 
-def all_figures(outcome: Outcome[Story]) -> tuple[Figure, ...]:
+def all_figures(outcome: Outcome[Story]) -> Sheaf:
     """Time, criterion, worst case, paper: at most three in a tab."""
-    return (_error(outcome), _input(outcome), _output(outcome), _criterion(outcome), _map(outcome),
-            _found(outcome), _frequency(outcome), _sweep(outcome), _numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))
+    return Sheaf(leaf(TIME_TAB, lambda: (_error(outcome), _input(outcome), _output(outcome))),
+                 leaf(J_TAB, lambda: (_criterion(outcome), _map(outcome), _found(outcome))),
+                 leaf(WORST_TAB, lambda: (_frequency(outcome), _sweep(outcome))),
+                 leaf(PAPER_TAB, lambda: (_numbers(outcome), paper_ranks(outcome, PAPER_TAB), _slips(outcome))))
 
 
 def _edge(values: np.ndarray) -> np.ndarray:
@@ -189,7 +191,7 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
 
 # --- worst case ------------------------------------------------------------------------------------------------------
 def _frequency(outcome: Outcome[Story]) -> LineFigure:
-    story, peak = outcome.study, outcome.metrics["worst_gain"]
+    story, peak = outcome.study, outcome.study.peak
     floor = 1e-6
     caption = (text("At some sign pattern of the δ the loop is unstable.") if peak >= MOST else
                text("Worst of the eight sign patterns: {peak:.3g} times v.", peak=peak))
@@ -201,7 +203,7 @@ def _frequency(outcome: Outcome[Story]) -> LineFigure:
 
 def _sweep(outcome: Outcome[Story]) -> PlaneFigure:
     """The worst case along the axis, as far as the job has come; now is the dotted line."""
-    design, search, now = outcome.design, outcome.study.search, outcome.metrics["worst_gain"]
+    design, search, now = outcome.design, outcome.study.search, outcome.study.peak
     top = nice(1.6 * min(max(now, 1.0), 50.0))
     curves = [Curve(text("now"), np.full(2, min(now, top)), "error", "dot", 1.6, np.array([-12.0, 0.0]))]
     points: tuple[Point, ...] = ()

@@ -9,6 +9,7 @@ import numpy as np
 
 from app.engine import functional_observer
 from app.engine.observers import FunctionalObserver, Region, RobustObserver, rlo_steps, vertices, worst_error_gain
+from app.lesson.later import with_more
 from app.lesson.lesson import Design, Job, Outcome
 from app.text import text
 
@@ -66,8 +67,8 @@ def shown(outcome: Outcome[Story], result: Search) -> Outcome[Story]:
     more |= {f"s_rlo_{name}": float(np.max(found.observer.poles.real)) for name, found in result.found}
     if len(result.s):
         more |= {"least_worst": float(np.min(result.worst)), "s_least_worst": float(result.s[np.argmin(result.worst)])}
-    return replace(outcome, study=replace(outcome.study, search=result),
-                   metrics={**outcome.metrics, **more, "search_done": result.done})
+    more["search_done"] = result.done
+    return replace(outcome, study=replace(outcome.study, search=result), metrics=with_more(outcome.metrics, more))
 
 
 JOB = Job(text("Run algorithm RLO"), search, key, shown, figure="found")

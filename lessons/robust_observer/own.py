@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from app.engine.observers import FunctionalObserver
 from app.lesson.code import Code
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Board, Check, Design, Formula, Job, Lesson, Outcome, Stage
 from app.plants import Model
 from app.text import Text, joined, same, text
@@ -31,24 +33,25 @@ def compute(here: Here, design: Design) -> Outcome[Story]:
     """The observer, its conditions and J, and one run each on the model and on the true plant. Raises KnobError, EngineError."""
     o = observer_of(here, design)
     dA, dC = errors(here, design)
-    model, true = (run_of(here, design, o, *wrong) for wrong in ((0 * dA, 0 * dC), (dA, dC)))
+    model, true = Later(lambda: run_of(here, design, o, 0 * dA, 0 * dC)), run_of(here, design, o, dA, dC)
     story = Story(o, model, true, design["wanted"][0] == "u", dict(here.wanted)[design["wanted"]], here.model.observer_window,
                   _unit(here, design))
     poles = np.array(design[f"poles_{o.order}"])
-    metrics = {
-        "J": o.J, "order": float(o.order), "dynamics_residual": o.dynamics_residual, "output_residual": o.output_residual,
-        "condition": float(min(o.condition, 1e15)), "slowest_loop": float(true.poles.real.max()), "error_start": float(true.e[0]),
-        "late_error": true.late(true.e), "late_wanted": true.late(true.wanted),
-    }
-    checks = (
-        Check("dynamics", same("T A − F T = L C"), o.dynamics_residual < MET, o.dynamics_residual),
-        Check("output", same("K = N T + M C"), o.output_residual < MET, o.output_residual),
-        Check("stable", text("the loop with the true plant is stable"), metrics["slowest_loop"] < 0,
-              metrics["slowest_loop"]),
-    )
+    known = {"J": o.J, "order": float(o.order), "slowest_loop": float(true.poles.real.max()), "error_start": float(true.e[0]),
+             "late_error": true.late(true.e), "late_wanted": true.late(true.wanted)}
+    metrics = LaterMap(lambda: {**known, "dynamics_residual": o.dynamics_residual, "output_residual": o.output_residual,
+                                "condition": float(min(o.condition, 1e15))}, known)
     return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K}, {"observer": poles, "loop": true.poles}, metrics,
-                   checks, None, _boards(here, design, o.order), _stage(here, o, true, dC), _formulas(o), _live(metrics, poles),
-                   story)
+                   LaterItems(lambda: _checks(metrics)), None, _boards(here, design, o.order), _stage(here, o, true, dC),
+                   LaterItems(lambda: _formulas(o)), Later(lambda: _live(metrics, poles)), story)
+
+
+def _checks(m: Mapping[str, float]) -> tuple[Check, ...]:
+    return (
+        Check("dynamics", same("T A − F T = L C"), m["dynamics_residual"] < MET, m["dynamics_residual"]),
+        Check("output", same("K = N T + M C"), m["output_residual"] < MET, m["output_residual"]),
+        Check("stable", text("the loop with the true plant is stable"), m["slowest_loop"] < 0, m["slowest_loop"]),
+    )
 
 
 def _unit(here: Here, design: Design) -> str:
@@ -89,7 +92,7 @@ def _formulas(o: FunctionalObserver) -> tuple[Formula, ...]:
     )
 
 
-def _live(m: dict[str, float], poles: np.ndarray) -> Text:
+def _live(m: Mapping[str, float], poles: np.ndarray) -> Text:
     start = text("Order {order:.0f}, poles {poles}: J = {j:.3g}.",
                  order=m["order"], poles=pole_words(list(poles)[:4]), j=m["J"])
     if m["slowest_loop"] >= 0:

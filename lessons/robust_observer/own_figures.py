@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.observers import FunctionalObserver, criterion
-from app.lesson.figures import Curve, Figure, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
+from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Design, Outcome
 from app.text import NO_WORDS, Text, same, text
 
@@ -21,11 +22,12 @@ CHOSEN, RLO, MODEL = text("true plant"), text("true plant, RLO"), text(
     "model")
 
 
-def all_figures(here: Here, outcome: Outcome[Story]) -> tuple[Figure, ...]:
+def all_figures(here: Here, outcome: Outcome[Story]) -> Sheaf:
     """Time, criterion, loop: at most three in a tab."""
     story = outcome.study
-    return (_error(outcome, story), _signal(story), _compared(outcome, story), own_ranks(here, outcome, story.observer.order, J_TAB),
-            _attempts(story), _gain(story), _plane(outcome.design, story))
+    return Sheaf(leaf(TIME_TAB, lambda: (_error(outcome, story), _signal(story))),
+                 leaf(J_TAB, lambda: (_compared(outcome, story), own_ranks(here, outcome, story.observer.order, J_TAB), _attempts(story))),
+                 leaf(LOOP_TAB, lambda: (_gain(story), _plane(outcome.design, story))))
 
 
 def _error(outcome: Outcome[Story], story: Story) -> LineFigure:

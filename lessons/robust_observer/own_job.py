@@ -11,6 +11,7 @@ from app.engine import EngineError
 from app.engine.observers import Region, RobustObserver, rlo_steps
 from app.engine.systems import Poles
 from app.lesson.knobs import KnobError
+from app.lesson.later import with_more
 from app.lesson.lesson import Design, Outcome
 from app.text import text
 
@@ -80,4 +81,4 @@ def shown(here: Here, outcome: Outcome[Story], result: RobustObserver) -> Outcom
     run = run_of(here, outcome.design, result.observer, *errors(here, outcome.design))
     more = {"J_rlo": float(result.value), "order_rlo": float(result.observer.order),
             "late_error_rlo": run.late(run.e)}
-    return replace(outcome, study=replace(outcome.study, found=result, found_run=run), metrics={**outcome.metrics, **more})
+    return replace(outcome, study=replace(outcome.study, found=result, found_run=run), metrics=with_more(outcome.metrics, more))

@@ -11,6 +11,7 @@ from app.engine import EngineError
 from app.engine.observers import FunctionalObserver, Perturbations, RobustObserver
 from app.engine.systems import Poles
 from app.lesson.knobs import KnobError
+from app.lesson.later import Later
 from app.lesson.lesson import Design
 from app.plants import Window
 from app.text import Text, text
@@ -118,9 +119,18 @@ class Run:
     v: np.ndarray
     e: np.ndarray
     wanted: np.ndarray
-    f: np.ndarray
-    gain: np.ndarray
+    response: Later[tuple[np.ndarray, np.ndarray]]
     poles: Poles
+
+    @property
+    def f(self) -> np.ndarray:
+        """Frequencies in Hz."""
+        return self.response.value[0]
+
+    @property
+    def gain(self) -> np.ndarray:
+        """|v → e| there."""
+        return self.response.value[1]
 
     def late(self, signal: np.ndarray) -> float:
         """The largest |signal| (n_t,) in the last quarter."""
@@ -151,9 +161,8 @@ def run_of(here: Here, design: Design, o: FunctionalObserver, dA: np.ndarray, dC
     j = int(design["wanted"][1:]) - 1 if design["wanted"][0] == "u" else 0
     u = states @ loop.inputs.T
     u[:, j] += v
-    gain = _gain(here, loop)
     return Run(np.arange(count) * model.dt, states[:, :here.plant.n], states[:, here.plant.n:], u, v, states @ loop.error[0],
-               states @ loop.wanted[0], *gain, np.linalg.eigvals(loop.A).astype(complex))
+               states @ loop.wanted[0], Later(lambda: _gain(here, loop)), np.linalg.eigvals(loop.A).astype(complex))
 
 
 def _gain(here: Here, loop: Loop) -> tuple[np.ndarray, np.ndarray]:
@@ -173,7 +182,7 @@ class Story:
     """The observer, its runs on the model and on the true plant, what is wanted, and what RLO found if it has run."""
 
     observer: FunctionalObserver
-    model: Run
+    alone: Later[Run]
     true: Run
     fed: bool
     name: Text
@@ -181,3 +190,8 @@ class Story:
     unit: str
     found: RobustObserver | None = None
     found_run: Run | None = None
+
+    @property
+    def model(self) -> Run:
+        """The run on the model."""
+        return self.alone.value

@@ -89,4 +89,5 @@ def own_ranks(here: Here, outcome: Outcome[OwnStory], order: int, tab: Text) -> 
     """The conditions for a person's own plant."""
     rungs = own_ladder(here, outcome.design)
     return table(rungs, order, text("Order 0 is the readings alone, My. As soon as the rank with K is no higher, an observer exists; rows "
-                                    "of [T; C] beyond their rank leave M′ free. Each order has the poles of its own knob."), tab)
+                                    "of [T; C] beyond their rank leave M′ free. Each order has the poles of its own knob; an order without "
+                                    "one has a pole more."), tab)

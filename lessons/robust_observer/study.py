@@ -5,7 +5,7 @@ House sign u = −K x̂ throughout; the source has u = +K x̂, so its K, N and M
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from types import MappingProxyType
@@ -26,14 +26,16 @@ from app.engine.observers import (
 )
 from app.lesson.claims import claim
 from app.lesson.knobs import KnobError
-from app.lesson.lesson import Board, Check, Design, Formula, Outcome, Stage
+from app.lesson.later import Later, LaterItems, LaterMap
+from app.lesson.lesson import Board, Check, Design, Outcome, Stage
 from app.plants.body import Body
 from app.plants.duan import EXAMPLE_1, EXAMPLE_2, Example, push
 from app.plants.duan_body import rack_body
 from app.text import Text, joined, text
 
 from ..toolkit.boards import listed
-from ..toolkit.latex import matrix, number, pole_words
+from ..toolkit.latex import pole_words
+from .formulas import formulas_of
 from .knobs import IM_HIGH, NORMS, ONE, RE_HIGH, RE_LOW, THREE, TWO
 
 HORIZON, DT = 6.0, 0.015
@@ -179,18 +181,37 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class Story:
-    """The observer, its run on the model and on the true plant, |v → e_u| (n_f,) now and at the worst vertex.
+    """The observer, its run on the true plant and, when they are looked at, on the model, and `gains_over_frequency`.
 
     steady: amplitude at which e_u settles on the true plant under v, ∞ where its loop is unstable.
     """
 
     observer: FunctionalObserver
-    model: FunctionalRun
+    alone: Later[FunctionalRun]
     true: FunctionalRun
-    now: np.ndarray
-    worst: np.ndarray
+    gains: Later[tuple[np.ndarray, float]]
     steady: float
     search: Search | None = None
+
+    @property
+    def model(self) -> FunctionalRun:
+        """The run on the model."""
+        return self.alone.value
+
+    @property
+    def now(self) -> np.ndarray:
+        """|v → e_u| (n_f,) with these errors."""
+        return self.gains.value[0][0]
+
+    @property
+    def worst(self) -> np.ndarray:
+        """The same at the worst vertex, by frequency."""
+        return self.gains.value[0][1:].max(axis=0)
+
+    @property
+    def peak(self) -> float:
+        """The largest of that."""
+        return self.gains.value[1]
 
 
 def compute(design: Design) -> Outcome[Story]:
@@ -198,30 +219,32 @@ def compute(design: Design) -> Outcome[Story]:
     case = CASES[design["example"]]
     example, observer, (dA, dC), dB = case.example, observer_of(design), errors(design), input_error(design)
     z0 = start_of(design)
-    model = simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT)
+    model = Later(lambda: simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT))
     true = shown(simulate_functional(observer, push, x0=example.x0, z0=z0, horizon=HORIZON, dt=DT, dA=dA, dB=dB, dC=dC))
-    gains, peak = gains_over_frequency(observer, dB, ((dA, dC), *vertices_of(design)))
+    gains = Later(lambda: gains_over_frequency(observer, dB, ((dA, dC), *vertices_of(design))))
     loop = perturbed_loop(observer, dA=dA, dB=dB, dC=dC)
-    story = Story(observer, model, true, gains[0], gains[1:].max(axis=0), steady_error(loop))
+    story = Story(observer, model, true, gains, steady_error(loop))
     late = true.t > 0.75 * HORIZON
-    metrics = {
-        "J": observer.J, "error_index": min(error_index(observer), 1e9), "order": float(observer.order),
-        "dynamics_residual": observer.dynamics_residual, "output_residual": observer.output_residual,
-        "slowest_loop": float(np.max(np.real(loop.poles))), "worst_gain": peak,
-        "error_start": float(true.e_u[0, 0]), "late_error": float(min(np.abs(true.e_u[late]).max(), MOST)),
-        "largest_N": float(np.abs(observer.N).max()), "coordinate_gap": _coordinate_gap(design, model),
-    }
-    kept = max(metrics["dynamics_residual"], metrics["output_residual"])
-    checks = (
-        Check("conditions", text("T A − F T = L C and K = N T + M C"), kept < MET, kept),
-        Check("stable", text("the loop with the true plant is stable"), metrics["slowest_loop"] < 0,
-              metrics["slowest_loop"]),
-    )
+    known = {"J": observer.J, "order": float(observer.order), "slowest_loop": float(np.max(np.real(loop.poles))),
+             "error_start": float(true.e_u[0, 0]), "late_error": float(min(np.abs(true.e_u[late]).max(), MOST))}
+    metrics = LaterMap(lambda: {
+        **known, "error_index": min(error_index(observer), 1e9), "dynamics_residual": observer.dynamics_residual,
+        "output_residual": observer.output_residual, "worst_gain": story.peak,
+        "largest_N": float(np.abs(observer.N).max()), "coordinate_gap": _coordinate_gap(design, story.model),
+    }, known)
     o = observer
     return Outcome(design, {"F": o.F, "T": o.T, "L": o.L, "N": o.N, "M": o.M, "K": o.K},
-                   {"observer": np.array(design[case.poles]), "loop": loop.poles}, metrics, checks, None,
-                   _boards(design, case.poles, loop.poles), _stage(case.body, true), _formulas(o, design),
-                   _live(design, metrics), story)
+                   {"observer": np.array(design[case.poles]), "loop": loop.poles}, metrics, LaterItems(lambda: _checks(metrics)), None,
+                   _boards(design, case.poles, loop.poles), _stage(case.body, true), LaterItems(lambda: formulas_of(o, design)),
+                   Later(lambda: _live(design, metrics)), story)
+
+
+def _checks(metrics: Mapping[str, float]) -> tuple[Check, Check]:
+    kept = max(metrics["dynamics_residual"], metrics["output_residual"])
+    return (
+        Check("conditions", text("T A − F T = L C and K = N T + M C"), kept < MET, kept),
+        Check("stable", text("the loop with the true plant is stable"), metrics["slowest_loop"] < 0, metrics["slowest_loop"]),
+    )
 
 
 def _coordinate_gap(design: Design, model: FunctionalRun) -> float:
@@ -251,27 +274,7 @@ def _stage(body: Body, run: FunctionalRun) -> Stage:
     return Stage(body, run.t, true, ghost, np.clip(given, -MOST, MOST))
 
 
-LAWS = MappingProxyType({
-    ONE: r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3",
-    TWO: r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}",
-    THREE: r"F = \mathrm{diag}(s_1, s_2),\; N = (K - M'C)\,T^{-1},\; M = M'",
-})
-
-
-def _formulas(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
-    sign = text("The paper prints u = +K x. Here u = −K x̂: its K, N and M change sign; F, T and L do not.")
-    law = LAWS[design["example"]]
-    return (
-        Formula("law", law),
-        Formula("J", rf"J = \textstyle\sum_i \alpha_i\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),
-        Formula("F", rf"F = {matrix(o.F)}, \quad L = {matrix(o.L)}"),
-        Formula("T", rf"T = {matrix(o.T)}"),
-        Formula("house", rf"u = -(Nz + My) + v: \; N = {matrix(o.N)}, \; M = {number(float(o.M[0, 0]))}"),
-        Formula("paper", rf"u = +(Nz + My) + v: \; N = {matrix(-o.N)}, \; M = {number(float(-o.M[0, 0]))}", sign),
-    )
-
-
-def _live(design: Design, metrics: dict[str, float]) -> Text:
+def _live(design: Design, metrics: Mapping[str, float]) -> Text:
     poles = pole_words([complex(p.real, abs(p.imag)) for p in design[CASES[design["example"]].poles]][:2])
     start = text("Observer at {poles}: J = {j:.3g}.", poles=poles, j=metrics["J"])
     end = claim(text("On the true plant û misses the wanted input by up to {late_error:.2g} at the end.",

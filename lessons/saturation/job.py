@@ -11,6 +11,7 @@ from app.engine import Scenario
 from app.engine.kernels import ready
 from app.engine.simulation import simulate_recovery
 from app.lesson.knobs import KnobError
+from app.lesson.later import with_more
 from app.lesson.lesson import Job, Outcome
 from app.text import text
 
@@ -104,7 +105,7 @@ def rough_starts(outcome: Outcome[Study]) -> Starts | None:
 def with_starts(outcome: Outcome[Study], starts: Starts) -> Outcome[Study]:
     """The outcome with the map in it; a rough one gives no numbers."""
     numbers = {} if starts.rough else {"map_done": starts.done, "map_home": starts.home}
-    return replace(outcome, study=replace(outcome.study, starts=starts), metrics={**outcome.metrics, **numbers})
+    return replace(outcome, study=replace(outcome.study, starts=starts), metrics=with_more(outcome.metrics, numbers))
 
 
 def pick(outcome: Outcome[Study], x: float, y: float) -> Mapping[str, float]:

@@ -12,6 +12,7 @@ from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.text import Text, joined, listed, same, text, text_in
 
+from .equal import EFFORT_TAB, equal
 from .players import NAMES, ORDER, SHORT, gain_gap
 from .scores import SCORE_TAB, TRIAL_TAB, friction, scored, tried
 from .study import Study
@@ -33,7 +34,8 @@ def figures(outcome: Outcome[Study]) -> Sheaf:
         leaf(INPUT_TAB, lambda: (_input(outcome, 0), _input(outcome, 2), _gain(outcome))),
         leaf(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
         leaf(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
-        leaf(SCORE_TAB, lambda: scored(outcome)), leaf(TRIAL_TAB, lambda: tried(outcome)))
+        leaf(SCORE_TAB, lambda: scored(outcome)), leaf(TRIAL_TAB, lambda: tried(outcome)),
+        leaf(EFFORT_TAB, lambda: equal(outcome)))
 
 
 def _curves(outcome: Outcome[Study], column: int, scale: float = 1.0, skip_open: bool = False) -> list[Curve]:

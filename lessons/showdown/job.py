@@ -7,24 +7,27 @@ from dataclasses import replace
 
 import numpy as np
 
+from app.engine import Belief
 from app.engine.sampled import loop_density, mechanics_response, simulate_trials
+from app.lesson.later import still_known
 from app.lesson.lesson import Design, Job, Outcome
 from app.plants import platform
 from app.text import text
 
+from .effort import equal_effort
 from .friction import friction_of, isolation
 from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
 from .study import TOLERANCE, Study, Trials
 from .world import BAND, World, band_rms, grid, loop_of
 
 RUNS, SECONDS, SEGMENT = 24, 32.0, 16_384
-LEARNING = 30_000  # samples that the recursive filter is followed for
+LEARNING, PART = 30_000, 1000  # samples that the recursive filter is followed for, and whose gains are found at once
 DECKS = 60
 COSTS = ("driver", "delay", "adc", "drift", "stiffness", "damping", "placement")
 
 
 def try_out(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
-    """Monte-Carlo of every player, that on the stage first, then learning, tolerances and costs."""
+    """Monte-Carlo of every player, that on the stage first, then learning, equal effort, tolerances and costs."""
     done = 0.0
     for fraction, found in _all(outcome):
         done = max(done, fraction)
@@ -50,11 +53,17 @@ def _all(outcome: Outcome[Study]) -> Iterator[tuple[float, Trials]]:
             if apart is not None:
                 found = replace(found, learning=apart)
             yield 0.7 + 0.1 * share, found
+    if match.spectra[ORDER.index(LQE)].stable:
+        wanted = float(match.forces[ORDER.index(LQE)].max())
+        for share, equal in equal_effort(world, match.five, design["v"], design["pair"], wanted):
+            if equal is not None:
+                found = replace(found, equal=equal)
+            yield 0.8 + 0.02 * share, found
     spread = abs(design["stiffness"]), abs(design["damping"]), abs(design["placement"])
     spread = spread if any(spread) else TOLERANCE
     decks = np.empty((DECKS, 5, 3))
     for share in _decks(world, match.five, spread, seed, decks):
-        yield 0.8 + 0.1 * share, found
+        yield 0.82 + 0.08 * share, found
     found = replace(found, decks=decks, tolerance=spread)
     if most := friction_of(design):
         rubbing = np.empty((5, 3, 3))
@@ -74,34 +83,37 @@ def _learning(world: World, five: tuple[Player, ...], v: float, seed: int) -> It
     RMS over each second of the difference of the three channels' velocities, relative to the RMS of the run.
     """
     loop, design = loop_of(world, five[ORDER.index(RECURSIVE)]), sampled_design(v)
-    kf, K, seen = design.filter, design.K, np.ones(4, dtype=bool)
-    step, limit = loop.hardware.step, loop.hardware.limit
+    kf, K, own, n = design.filter, design.K, loop.control, loop.n
+    rounding, limit = loop.hardware.step, loop.hardware.limit
     for_jumps, for_v = np.random.default_rng(seed).spawn(2)
-    jumps = for_jumps.standard_normal((LEARNING, loop.jump.shape[1])) @ loop.jump.T
-    noise = for_v.standard_normal((LEARNING, 4)) @ loop.sensor.T
-    P, w, settled = kf.spread(first_belief(v)), np.zeros(loop.n), np.zeros(loop.n)
-    apart, size = np.empty((LEARNING, 3)), np.empty((LEARNING, 3))
-    F, F_m, F_s, U, T, Y = loop.F[-1], loop.F_m[-1], loop.F_s[-1], loop.U[-1], loop.T[-1], loop.Y
+    jumps = (for_jumps.standard_normal((LEARNING, loop.jump.shape[1])) @ loop.jump.T)[:, :, None]
+    noise = (for_v.standard_normal((LEARNING, 4)) @ loop.sensor.T)[:, :, None]
+    step, settled = np.hstack([loop.F[-1], loop.F_m[-1], loop.F_s[-1]]), np.hstack([loop.U[-1], loop.T[-1]])
+    closed, C, Y = kf.A - kf.B @ K, kf.C, loop.Y
+    belief, both = first_belief(v), np.zeros((step.shape[1], 2))  # learning beside settled: states, readings, what coils are told
+    outputs, seen = loop.outputs[:3], np.empty((LEARNING, 3, 2))
+    w, m, told = both[:n], both[n:n + 4], both[n + 4:]
+    gains = np.empty((0, kf.n, 4))
     for k in range(LEARNING):
-        size[k] = loop.outputs[:3] @ settled
-        apart[k] = loop.outputs[:3] @ w - size[k]
-        both = np.column_stack([w, settled])
-        m = (Y @ both).T + noise[k]
-        if step:
-            m = step * np.rint(m / step)
-        _, M, P = kf.corrected(P, seen)
-        P = kf.forward(P)
-        xhat = w[loop.control] + M @ (m[0] - kf.C @ w[loop.control])
-        asked = -K @ xhat
-        u = np.clip(asked, -limit, limit)
-        w = F @ w + F_m @ m[0] + F_s @ u + jumps[k]
-        w[loop.control] = kf.A @ xhat + kf.B @ asked
-        other = np.clip(U @ settled + T @ m[1], -limit, limit)
-        settled = F @ settled + F_m @ m[1] + F_s @ other + jumps[k]
+        if k % PART == 0:
+            schedule = kf.schedule(belief, PART + 1)
+            gains, belief = schedule.gains[schedule.index], Belief(belief.mean, schedule.prior[schedule.index[PART]])
+        np.matmul(outputs, w, out=seen[k])
+        np.matmul(Y, w, out=m)
+        m += noise[k]
+        if rounding:
+            m[:] = rounding * np.rint(m / rounding)
+        believed = w[own, 0]
+        xhat = believed + gains[k % PART] @ (m[:, 0] - C @ believed)
+        told[:, 0], told[:, 1] = -K @ xhat, settled @ both[:n + 4, 1]
+        if limit < np.inf:
+            np.clip(told, -limit, limit, out=told)
+        w[:] = step @ both + jumps[k]
+        w[own, 0] = closed @ xhat
         if k % 100 == 99:
             yield (k + 1) / LEARNING, None
     second = round(1 / DT)
-    squares = ((apart**2).reshape(-1, second, 3).mean(axis=1), (size**2).mean(axis=0))
+    squares = ((seen[:, :, 0] - seen[:, :, 1])**2).reshape(-1, second, 3).mean(axis=1), (seen[:, :, 1]**2).mean(axis=0)
     yield 1.0, np.sqrt(squares[0] / squares[1])
 
 
@@ -159,7 +171,7 @@ def depends(design: Design) -> Design:
 
 def shown(outcome: Outcome[Study], found: Trials) -> Outcome[Study]:
     """The outcome with what was measured."""
-    return replace(outcome, study=replace(outcome.study, trials=found))
+    return replace(outcome, study=still_known(outcome.study, trials=found))
 
 
 JOB = Job(text("Monte-Carlo, tolerances, costs"), try_out, depends, shown, figure="trials", follows=True)

@@ -29,7 +29,8 @@ def tried(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
     return _trials(outcome), _decks(outcome), _costs(outcome)
 
 
-def _cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
+def cells(values: np.ndarray, stable: bool, form: str = ".1f") -> Text | str:
+    """The three channels in one cell."""
     if not stable:
         return text("unstable")
     return APART.join(f"{v:{form}}".replace("-", "−") for v in values)
@@ -82,11 +83,12 @@ def friction(outcome: Outcome[Study], tab: Text) -> TableFigure:
     """What the guides' friction does to the isolation: motion without it and with it, and how often a guide sticks."""
     found = None if outcome.study.trials is None else outcome.study.trials.rubbing
     rows = tuple((SHORT[i], "–", "–", "–") if found is None else
-                 (SHORT[i], *(_cells(np.where(v < LEAST, 0.0, v), not np.isnan(v[0]), ".3g") for v in found[i, :2]),
-                  _cells(100 * found[i, 2], not np.isnan(found[i, 2, 0]), ".0f")) for i in range(5))
+                 (SHORT[i], *(cells(np.where(v < LEAST, 0.0, v), not np.isnan(v[0]), ".3g") for v in found[i, :2]),
+                  cells(100 * found[i, 2], not np.isnan(found[i, 2, 0]), ".0f")) for i in range(5))
     said = (text("{split} Sticking: left, right, horizontal guide. A deck that sticks rides on the ground.", split=SPLIT)
             if found is not None else NOT_YET if friction_of(outcome.design) else
-            text("No friction. It needs the ground that falls as 1/f²: white displacement has no velocity to rub against."))
+            text("No friction is set. Its knob is there with the ground that falls as 1/f²: white displacement has no velocity to rub "
+                 "against."))
     return TableFigure("friction", text("RMS velocity in µm/s, 0.5–3 Hz, without friction and with it; how often the guides stick"),
                        (text("controller"), text("smooth"), text("rubbing"), text("sticking [%]")), rows, tab=tab, caption=said)
 
@@ -97,11 +99,11 @@ def _trials(outcome: Outcome[Study]) -> TableFigure:
     for i in range(5):
         tried = None if m.trials is None else m.trials.noise[i]
         if tried is None:
-            rows.append((SHORT[i], _cells(m.rms[i], m.spectra[i].stable, ".3g"), "–", "–"))
+            rows.append((SHORT[i], cells(m.rms[i], m.spectra[i].stable, ".3g"), "–", "–"))
             continue
         keep = ~tried.diverged
         rms = 1e6 * np.sqrt(np.mean(tried.rms[keep, :3] ** 2, axis=0)) if keep.any() else np.zeros(3)
-        rows.append((SHORT[i], _cells(m.rms[i], True, ".3g"), _cells(rms, bool(keep.any()), ".3g"),
+        rows.append((SHORT[i], cells(m.rms[i], True, ".3g"), cells(rms, bool(keep.any()), ".3g"),
                      f"{100 * float(tried.clipped.mean()):.2g}"))
     done = m.trials is not None and any(one is not None for one in m.trials.noise)
     said = (text("24 runs of 32 s each, with clipping and rounding as they are. {split}", split=SPLIT) if done else NOT_YET)
@@ -151,7 +153,7 @@ def _costs(outcome: Outcome[Study]) -> TableFigure:
     else:
         rows = tuple(
             (text("{name} {size:.3g} {unit}", name=name, size=size, unit=unit),
-             *(_cells(np.round(cost[k], 1) + 0.0, not np.isnan(cost[k, 0]), "+.1f") for k in shown))
+             *(cells(np.round(cost[k], 1) + 0.0, not np.isnan(cost[k, 0]), "+.1f") for k in shown))
             for (name, unit), size, cost in zip(SWITCHES, trials.sizes, trials.costs, strict=True))
         said = text("Change of the suppression in dB by one switch alone: vertical, rotation, horizontal. A knob "
                     "at rest counts with a usual size.")

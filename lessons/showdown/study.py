@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from app.engine.sampled import MonteCarlo, ResponseMeasures
-from app.lesson.later import LaterItems, LaterMap
+from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
 from app.plants import platform
 from app.plants.body import with_longer_arrows
 from app.text import Text, listed, text
 
 from ..toolkit.latex import number
+from .effort import Equal
 from .friction import friction_of, rubbed
 from .players import LQE, OPEN, ORDER, RECURSIVE, SHORT, Player, players
 from .world import (
@@ -43,6 +44,7 @@ class Trials:
     dB over the band of each player on decks within the tolerance, NaN where unstable; costs (switches, 5, 3): change of
     the gain in dB by one switch alone, NaN where it makes the loop unstable; sizes: how far each was turned. rubbing (5, 3, 3): RMS of
     each player's channels over the band in µm/s without friction and with it, and how often each guide sticks; NaN where unstable.
+    equal: all at one effort, None where the full LQG is unstable.
     """
 
     noise: tuple[MonteCarlo | None, ...]
@@ -52,6 +54,7 @@ class Trials:
     costs: np.ndarray | None = None
     sizes: tuple[float, ...] = ()
     rubbing: np.ndarray | None = None
+    equal: Equal | None = None
 
 
 GAIN = 1000.0  # times that the stage exaggerates motion: 20 µm are drawn as 0.15
@@ -75,16 +78,52 @@ class Study:
 
     world: World
     five: tuple[Player, ...]
-    f: np.ndarray
-    spectra: tuple[Analysis, ...]
     step: bool
-    peak_db: np.ndarray
-    band_db: np.ndarray
-    rms: np.ndarray
-    forces: np.ndarray
     run: tuple[np.ndarray, np.ndarray, np.ndarray]
     ghost: np.ndarray
     trials: Trials | None = field(default=None)
+
+    @property
+    def f(self) -> np.ndarray:
+        """The frequencies (n_f,) of the spectra in Hz."""
+        return grid(self.world.parameters)
+
+    @cached_property
+    def spectra(self) -> tuple[Analysis, ...]:
+        """Of each player, by transfer function."""
+        return tuple(analyse(self.world, player) for player in self.five)
+
+    @cached_property
+    def peak_db(self) -> np.ndarray:
+        """How far each player brings the peak of each channel down (5, 3); 0 for a loop that is not stable."""
+        inside = (self.f >= BAND[0]) & (self.f <= BAND[1])
+        base = self.spectra[0].density[inside, :3].max(axis=0)
+        return self._each(lambda S: 10 * np.log10(base / S[inside, :3].max(axis=0)))
+
+    @cached_property
+    def band_db(self) -> np.ndarray:
+        """The same of the power in the band (5, 3)."""
+        base = band_rms(self.f, self.spectra[0].density, *BAND)[:3]
+        return self._each(lambda S: 20 * np.log10(base / band_rms(self.f, S, *BAND)[:3]))
+
+    @cached_property
+    def whole(self) -> np.ndarray:
+        """The rms of every recorded signal, and of the forces in N (5, 8)."""
+        return self._each(lambda S: band_rms(self.f, S, 0.0, np.inf))
+
+    @property
+    def rms(self) -> np.ndarray:
+        """Of the channels in µm/s (5, 3)."""
+        return self.whole[:, :3]
+
+    @property
+    def forces(self) -> np.ndarray:
+        """Of the forces (5, 3)."""
+        return self.whole[:, 5:]
+
+    def _each(self, value: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+        some = value(self.spectra[0].density)
+        return np.array([value(s.density) if s.stable else 0 * some for s in self.spectra])
 
     @cached_property
     def responses(self) -> tuple[Response | None, ...]:
@@ -103,27 +142,16 @@ def compute(design: Design) -> Outcome[Study]:
     """All five players in the design's world: spectra by transfer function, the test without noise, one noisy run."""
     world, step = world_of(design), design["test"] == "step"
     five = players(design["v"], design["pair"])
-    f = grid(world.parameters)
-    spectra = tuple(analyse(world, player) for player in five)
     seed, kick = int(design["seed"]), design["kick"]
     chosen = five[ORDER.index(design["play"])]
     bare = (world, chosen) if chosen.id == OPEN else (without_hardware(world), five[0])
     most = friction_of(design)
     run, ghost = ((rubbed(*who, seed, step, kick, most) if most else shake(*who, seed, step, kick)) for who in ((world, chosen), bare))
-    base = spectra[0].density
-    inside = (f >= BAND[0]) & (f <= BAND[1])
-    peak_db, band_db, rms, forces = (np.zeros((5, 3)) for _ in range(4))
-    for i, analysis in enumerate(spectra):
-        if analysis.stable:
-            S = analysis.density
-            whole = band_rms(f, S, 0.0, np.inf)
-            rms[i], forces[i] = whole[:3], whole[5:]
-            peak_db[i] = 10 * np.log10(base[inside, :3].max(axis=0) / S[inside, :3].max(axis=0))
-            band_db[i] = 20 * np.log10(band_rms(f, base, *BAND)[:3] / band_rms(f, S, *BAND)[:3])
-    match = Study(world, five, f, spectra, step, peak_db, band_db, rms, forces, run, ghost[1])
+    match = Study(world, five, step, run, ghost[1])
     metrics = LaterMap(lambda: _metrics(match))
     return Outcome(design, {}, {}, metrics, LaterItems(lambda: _checks(match, metrics)), None, (),
-                   Stage(BODY, run[0], run[1], ghost[1], run[2]), LaterItems(lambda: _formulas(design, match)), _live(design, match), match)
+                   Stage(BODY, run[0], run[1], ghost[1], run[2]), LaterItems(lambda: _formulas(design, match)),
+                   Later(lambda: _live(match)), match)
 
 
 def _metrics(m: Study) -> dict[str, float]:
@@ -169,7 +197,7 @@ def _formulas(design: Design, m: Study) -> tuple[Formula, ...]:
     )
 
 
-def _live(design: Design, m: Study) -> Text:
+def _live(m: Study) -> Text:
     unstable = [name for name, s in zip(SHORT, m.spectra, strict=True) if not s.stable]
     if unstable:
         return text("Unstable in this world: {names}.", names=listed(unstable))

@@ -63,15 +63,16 @@ def wrong_on(lesson: Lesson, plant: str) -> str:
 
 
 def random_plant(seed: tuple[int, ...], sampled: bool = False, bilinear: bool = False) -> str:
-    """In its own units, or in others up to six decades away; a bilinear one has one input, F, and one to three rows of K."""
+    """In its own units, or in others up to six decades away; a bilinear one has F, of one input or all, and one to three rows of K."""
     rng = np.random.default_rng(seed)
     case = random_case(rng, sampled)
     z = ones(case) if rng.random() < 0.5 else random_units(case, rng)
     plant = case.to(z).plant
     if not bilinear or sampled:
         return canonical(plant)
-    F, K = rng.standard_normal((plant.n, plant.n)), rng.standard_normal((int(rng.integers(1, 4)), plant.n))
-    return canonical(Plant(plant.A, plant.B[:, :1], plant.C), Beyond(z.tau * F * z.X / z.X[:, None] * z.U[0], K * z.X))
+    k = 1 if rng.random() < 0.5 else plant.m
+    F, K = rng.standard_normal((plant.n, k * plant.n)), rng.standard_normal((int(rng.integers(1, 4)), plant.n))
+    return canonical(Plant(plant.A, plant.B[:, :k], plant.C), Beyond(z.tau * F * np.kron(z.U[:k], z.X) / z.X[:, None], K * z.X))
 
 
 def main(plants: int = 200, seed: int = 1, *ids: str) -> None:

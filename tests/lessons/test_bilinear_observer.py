@@ -43,6 +43,15 @@ def test_the_numbers_of_the_paper_come_out():
     assert m["first_error"] == pytest.approx(-1318 / 85, abs=1e-11)
 
 
+def test_step_8_in_printed_decimals_keeps_its_pole_and_its_noise_wherever_the_cross_stands():
+    """Of the form that runs: the printed one has −30, those with ẏ the cross's pole; an unstable one beside it is no matter."""
+    printed = outcome(gain="rounded", pole=[4.0], noise=0.01).metrics
+    assert printed["pole"] == -30 and printed["noise_promised"] == pytest.approx(outcome(noise=0.01).metrics["noise_promised"], rel=1e-3)
+    exact = outcome(gain="rounded", pole=[-7.5], form="exact").metrics
+    assert exact["pole"] == pytest.approx(-7.5) and exact["law_gap"] < 1e-6
+    assert "grows" in outcome(gain="rounded", pole=[4.0], form="exact").live("en")
+
+
 def test_pi_by_hand_in_exact_numbers():
     with mp.workdps(30):
         a, b = mpf(-304) / 47, mpf(119) / 47

@@ -24,7 +24,8 @@ from app.tab.token import read_token, write_token
 from lessons import LESSONS
 from lessons.bilinear_observer.lesson import LESSON
 
-SHAPES = ((7, 5, 1, 3), (8, 5, 2, 3), (5, 3, 1, 2), (6, 2, 1, 1), (9, 7, 2, 3))  # n, m, r, and the case that is to be expected
+# n, m, r, inputs, and the case that is to be expected
+SHAPES = ((7, 5, 1, 1, 3), (8, 5, 2, 1, 3), (5, 3, 1, 1, 2), (6, 2, 1, 1, 1), (9, 7, 2, 1, 3), (6, 5, 1, 3, 3), (7, 5, 1, 2, 2))
 SMALL = {"A": [[-1, 0.4, 0], [0.2, -2, 0.5], [0, 0.7, -3]], "B": [[1], [0], [1]], "C": [[1, 0, 0], [0, 1, 0]],
          "F": [[0.1, 0, 0.3], [0, 0.2, 0.1], [0, 0, -0.2]], "K": [[0, 0, 1]]}
 
@@ -33,26 +34,26 @@ def outcome(lesson: Lesson, **changes: object) -> Outcome:
     return lesson.compute(lesson.apply(lesson.start(), changes))
 
 
-def random_plant(seed: int, shape: tuple[int, int, int], decades: float) -> str:
-    """A stable bilinear plant, each of its signals and time in a unit up to 10^±decades away."""
-    (n, m, r), rng = shape, np.random.default_rng([seed, 16])
+def random_plant(seed: int, shape: tuple[int, int, int, int], decades: float) -> str:
+    """A stable bilinear plant of one input or several, each of its signals and time in a unit up to 10^±decades away."""
+    (n, m, r, k), rng = shape, np.random.default_rng([seed, 16])
     A = rng.standard_normal((n, n))
     A -= (0.5 + np.linalg.eigvals(A).real.max()) * np.eye(n)
-    B, F, C, K = (rng.standard_normal(size) for size in ((n, 1), (n, n), (m, n), (r, n)))
-    X, Y, S = (10 ** rng.uniform(-decades, decades, k) for k in (n, m, r))
-    U, tau = 10 ** rng.uniform(-decades, decades), 10 ** rng.uniform(-decades / 2, decades / 2)
+    B, F, C, K = (rng.standard_normal(size) for size in ((n, k), (n, k * n), (m, n), (r, n)))
+    X, Y, S, U = (10 ** rng.uniform(-decades, decades, count) for count in (n, m, r, k))
+    tau = 10 ** rng.uniform(-decades / 2, decades / 2)
     return canonical(Plant(tau * A * X / X[:, None], tau * B * U / X[:, None], C * X / Y[:, None]),
-                     Beyond(tau * F * U * X / X[:, None], K * X / S[:, None]))
+                     Beyond(tau * F * np.kron(U, X) / X[:, None], K * X / S[:, None]))
 
 
 def test_what_the_page_says_of_random_plants_is_so() -> None:
     """The case that counting leads to expect, the law of the error and every claim: every other plant in units up to 10^±6 away."""
-    for seed, (n, m, r, case) in enumerate(SHAPES):
-        own = LESSON.fit(random_plant(seed, (n, m, r), 6.0 * (seed % 2 == 0)))
+    for seed, (n, m, r, k, case) in enumerate(SHAPES):
+        own = LESSON.fit(random_plant(seed, (n, m, r, k), 6.0 * (seed % 2 == 0)))
         found = [outcome(own, **change) for change in ({}, {"input": "square", "form": "exact"}, {"noise": 1.0})]
         held = {c.id: c.holds for c in found[0].checks}
         assert (held["case1"], held["case2"], held["case3"]) == tuple(case == k for k in (1, 2, 3)), (seed, found[0].live)
-        assert held["fewer"] == (r < n - m) and held["advised"] == (3 * m + r >= 2 * n)
+        assert held["fewer"] == (r < n - m) and held["advised"] == ((k + 2) * m + r >= (k + 1) * n)
         for one in found[:2]:
             assert {c.id: c.holds for c in one.checks}["law"] == (case != 1), (seed, one.metrics["law_gap"])
         assert not [line for one in found for line in broken(own, one)], seed
@@ -107,7 +108,8 @@ def test_elsewhere_the_plant_is_the_linear_one_and_the_page_says_so() -> None:
 @pytest.mark.parametrize(("change", "words"), [
     ({"F": [[1, 2]]}, "F must be 3×3"), ({"F": "x"}, "F must be a list"), ({"F": [[1e999] * 3] * 3}, "finite"),
     ({"K": [[1, 2]]}, "rows of 3 numbers"), ({"K": [[1, 0, 0]]}, "read from y directly"), ({"K": [[0, 0, 0]]}, "zero"),
-    ({"dt": 0.1}, "continuous time"), ({"B": [[1, 0], [0, 1], [1, 1]]}, "one input"), ({"D": [[1], [0]]}, "leave out D"),
+    ({"dt": 0.1}, "continuous time"), ({"B": [[1, 0], [0, 1], [1, 1]]}, "give F1 to F2"),
+    ({"F": None, "F1": [[1, 2]]}, "F1 must be 3×3"), ({"D": [[1], [0]]}, "leave out D"),
     ({"C": [[1, 0, 0], [2, 0, 0]]}, "depend on each other"), ({"C": np.eye(3).tolist()}, "nothing is left to observe"),
 ])
 def test_what_does_not_fit_is_one_sentence_in_both_languages(change: dict[str, object], words: str) -> None:
@@ -132,3 +134,42 @@ def test_without_f_the_page_says_so_and_a_k_of_another_kind_is_no_concern_of_our
     matrices = {key: SMALL[key] for key in "ABC"}
     assert "F is zero" in LESSON.fit(canonical(Plant(*matrices.values()))).words["en"].introduction
     assert read("gain.json", json.dumps(matrices | {"K": [[1, 2]]}).encode()) == canonical(Plant(*matrices.values()))
+
+
+def test_at_u_zero_an_error_that_u_would_drive_is_not_said_to_be_free_of_it() -> None:
+    """(21) fails through F alone, so with u = 0 the error of the nearest L has a law of its own."""
+    driven = {"A": [[-1, 1, 0], [0, -2, 0], [0, 0, -3]], "C": [[1, 0, 0]], "F": [[0, 0, 0], [0, 0, 1], [0, 0, 0]], "K": [[0, 1, 0]]}
+    own = LESSON.fit(cleaned(json.dumps(SMALL | driven)))
+    still = outcome(own, input="none")
+    assert still.metrics["law_gap"] < 1e-9 and still.metrics["case"] == 1
+    assert next(f for f in own.figures(still) if f.id == "error").caption("en").startswith("No L frees")
+
+
+def test_rows_that_follow_from_others_are_not_counted_in_r() -> None:
+    own = LESSON.fit(cleaned(json.dumps(SMALL | {"K": [[0, 0, 1], [1, 0, 1]]})))
+    assert "the 2 numbers wanted have rank 1" in next(f for f in own.figures(outcome(own)) if f.id == "conditions").caption("en")
+
+
+def test_each_of_several_inputs_has_a_matrix_and_a_drive_of_its_own(tmp_path: Path) -> None:
+    """F1 and F2 in JSON and .mat are one plant; the run of both drives is that of an adaptive solver; a matrix left out is zero."""
+    two = {key: SMALL[key] for key in "AC"} | {"B": [[1, 0], [0, 1], [1, 1]], "K": [[0, 0, 1]], "F1": SMALL["F"],
+                                               "F2": [[0, 0.2, 0], [0, 0, 0.1], [0.3, 0, 0]]}
+    words = read("two.json", json.dumps(two).encode())
+    savemat(tmp_path / "two.mat", {key: np.array(value, dtype=float) for key, value in two.items()})
+    assert read("two.mat", (tmp_path / "two.mat").read_bytes()) == words == cleaned(words)
+    own = LESSON.fit(words)
+    shown = outcome(own, input="step", input2="sine", amplitude2=own.knob("amplitude2").default / 2)
+    d, run, form = shown.design, shown.study.run, shown.study.plain
+    A, B, C, F = np.array(two["A"]), np.array(two["B"]), np.array(two["C"]), np.hstack([two["F1"], two["F2"]])
+
+    def rate(t: float, s: np.ndarray) -> np.ndarray:
+        x, z, u = s[:3], s[3:], np.array([d["amplitude"], d["amplitude2"] * np.sin(d["omega2"] * t)])
+        y = C @ x
+        return np.concatenate([A @ x + B @ u + F @ np.kron(u, x), form.A @ z + form.Y @ y + form.B @ u + form.U @ np.kron(u, y)])
+    at = [100, 400]
+    peer = solve_ivp(rate, (0, run.t[-1]), [*run.x[0], 0], "DOP853", run.t[at], rtol=1e-10, atol=1e-12).y.T
+    np.testing.assert_allclose(run.x[at], peer[:, :3], rtol=1e-7, atol=1e-8)
+    seen = peer[:, :3] @ C.T @ form.G_y.T + peer[:, 3:] @ form.G_z.T
+    np.testing.assert_allclose(run.estimates[at, 0, 0], seen[:, 0], rtol=1e-6, atol=1e-7)
+    lone = json.loads(read("one.json", json.dumps({k: v for k, v in two.items() if k != "F2"}).encode()))
+    assert not np.any(lone["F2"]) and lone["F1"] == two["F1"]

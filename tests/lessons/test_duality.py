@@ -10,7 +10,8 @@ from scipy.linalg import solve_continuous_are
 
 from lessons.duality.knobs import MODEL
 from lessons.duality.lesson import LESSON
-from lessons.duality.study import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair, turned
+from lessons.duality.study import turned
+from lessons.duality.twins import filter_riccati, gap, observer_by_polynomial, output_energy, run_pair
 
 
 def outcome(**changes):

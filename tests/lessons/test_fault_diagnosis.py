@@ -12,7 +12,7 @@ from lessons.fault_diagnosis.diagnosis import ENERGY, HOLD, MEAN, Rule, judge
 from lessons.fault_diagnosis.lesson import LESSON
 from lessons.fault_diagnosis.many import residuals_of
 from lessons.fault_diagnosis.reach import TONES, gathered, least, over_tones
-from lessons.fault_diagnosis.runs import BLIND, DRIFT, NONE, OPEN, STUCK, SWITCH, Case, drawn, quiet, simulate, switched
+from lessons.fault_diagnosis.runs import BLIND, DRIFT, NONE, OPEN, STUCK, SWITCH, Case, Fault, drawn, quiet, simulate, switched
 from lessons.fault_diagnosis.study import unknown_coil
 
 SEEDS = range(30)
@@ -184,7 +184,7 @@ def step_by_step(case, noise, decided, who):
     kf, g = model(), guard()
     A, B = truth(case.stiffer)
     index = PLACES.index(who)
-    x, xhat, frozen = np.zeros(6), noise.whole.copy(), None
+    x, xhat, frozen = np.zeros(6), noise.whole.copy(), {}
     z = [noise.bank[s].copy() for s in g.bank.slices]
     used, K, active = None, gain(), np.ones(3)
     xs, beliefs = [], []
@@ -200,13 +200,14 @@ def step_by_step(case, noise, decided, who):
         u = r - K @ xhat
         y = kf.C @ x + noise.v[k]
         push = u.copy()
-        if k >= case.start:
-            if case.sensor is not None:
-                frozen = y[case.sensor] if frozen is None else frozen
-                y[case.sensor] = frozen if case.kind == STUCK else y[case.sensor] + 1e-3 * case.size * (
-                    DT * (k - case.start) if case.kind == DRIFT else 1.0)
-            if case.coil is not None:
-                push[case.coil] *= 1 - case.size
+        for fault in case.faults:
+            if k >= fault.start and fault.sensor is not None:
+                i = fault.sensor
+                frozen.setdefault(i, y[i])
+                y[i] = frozen[i] if fault.kind == STUCK else y[i] + 1e-3 * fault.size * (
+                    DT * (k - fault.start) if fault.kind == DRIFT else 1.0)
+            if k >= fault.start and fault.coil is not None:
+                push[fault.coil] *= 1 - fault.size
         xs.append(x)
         beliefs.append(xhat)
         o = g.whole if used is None else used
@@ -216,7 +217,8 @@ def step_by_step(case, noise, decided, who):
 
 
 @pytest.mark.parametrize("case", [Case("VR", DRIFT, 4.0, loop=SWITCH), Case("HL", STUCK, loop=SWITCH, force=3.0, stiffer=0.05),
-                                  Case("u2", size=1.0, loop=SWITCH, force=3.0)], ids=lambda c: c.place)
+                                  Case("u2", size=1.0, loop=SWITCH, force=3.0),
+                                  Case("VR", DRIFT, 4.0, loop=SWITCH, also=Fault("HL", STUCK, at=9.0))], ids=lambda c: c.place)
 def test_the_run_is_what_stepping_through_it_gives(case):
     before = simulate(case, drawn(3))
     verdict = judge(Rule(), before)
@@ -228,10 +230,20 @@ def test_the_run_is_what_stepping_through_it_gives(case):
     assert judge(Rule(), after).decided == verdict.decided
 
 
+def test_faults_to_come_come_to_a_loop_that_was_switched_before_them():
+    """Accused for nothing at 2 s: the readings that stick at 4 s are those of the run that follows, and u1 is whole until 6 s."""
+    case = Case("HL", STUCK, force=3.0, loop=SWITCH, also=Fault("u1", size=1.0, at=6.0))
+    after = switched(case, drawn(3), simulate(case, drawn(3)), 100, "VR")
+    x, xhat = step_by_step(case, drawn(3), 100, "VR")
+    assert np.allclose(after.x, x, atol=1e-12) and np.allclose(after.xhat, xhat, atol=1e-12)
+    assert np.array_equal(after.asked[:300], after.applied[:300]) and not after.applied[300:, 0].any()
+
+
 def test_runs_beside_each_other_are_those_one_by_one():
     noises = [drawn(seed) for seed in (1, 2, 3)]
     for case in (Case(), Case("VL", size=1.0), Case("HR", DRIFT, 2.0, at=7.0), Case("u2", size=0.6, loop=OPEN, stiffer=0.1),
-                 Case("VR", STUCK, at=3.0, loop=OPEN), Case("HL", size=1.0, at=0.0)):
+                 Case("VR", STUCK, at=3.0, loop=OPEN), Case("HL", size=1.0, at=0.0),
+                 Case("VR", STUCK, at=3.0, also=Fault("HL", DRIFT, 2.0, 5.0)), Case("u2", size=1.0, also=Fault("u3", size=0.5, at=8.0))):
         together = residuals_of(case, noises)
         for run, noise in enumerate(noises):
             alone = simulate(case, noise).residuals

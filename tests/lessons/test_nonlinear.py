@@ -5,10 +5,12 @@ import pytest
 from lesson_checks import by_knobs, carried
 
 from app.engine import chi2_band
+from app.engine.filters import simulate_filters
+from app.engine.systems import slopes
 from lessons.nonlinear.cases import EKF, FALL, KF, PENDULUM, PLATFORM, UKF, case_of
 from lessons.nonlinear.lesson import LESSON
 from lessons.nonlinear.report import linear_spreads
-from lessons.nonlinear.runs import FILTERS, MANY, Study, studies
+from lessons.nonlinear.runs import FILTERS, MANY, Study, experiment_of, studies
 from lessons.nonlinear.study import verdict
 
 SEEDS = range(1, 7)
@@ -32,6 +34,7 @@ def says(study: Study, name: str) -> str:
 def test_without_bends_extended_and_unscented_are_the_kalman_filter_to_rounding(seed, more):
     study = many(**LINEAR, seed=seed, **more)
     assert max(study.apart.values()) < 1e-10
+    np.testing.assert_allclose(study.bound.rms, study.sigmas[KF][:, 1], rtol=1e-8)
     for name in (EKF, UKF):
         np.testing.assert_allclose(study.nees[name], study.nees[KF], rtol=1e-9)
 
@@ -77,6 +80,30 @@ def test_on_the_falling_body_the_extended_filter_is_overconfident_and_the_unscen
     assert 1.3 < study.nis[EKF].mean() < 4.5 and 0.9 < study.nis[UKF].mean() < 1.1
 
 
+def test_least_squares_over_all_readings_reach_the_bound_that_the_unscented_filter_errs_three_times():
+    """Gauss and Newton over the start of each run, with slopes by a complex step; so the bound is no empty threat."""
+    design, runs = LESSON.start(), 50
+    rng = np.random.default_rng([int(design["seed"]), 14])
+    case, e = experiment_of(design, runs, case_of(FALL).full, rng)
+    samples, none = list(simulate_filters(e, rng)), np.zeros((0, 1))
+    true, unit = samples[0].x, case.spread
+    found = true.copy()
+    for _ in range(4):
+        x, S = found, np.broadcast_to(np.diag(unit), (runs, 3, 3))
+        J, g = np.broadcast_to(np.eye(3), (runs, 3, 3)), ((case.guess[:, None] - x) / unit[:, None]).T
+        for k, sample in enumerate(samples):
+            if k:
+                x, F = slopes(e.flow, x, none)
+                S = F @ S
+            y, H = slopes(e.output, x, none)
+            seen = (H @ S)[:, 0]
+            J, g = J + seen[:, :, None] * seen[:, None] / e.R.item(), g + seen * (sample.y - y).T / e.R.item()
+        found = found + unit[:, None] * np.linalg.solve(J, g[..., None])[..., 0].T
+    bound = many(case=FALL).bound
+    assert 0.7 < np.sqrt(np.mean((found - true)[2]**2)) / bound.rms[-1] < 1.3
+    assert 2.5 < bound.times[UKF] < 4.5 and bound.times[EKF] > 8
+
+
 @pytest.mark.slow
 def test_on_the_falling_body_most_ensembles_of_the_unscented_filter_lie_in_the_band():
     low, high = chi2_band(3, count=MANY, level=0.99)
@@ -99,11 +126,13 @@ def test_the_pole_makes_the_extended_filter_overconfident_and_falls_with_the_lin
     assert wide.fallen > 15 and says(wide, UKF) != "consistent"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_on_the_platform_the_extended_filter_is_honest_up_to_an_amplitude(seed):
     """γ = 0.3: consistent at half the uncertainty, off for the first half second at one, thousands at two, the UKF far less."""
     small, one, two = (many(size=size, seed=seed) for size in (0.5, 1.0, 2.0))
     assert says(small, EKF) == says(small, UKF) == says(one, UKF) == "consistent"
+    assert all(0.9 < one.bound.times[name] < 1.12 for name in (EKF, UKF)) and one.bound.times[KF] > 3
     assert says(small, KF) == says(one, KF) == says(two, KF) == "overconfident"
     high = chi2_band(6, count=MANY, level=0.9999)[1]
     after = one.t > 0.6

@@ -221,6 +221,13 @@ def drag(v: Letters) -> float:
     return float(np.linalg.det(np.vstack([C, C @ A, C @ A @ A])))
 
 
+def least(v: Letters) -> float:
+    """By quadrature over the truths, each with the slope of its reading by a step into the complex plane."""
+    nodes, weights = np.polynomial.hermite_e.hermegauss(6)
+    slope = np.imag((v["m"] + np.sqrt(v["P"]) * nodes + 1e-30j) ** 2) / 1e-30
+    return 1 / (1 / v["P"] + v["N"] * float(weights @ slope**2 / weights.sum()) / v["R"])
+
+
 def noisy_readings(v: Letters) -> float:
     """The root of (P⁺ − P)(P + R) that is not zero."""
     a2, R = v["a"] ** 2, v["R"]
@@ -259,6 +266,12 @@ def blind_input(v: Letters) -> float:
     return 5.0 * at[0] / (at[0] - at[1])
 
 
+def enough(v: Letters) -> float:
+    """Where a row of L has as many entries as Q has columns, counted block by block."""
+    n, k, r = v["n"], v["k"], v["r"]
+    return float(brentq(lambda m: k * r + (n - m - r) + k * (n - m - r) - m, -50.0, 50.0))
+
+
 COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("virtual-sensor", "match"): match, ("error-dynamics", "unknown-push"): unknown_push,
     ("observability", "blind-angle"): blind_angle, ("observability", "toll"): toll, ("separation", "spring"): spring,
@@ -269,10 +282,10 @@ COMPUTED: Mapping[tuple[str, str], Callable[[Letters], float]] = {
     ("showdown", "too-late"): too_late, ("nonlinear", "square"): square, ("fault-diagnosis", "swallowed"): swallowed,
     ("network", "perfect-readings"): perfect_readings, ("sandbox", "deadbeat"): deadbeat,
     ("robust-observer", "one-observer"): one_observer,
-    ("decoupling", "zero"): zero, ("weak-states", "almost-twins"): almost_twins, ("nonlinear", "drag"): drag,
+    ("decoupling", "zero"): zero, ("weak-states", "almost-twins"): almost_twins, ("nonlinear", "drag"): drag, ("nonlinear", "least"): least,
     ("network", "noisy-readings"): noisy_readings, ("network", "budget"): budget, ("sandbox", "stroboscope"): stroboscope,
     ("robust-observer", "wrong-sensor"): wrong_sensor, ("robust-observer", "no-say"): no_say,
-    ("bilinear-observer", "blind-input"): blind_input,
+    ("bilinear-observer", "blind-input"): blind_input, ("bilinear-observer", "enough"): enough,
     ("arm", "cancel"): cancel, ("arm", "injection"): injection, ("arm", "seen"): seen,
 }
 COUNTED = {("robust-observer", "remark-3"), ("robust-observer", "sizes")}  # ratios and numbers of rows, which the lesson's sizes show

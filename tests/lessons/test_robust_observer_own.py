@@ -59,6 +59,7 @@ def no_worse(start: Outcome, end: Outcome) -> None:
 
 
 # --- examples ------------------------------------------------------------------------------------------------------
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FITS)
 def test_every_wanted_row_of_an_example_meets_both_conditions(name: str) -> None:
     lesson = LESSON.fit(example(name))

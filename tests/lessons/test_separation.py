@@ -88,6 +88,7 @@ def test_the_limit_clips_as_soon_as_it_is_switched_on() -> None:
     assert outcome(limited=True).study.clipped and outcome(limited=True).metrics["separation_meter"] > 1e-3
 
 
+@pytest.mark.slow
 def test_no_switching_of_a_stiff_loop_is_missed_between_two_instants() -> None:
     """The aircraft with a very fast controller by weights, a wrong model, noise and limits: each step by a solver from the run's own state.
 

@@ -1,0 +1,149 @@
+"""Figures of the Kalman filter on a person's own plant: one step, two signals, the gain, innovations, consistency."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.engine import chi2_band
+from app.lesson.figures import Curve, LineFigure, PlaneFigure, TableFigure
+from app.lesson.later import Sheaf, leaf
+from app.lesson.lesson import Outcome
+from app.plants import Model, Signal
+from app.plants.names import called, with_unit
+from app.text import Text, same, symbol, text, text_in
+
+from ..toolkit.figures import TIME_TAB
+from .figures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
+from .knobs import UPDATE
+from .own_study import SKIP, Study
+from .study import holds
+
+MOST_STATES = 10  # rows of the table of one step
+
+
+def figures(model: Model, outcome: Outcome[Study]) -> Sheaf:
+    """One step; two signals; the gain; innovations; consistency."""
+    second = next((s for s in model.watched if s.name("en").startswith("state")), model.watched[-1])
+    return Sheaf(
+        leaf(STEP_TAB, lambda: (_step(model, outcome),)),
+        leaf(TIME_TAB, lambda: (_state(outcome, "height", model.watched[0]), _state(outcome, "pitch", second))),
+        leaf(GAIN_TAB, lambda: (_gain(outcome), _distance(outcome))),
+        leaf(INNOVATION_TAB, lambda: (_innovation(model, outcome), _correlation(model, outcome))),
+        leaf(TEST_TAB, lambda: (_squares(outcome, "nis", text("NIS of a sample"), model.plant.p, 0),
+                                _squares(outcome, "nees", text("NEES of the states"), model.plant.n, 1), _tests(outcome))))
+
+
+def _step(model: Model, outcome: Outcome[Study]) -> TableFigure:
+    study, k, plant = outcome.study, int(outcome.design["k"]), model.plant
+    track, updated = study.found.track, outcome.design["phase"] == UPDATE
+    at = int(track.schedule.index[k])
+    mean, P = (track.means[k], track.schedule.posterior[at]) if updated else (track.predicted[k], track.schedule.prior[at])
+
+    def digits(value: float) -> str:
+        return f"{value:.4g}".replace("-", "−")
+    rows = tuple((with_unit(plant, name), digits(study.found.run.x[k, i]), digits(mean[i]),
+                  digits(float(np.sqrt(max(P[i, i], 0.0))))) for i, name in enumerate(plant.state_names[:MOST_STATES]))
+    return TableFigure("step", text("sample {k}", k=k),
+                       (text("state"), text("true"), text("estimate"), same("σ")), rows, tab=STEP_TAB,
+                       caption=text("t = {t:.3g} s, {updated} the sample is taken in; its NIS {nis:.3g}.",
+                                    t=study.found.run.t[k], updated=text("after") if updated else text("before"),
+                                    nis=study.nis[k]))
+
+
+def _state(outcome: Outcome[Study], name: str, signal: Signal) -> LineFigure:
+    found, row = outcome.study.found, np.array(signal.weights)
+    true, mean = signal.of(found.run.x), signal.of(found.track.means)
+    spread = 2 * np.sqrt(np.maximum(np.einsum("i,kij,j->k", row, found.track.covariances, row), 0.0))
+    inside = 100 * float(np.mean(np.abs(true - mean)[SKIP:] <= spread[SKIP:] + 1e-300))
+    return LineFigure(name, signal.name, found.run.t, (
+        Curve(text("true"), true), Curve(text("estimate"), mean, "estimate", "dash"),
+        Curve(same("+ 2σ"), mean + spread, "muted", "dot", 1.2), Curve(same("− 2σ"), mean - spread, "muted", "dot", 1.2)),
+        f"[{signal.unit}]", tab=TIME_TAB, caption=text(
+            "Once settled, the truth is within the filter's own 2σ for {inside:.0f} % of the time; 95 % are "
+            "expected.",
+            inside=inside))
+
+
+def _gain(outcome: Outcome[Study]) -> LineFigure:
+    found = outcome.study.found
+    M, goal, count = found.track.gains, found.steady.filter_gain, min(len(found.run.t), 80)
+    largest = np.argsort(np.abs(goal).ravel())[::-1][:3]
+    curves = []
+    for place, role in zip(largest, ("estimate", "force", "second"), strict=False):
+        i, j = divmod(int(place), goal.shape[1])
+        curves += [Curve(same(symbol(f"M{i + 1}{j + 1}")), M[:count, i, j], role),
+                   Curve(same(symbol(f"M{i + 1}{j + 1}") + " ∞"), np.full(count, goal[i, j]), "reference", "dot", 1.2)]
+    return LineFigure("gain", text("largest entries of the gain M"), found.run.t[:count], tuple(curves),
+                      "M", tab=GAIN_TAB,
+                      caption=text("Dotted: the gain that the Riccati equation promises for ever."))
+
+
+def _distance(outcome: Outcome[Study]) -> LineFigure:
+    found = outcome.study.found
+    late = np.flatnonzero(found.distance > 0.01)
+    after, left = f"{found.run.t[min(late[-1] + 1, len(found.run.t) - 1)]:.3g}" if len(late) else "0", 100 * float(found.distance[-1])
+    return LineFigure("distance", text("distance to the Riccati gain"), found.run.t,
+                      (Curve(text("relative distance"), np.maximum(found.distance, 1e-12), "error"),),
+                      "‖M − M∞‖ / ‖M∞‖", log_y=True,
+                      window=(1e-10, 1.0), tab=GAIN_TAB,
+                      caption=text("Within 1 % after {after} s. No reading has any part in this.", after=after) if left <= 1 else
+                      text("At the end still {left:.2g} % away. No reading has any part in this.", left=left))
+
+
+def _innovation(model: Model, outcome: Outcome[Study]) -> LineFigure:
+    found, name = outcome.study.found, model.plant.output_names[0]
+    nu, spread = found.track.innovations[:, 0], 2 * np.sqrt(found.track.S[:, 0, 0])
+    inside = 100 * float(np.mean(np.abs(nu[SKIP:]) <= spread[SKIP:]))
+    return LineFigure("innovation", text("innovation of {name}", name=called(model.plant, name)), found.run.t, (
+        Curve(same("ν"), nu, "error", width=1.4), Curve(same("+ 2√S"), spread, "muted", "dot", 1.4),
+        Curve(same("− 2√S"), -spread, "muted", "dot", 1.4)), f"ν [{model.plant.unit(name)}]", tab=INNOVATION_TAB,
+        caption=text("Once settled, {inside:.0f} % within 2√S.", inside=inside))
+
+
+def _correlation(model: Model, outcome: Outcome[Study]) -> PlaneFigure:
+    w = outcome.study.test.whiteness
+    lags = np.arange(1, len(w.correlation) + 1, dtype=float)
+    roles, ends = ("estimate", "second", "disturbance", "plant"), np.array([lags[0], lags[-1]])
+    curves = [Curve(called(model.plant, name), w.correlation[:, i], roles[i % 4], "solid", 1.8, lags)
+              for i, name in enumerate(model.plant.output_names[:4])]
+    curves += [Curve(text("band"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
+    said = (text("White as far as one can tell: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
+            text("Coloured: p = {p_value:.1e}; each sample foretells the next.", p_value=w.p_value))
+    return PlaneFigure("correlation", text("autocorrelation of the innovations"), tuple(curves), (),
+                       text("lag [samples]"), "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
+
+
+def _squares(outcome: Outcome[Study], name: str, title: Text, dof: int, which: int) -> LineFigure:
+    study = outcome.study
+    trials = study.trials
+    count, shown = ((1, (study.nis, study.nees)[which]) if trials is None else
+                    (trials.count, (trials.nis, trials.nees)[which]))
+    t, (low, high) = study.found.run.t[:len(shown)], chi2_band(dof, count=count)
+    inside = 100 * float(np.mean((shown[SKIP:] >= low) & (shown[SKIP:] <= high)))
+    who = text("One run") if trials is None else text("Mean of {count} runs", count=count)
+    whose = text("one run") if trials is None else text("mean of {count} runs", count=count)
+    n = len(t)
+    return LineFigure(name, title, t, (
+        Curve(whose, np.maximum(shown, 1e-4), "error", width=1.4),
+        Curve(text("expected, {dof}", dof=dof), np.full(n, float(dof)), "reference", "dash", 1.4),
+        Curve(text("95 % band"), np.full(n, high), "muted", "dot", 1.4),
+        Curve(text("lower edge"), np.full(n, low), "muted", "dot", 1.4)), name.upper(), log_y=True, window=(0.05 * dof, 20.0 * dof),
+        tab=TEST_TAB,
+        caption=text("{who}: once settled, {inside:.0f} % of the samples lie in the χ² band [{low:.3g}, "
+                     "{high:.3g}].",
+                     who=who, inside=inside, low=low, high=high))
+
+
+def _tests(outcome: Outcome[Study]) -> TableFigure:
+    study, held = outcome.study, holds(outcome.study.test, outcome.study.settled)
+
+    def verdict(name: str) -> Text:
+        return text("passes") if held[name] else text("flagged")
+    bands = [f"{s.mean_band[0]:.3g} … {s.mean_band[1]:.3g}" for s in (study.test.nis, study.settled)]
+    rows = ((text("mean of NIS"), f"{study.test.nis.mean:.3g}", bands[0], verdict("nis")),
+            (text("mean of NEES"), f"{study.settled.mean:.3g}", bands[1], verdict("nees")),
+            (text("whiteness, p"), f"{study.test.whiteness.p_value:.2g}", "≥ 0.017", verdict("white")),
+            (text("bias, p"), f"{study.test.bias_p_value:.2g}", "≥ 0.017", verdict("centred")))
+    return TableFigure("tests", text("tests of this record, once settled"),
+                       (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows,
+                       tab=TEST_TAB, caption=text("Each test flags a right filter in a few records of a hundred."))

@@ -1,0 +1,32 @@
+"""The live formulas of the examples, in the sign of the house and in that of the paper."""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+from app.engine.observers import FunctionalObserver
+from app.lesson.lesson import Design, Formula
+from app.text import text
+
+from ..toolkit.latex import matrix, number
+from .knobs import ONE, THREE, TWO
+
+LAWS = MappingProxyType({
+    ONE: r"F = s,\; T = [1 \;\; s],\; L = -s^2-4s-3",
+    TWO: r"F = W\,\mathrm{diag}(s_1, s_2)\,W^{-1}",
+    THREE: r"F = \mathrm{diag}(s_1, s_2),\; N = (K - M'C)\,T^{-1},\; M = M'",
+})
+
+
+def formulas_of(o: FunctionalObserver, design: Design) -> tuple[Formula, ...]:
+    """The law of an example, J, and the matrices of the observer with both signs."""
+    sign = text("The paper prints u = +K x. Here u = −K x̂: its K, N and M change sign; F, T and L do not.")
+    law = LAWS[design["example"]]
+    return (
+        Formula("law", law),
+        Formula("J", rf"J = \textstyle\sum_i \alpha_i\|TA_i\| + \beta\|LC_i\| + \gamma\|MC_i\| = {number(o.J, 4)}"),
+        Formula("F", rf"F = {matrix(o.F)}, \quad L = {matrix(o.L)}"),
+        Formula("T", rf"T = {matrix(o.T)}"),
+        Formula("house", rf"u = -(Nz + My) + v: \; N = {matrix(o.N)}, \; M = {number(float(o.M[0, 0]))}"),
+        Formula("paper", rf"u = +(Nz + My) + v: \; N = {matrix(-o.N)}, \; M = {number(float(-o.M[0, 0]))}", sign),
+    )

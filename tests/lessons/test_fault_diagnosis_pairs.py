@@ -1,0 +1,106 @@
+"""Two faults at once: which pairs can be told apart, by exact arithmetic, and what the bank of pairs says of runs."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from lessons.fault_diagnosis.bank import COUNT, PLACES, guard, model
+from lessons.fault_diagnosis.diagnosis import Rule
+from lessons.fault_diagnosis.lesson import LESSON
+from lessons.fault_diagnosis.pairs import NEVER, PAIRS, SETS, SURE, due, isolable, judge_pairs, pair_bank, pattern, rank_of, rivals
+from lessons.fault_diagnosis.runs import OPEN, Case, Fault, drawn, quiet, simulate
+
+Z = 3  # a point at which directions are compared exactly: neither pole nor zero
+
+
+def exact_rank(faults: tuple[int, ...]) -> int:
+    """Rank of the fault directions, from that of Rosenbrock's pencil [A − zI, −B; C, I] in whole numbers, by Bareiss's elimination."""
+    kf = model()
+    p, n = kf.C.shape
+    rows = [[Fraction(float(v)) - (Z if i == j else 0) for j, v in enumerate(row)] for i, row in enumerate(kf.A)]
+    rows += [[Fraction(float(v)) for v in row] for row in kf.C]
+    for f in faults:
+        for i in range(n + p):
+            rows[i].append(Fraction(int(i - n == f)) if f < p else Fraction(-float(kf.B[i, f - p])) if i < n else Fraction(0))
+    scale = max(v.denominator for row in rows for v in row)  # powers of two
+    M, rank, last = [[int(v * scale) for v in row] for row in rows], 0, 1
+    for column in range(n + len(faults)):
+        pivot = next((i for i in range(rank, n + p) if M[i][column]), None)
+        if pivot is None:
+            continue
+        M[rank], M[pivot] = M[pivot], M[rank]
+        head = M[rank]
+        for i in range(rank + 1, n + p):
+            M[i] = [(head[column] * a - M[i][column] * b) // last for a, b in zip(M[i], head, strict=True)]
+        rank, last = rank + 1, head[column]
+    return rank - n
+
+
+def test_ranks_are_those_of_exact_arithmetic_and_so_is_what_can_be_told_apart() -> None:
+    exact = {frozenset(s): exact_rank(s) for size in (1, 2, 3, 4) for s in combinations(range(7), size)}
+    assert {s: rank_of(s) for s in exact} == exact
+    five = {PLACES.index(k) for k in ("VL", "VR", "u1", "u2", "u3")}  # none of them moves HL + HR
+    assert {s for s in exact if exact[s] < len(s)} == {s for s in exact if len(s) == 4 and s < five}
+    for p in PAIRS:
+        assert set(rivals()[p]) == {q for q in PAIRS if q != p and exact[frozenset(p + q)] < len({*p, *q})}
+        assert isolable(p) != NEVER and (isolable(p) == SURE) == (not five.issuperset(p)), p
+
+
+def test_each_set_of_faults_has_a_column_of_its_own_in_the_bank_of_pairs() -> None:
+    assert pair_bank().dof == 2
+    for faults, column in zip(SETS, pattern().T, strict=True):
+        assert [bool(v) for v in column] == [not set(faults) <= set(pair) for pair in PAIRS], faults
+
+
+def test_what_a_rival_can_imitate_and_another_pair_cannot() -> None:
+    """Forces lost by u1 and u2 that leave HL alone read as lies of VL and VR; no lie of HL and HR reads so."""
+    kf, z = model(), np.exp(0.7j)
+    G = kf.C @ np.linalg.solve(z * np.eye(6) - kf.A, kf.B)
+    y = G[:, :2] @ np.array([G[1, 1], -G[1, 0]])
+    assert np.abs(y[[1, 3]]).max() < 1e-9 * np.abs(y[[0, 2]]).max()
+    assert (4, 5) in rivals()[0, 2] and not rivals()[1, 3]
+
+
+@pytest.mark.parametrize("one, other", [(Fault("HL", size=6.0), Fault("VR", size=10.0, at=7.0)),
+                                        (Fault("VL", size=20.0, at=4.0), Fault("HR", size=6.0, at=4.0))], ids=["later", "together"])
+def test_the_bank_of_pairs_names_both_where_seven_members_can_only_say_that_something_fails(one: Fault, other: Fault) -> None:
+    case, wanted = Case(one.place, one.kind, one.size, one.at, loop=OPEN, also=other), None
+    wanted = tuple(sorted(PLACES.index(f.place) for f in case.faults))
+    for seed in range(6):
+        record = simulate(case, drawn(seed))
+        found = judge_pairs(Rule(), record, seed)
+        assert found.both is not None and found.both[1] == wanted, seed
+        assert found.both[0] >= case.faults[-1].start and (found.alone is None or found.alone[1] == (PLACES.index(one.place),))
+        late = Rule().values(record.residuals)[case.faults[-1].start + 100:] > Rule().threshold
+        assert late.all(axis=1).mean() > 0.9 or not late[:, PLACES.index(one.place)].any()
+    assert due(Rule(), quiet(case), wanted, case.faults[-1].start) is not None
+    ignoring = pair_bank().run(quiet(case).y, quiet(case).asked, pair_bank().start(np.zeros(6)))[0][:, PAIRS.index(wanted)]
+    assert np.abs(ignoring).max() < 1e-7 * guard().bank.dof * COUNT
+
+
+def test_a_second_fault_of_the_same_part_or_of_none_is_no_second_fault_and_order_is_that_of_time() -> None:
+    for place, second in (("HL", "HL"), ("none", "VR"), ("HL", "none")):
+        case = LESSON.compute(LESSON.apply(LESSON.start(), {"place": place, "place2": second})).study.case
+        assert case.also is None
+    swapped = LESSON.compute(LESSON.apply(LESSON.start(), {"place2": "u1", "at2": 2.0})).study.case
+    assert [f.place for f in swapped.faults] == ["u1", "HL"] and swapped.place == "u1"
+
+
+def test_two_lies_that_leave_the_sum_at_zero_accuse_a_healthy_coil_and_the_bank_of_pairs_nobody() -> None:
+    """The numbers of the task: HR by −3 mm/s with HL; half a millimetre more or less will do, one will not, nor a tenth of a second."""
+    task = next(t for t in LESSON.tasks if t.id == "framed")
+
+    def tried(**values: float) -> bool:
+        return task.check(LESSON.compute(LESSON.apply(LESSON.start(), {**task.solution, **values}))).solved
+    assert [tried(bias2=b) for b in (-4.0, -3.5, -2.5, -2.0)] == [False, True, True, False]
+    assert not tried(at2=4.1) and tried(bias=8.0, bias2=-8.0) and not tried(bias=2.5, bias2=-2.5)
+    for seed in (1, 2, 3):
+        shown = LESSON.compute(LESSON.apply(LESSON.start(), {**task.solution, "seed": seed}))
+        verdict = judge_pairs(shown.study.test, shown.study.record, seed)
+        assert shown.study.verdict.who == "u3" and "healthy" in shown.live("en") and verdict.both is None and verdict.alone is None
+        quiet = {PAIRS[k] for k in np.flatnonzero((verdict.values[400:] < 1).mean(axis=0) > 0.9)}
+        assert quiet == {(1, 3), *((i, 6) for i in range(6))}, seed

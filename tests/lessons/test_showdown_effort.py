@@ -1,0 +1,78 @@
+"""Equal effort: each controller is made as bold as the full LQG, and who leads then is found by other means."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from lessons.showdown.effort import Equal, equal_effort, met, retuned
+from lessons.showdown.equal import equal
+from lessons.showdown.lesson import LESSON
+from lessons.showdown.players import ORDER, Player
+from lessons.showdown.study import Trials
+from lessons.showdown.world import loop_of
+
+
+def compared(**values: Any) -> tuple[Any, Equal]:
+    """The outcome of a design, with the comparison alone as its trials."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), values))
+    m, d = outcome.study, outcome.design
+    *_, (_, found) = equal_effort(m.world, m.five, d["v"], d["pair"], float(m.forces[ORDER.index("lqe")].max()))
+    assert found is not None and LESSON.job is not None
+    return LESSON.job.shown(outcome, Trials((None,) * 5, equal=found)), found
+
+
+def said(outcome: Any) -> str:
+    return equal(outcome)[0].caption("en")
+
+
+def test_with_the_dial_at_one_each_controller_is_the_one_on_the_page() -> None:
+    for v, pair in ((1e-10, "own"), (1e-12, "published")):
+        five = LESSON.compute(LESSON.apply(LESSON.start(), {"v": v, "pair": pair})).study.five
+        for player in five[1:]:
+            once_more = retuned(player.id, 1.0, v, pair)
+            for name in "ABCD":
+                ours, theirs = getattr(once_more, name), getattr(player.controller, name)
+                np.testing.assert_allclose(ours, theirs, rtol=1e-6, atol=1e-9 * np.abs(theirs).max(initial=1e-300))
+
+
+@pytest.mark.parametrize("values", [{}, {"sensor": 1e-14}, {"ground": "shaped", "delay": 2.0}])
+def test_all_tell_their_coils_as_much_by_the_lyapunov_equation_of_each_loop(values: dict[str, Any]) -> None:
+    """Forces and velocities from the stationary covariance of w, where the page integrates densities from 0.1 Hz up."""
+    outcome, found = compared(**values)
+    m, d = outcome.study, outcome.design
+    assert found.dials[ORDER.index("lqe") - 1] == 1.0
+    for i, id in enumerate(ORDER[1:]):
+        loop = loop_of.__wrapped__(m.world, Player(id, m.five[0].name, retuned(id, float(found.dials[i]), d["v"], d["pair"])))
+        P, T = loop.covariance, loop.T[-1]
+        force = np.sqrt(np.diag(loop.feedback @ P @ loop.feedback.T + T @ loop.reading @ T.T)).max()
+        assert found.forces[i] == pytest.approx(found.wanted, rel=2e-3) and force == pytest.approx(found.wanted, rel=0.03)
+        if not values.get("ground"):
+            rms = 1e6 * np.sqrt(np.diag(loop.outputs @ P @ loop.outputs.T))[:3]
+            np.testing.assert_allclose(found.rms[i], rms, rtol=0.03)
+
+
+def test_what_the_text_says_of_the_start() -> None:
+    outcome, found = compared()
+    siso, lqe, recursive = (ORDER.index(id) - 1 for id in ("siso", "lqe", "recursive"))
+    assert 1 / found.dials[siso] == pytest.approx(24, abs=0.5) and 1e3 * found.wanted == pytest.approx(16.3, abs=0.05)
+    for at, (low, high) in enumerate([(24.9, 25.1), (2.55, 3.79)]):
+        assert (found.rms[lqe, at], found.rms[siso, at]) == pytest.approx((low, high), abs=0.06)
+    assert found.dials[recursive] < 0.7 and "nobody leads in every channel" in said(outcome)
+    quiet, _ = compared(v=1e-12, sensor=1e-12, limited=True, limit=0.001)
+    assert "moves less than the SISO loops in every channel" in said(quiet) and "clipped often" in said(quiet)
+    assert "with any gain" in said(compared(pair="published")[0])
+
+
+def test_what_cannot_be_met_is_said_and_not_drawn() -> None:
+    outcome, found = compared()
+    assert all(cell != "–" for table in equal(outcome) for row in table.rows for cell in row)
+    found.dials[0], found.rms[0] = np.nan, np.nan
+    assert "cannot be made to spend that" in said(outcome) and all(table.rows[0][-1] == "–" for table in equal(outcome))
+    assert np.isnan(met(lambda dial: 1 - 0.5 / (1 + dial), 2.0)) and np.isnan(met(lambda dial: np.inf, 1.0))
+    assert met(lambda dial: dial**1.3 if dial < 3 else np.inf, 2.0) == pytest.approx(2 ** (1 / 1.3), rel=1e-3)
+    assert met(lambda dial: 5 * np.sqrt(dial), 0.2) == pytest.approx(0.2**2 / 25, rel=3e-3)
+    lost = LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-18}))
+    assert "no effort to meet" in said(lost)
