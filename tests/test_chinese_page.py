@@ -27,7 +27,7 @@ CODES = frozenset({"id", "role", "mark", "dash", "colour", "scale", "kind", "sid
 FUNCTIONS = frozenset(WORD.findall("min max log eig rank det diag cos sin exp cov vec tr"))  # of something; alone they are words
 KNOWN = FUNCTIONS | frozenset(WORD.findall("""
     mrad rad rpm kHz dB
-    LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR
+    LQR LQG LQE PBH NIS NEES EKF UKF RLO ADC SISO MIMO RMS LTR CRLB
     Riccati Gram Hankel Nyquist Joseph Doyle Lyapunov Bode Kalman Tustin windup Luenberger Duan Athans Wishner Bertolini
     Julier Uhlmann sigma maxon
     Observer Lab Hautus Popov Belevitch Page"""))

@@ -66,6 +66,7 @@ def test_a_table_has_the_curves_number_for_number_under_heads_with_units() -> No
     holds_for_all(["separation", "kalman", "saturation"], law)
 
 
+@pytest.mark.slow
 def test_every_formula_of_a_sheet_can_be_set_and_no_line_is_too_long() -> None:
     """Widths of half an em a letter: what a line says is what its paragraph says, and only a single word may stick out."""
     def law(lesson: str) -> None:
@@ -100,6 +101,7 @@ def _bare(said: str) -> str:
     return "".join(c for c in said if not c.isspace() and c not in "*`$")
 
 
+@pytest.mark.slow
 def test_the_sheet_is_a_book_of_pages_made_alike_each_time(tmp_path: Path) -> None:
     file = tmp_path / "sheet.pdf"
     assert main(["export", "weak-states", "--to", "pdf", "--lang", "zh", "-o", str(file)]) == 0

@@ -16,6 +16,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
+from served import Served
 
 from lessons import OPENING
 
@@ -88,8 +89,8 @@ def test_every_command_runs_where_nothing_but_the_wheel_is_installed(bin: Path, 
 
 def test_the_page_is_served_where_nothing_but_the_wheel_is_installed(bin: Path, tmp_path: Path) -> None:
     environment = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
-    with subprocess.Popen([bin / "observer-lab", "serve", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE, text=True,
-                          env=environment) as server:
+    with Served([bin / "observer-lab", "serve", "--port", "0"], cwd=tmp_path, stdout=subprocess.PIPE, text=True,
+                env=environment) as server:
         try:
             assert server.stdout is not None
             address = server.stdout.readline().strip()

@@ -80,6 +80,7 @@ def test_scripts_prove_themselves_in_a_clean_process_and_fail_where_a_number_is_
     assert len(said) == len(wanted) + 1 and said[-1].startswith("AssertionError")
 
 
+@pytest.mark.slow
 def test_matlab_files_are_whole_functions_and_prove_themselves_where_octave_is_found(tmp_path: Path) -> None:
     wanted = sampled(1)
     for k, (lesson, design) in enumerate(wanted):

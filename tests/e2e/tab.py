@@ -14,7 +14,7 @@ from lessons import LESSONS, OPENING
 
 FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync",
-         "--enable-unsafe-swiftshader"]
+         "--enable-unsafe-swiftshader", "--disable-gpu-compositing"]
 PATIENCE = 60.0  # s: software rendering on a busy machine is slow, and a test that waits is not a test that fails
 HARMLESS = (
     "GPU stall", "GroupMarkerNotSet",  # said by software rendering

@@ -35,3 +35,52 @@ def test_a_script_that_fails_costs_nothing_that_comes_with_it(blank: Page, monke
     with blank.expect_event("pageerror") as told:
         assert blank.evaluate("source => { new Function(source)(); return 'goes on'; }", page.apart("tab", title="x")) == "goes on"
     assert "null" in str(told.value)
+
+
+TABS = """script => new Promise(done => {
+  const tab = name => `<button data-dock-tab aria-selected="${name === 'old1'}">${name}</button>`;
+  document.body.innerHTML = `<div data-scrollarea-viewport><p class="ol-question"></p><i class="ol-mark" data-stands="1"></i></div>
+    <div data-dock-region="right"><div data-scrollarea-viewport><b></b></div>${['old0', 'old1', 'old2', 'old3'].map(tab).join('')}</div>`;
+  window.observerLabKeep = {lesson: 'one', hand: {}, run: 0};
+  const tabs = () => [...document.querySelectorAll('[data-dock-tab]')], chose = [];
+  document.addEventListener('keydown', event => {
+    tabs().forEach(each => each.setAttribute('aria-selected', each === event.target));
+    chose.push(event.target.textContent);
+  });
+  eval(script)({lesson: 'one', large: false});
+  const asked = document.querySelector('.ol-question');
+  asked.replaceWith(asked.cloneNode());
+  let k = 0;
+  const next = () => {
+    if (k === 4) return setTimeout(() => done(chose), 200);
+    tabs()[0].remove();  // the old ones go as the new ones come
+    tabs().at(-1).insertAdjacentHTML('afterend', tab(`new${k++}`));
+    setTimeout(next, 150);
+  };
+  next();
+})"""
+
+
+def test_the_chosen_tab_is_told_by_its_place_when_all_tabs_are_new(blank: Page) -> None:
+    """Half-way through a new layout the second of four tabs was the third of the old ones: it was turned to, and stayed."""
+    assert blank.evaluate(TABS, f"({page.source('keep.js')})") == ["new1"]
+
+
+CROWDED = """script => {
+  const [wide, high] = [396, 724], steps = [...Array(160).keys()], between = (low, top) => steps.map(k => (k % 2 ? low : top));
+  document.body.innerHTML = `<style>.ol-name{position:absolute;left:0;top:0;font:22px monospace;white-space:nowrap}</style>
+    <div id="root"><div id="over" style="position:relative;width:${wide}px;height:${high}px"></div></div>`;
+  const chart = {data: [steps, between(60, 600), between(60, 560), between(644, 701)], over: document.querySelector('#over'),
+    root: document.querySelector('#root'), hooks: {}, valToPos: (value, axis) => (axis === 'x' ? value / 160 * wide : value),
+    series: [{}, ...['true', 'estimate', 'steps down: none heard'].map(label => ({label, _stroke: '#333333'}))]};
+  window.__viserTestpoints = {uplots: {one: {chart}}};
+  eval(script)();
+  const boxes = [...document.querySelectorAll('.ol-name')].filter(e => !e.hidden).map(e => e.getBoundingClientRect());
+  return [boxes.length, boxes.some((a, i) => boxes.some((b, j) => i < j && a.left < b.right && b.left < a.right && a.top < b.bottom
+    && b.top < a.bottom))];
+}"""
+
+
+def test_a_long_name_that_finds_no_free_place_goes_first(blank: Page) -> None:
+    """A short name stood in the only row that a long one could have, and was written over."""
+    assert blank.evaluate(CROWDED, f"({page.source('names.js')})") == [3, False]

@@ -36,8 +36,8 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
         assert seen.one_over <= 50.0, f"{seen.smallest}: {seen.words} px"
         tab.page.set_viewport_size({"width": WALL[0], "height": WALL[1]})
         tab.answered(rests=True)
-        wall = eventually(lambda: look(tab, large), lambda it: it.one_over <= 50.0, "words of a wall")
-        assert (wall.knob, wall.hall, wall.cut) == ("", (), ())
+        eventually(lambda: look(tab, large), lambda it: it.one_over <= 50.0 and (it.knob, it.hall, it.cut) == ("", (), ()),
+                   "a page for a wall, once it has its new size")
         heads = tab.page.locator("[data-dock-region=right] [data-dock-tab]")
         for k in range(1, heads.count()):  # short figures and charts fill the column
             heads.nth(k).click()

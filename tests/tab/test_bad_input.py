@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -35,6 +38,7 @@ from app.tab.worker import work
 from app.text import Text, text
 
 GOOD = 2.0
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -233,3 +237,30 @@ def test_a_page_that_was_laid_out_by_half_is_laid_out_again() -> None:
     tab.view.clear()
     tab.do(SetKnobs({"gain": GOOD}))
     assert "build" not in [name for name, _ in tab.view.calls]
+
+
+TRACED = """
+import sys, time
+from app.tab.watch import TooLong, Watch
+watch = Watch(longest={longest}, asleep={longest})
+came = 0
+for late in (0.0, {late}):
+    try:
+        with watch.step(lambda: False, lambda: None):
+            end = time.monotonic() + late
+            while time.monotonic() < end:
+                pass
+    except TooLong:
+        came += 1
+def traced(): return 7
+sys.settrace(lambda *_: None)
+print(came, traced())
+"""
+
+
+@pytest.mark.parametrize(("longest", "came"), [(60.0, 0), (0.1, 1)])
+def test_steps_that_end_leave_nothing_that_stops_a_tracer(longest: float, came: int) -> None:
+    """An error that was taken back kept Python 3.11 in its next traced call for ever: a property test stood still."""
+    script = TRACED.format(longest=longest, late=120.0 if came else 0.0)
+    ran = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, timeout=100, check=False)
+    assert ran.stdout.split() == [str(came), "7"], ran.stderr
