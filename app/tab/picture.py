@@ -87,6 +87,7 @@ class State:
     speed: float = 1.0
     predicted: int | None = None  # index of the option; −1 when skipped
     revealed: bool = False
+    left: str | None = None  # the `tab` that was open when it was chosen
     again: int | None = None  # of the second prediction, likewise
     asked: bool = False  # whether its knob has been moved since the first one
     tasks: Mapping[str, TaskState] = field(default_factory=dict)

@@ -220,7 +220,7 @@ class Presenter:
             self.last_tick, self.alone = self.clock(), 0.0
         self.desk.keep(state)
         self.redraw()
-        if state.revealed and not before.revealed:
+        if state.revealed and not before.revealed and state.tab == state.left:  # who has turned to another is not called back
             self.view.open_figure(self.lesson.answering)
         if state != replace(before, playing=state.playing, loop=state.loop, stopped=state.stopped, t=state.t):
             self.remember()

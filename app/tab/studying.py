@@ -42,7 +42,7 @@ def obey(show: Presenter, command: Studying) -> None:
             _predict(show, int(number(index)))
         case Reveal():
             if not locked(show):
-                show.change(replace(show.state, revealed=True))
+                show.change(replace(show.state, revealed=True, left=show.state.tab))
         case PredictAgain(index):
             _predict_again(show, int(number(index)))
         case ShowAgain():
@@ -71,8 +71,8 @@ def _one_of(choice: int, options: tuple[str, ...]) -> int:
 def _predict(show: Presenter, choice: int) -> None:
     choice = _one_of(choice, show.lesson.words[show.state.language].options)
     runs = show.picture.horizon > 0
-    show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, playing=runs, loop=None,
-                        stopped=False, t=0.0))
+    show.change(replace(show.state, predicted=choice, revealed=show.state.revealed or not runs, left=show.state.tab,
+                        playing=runs, loop=None, stopped=False, t=0.0))
 
 
 def _predict_again(show: Presenter, choice: int) -> None:

@@ -37,22 +37,22 @@ def test_a_script_that_fails_costs_nothing_that_comes_with_it(blank: Page, monke
     assert "null" in str(told.value)
 
 
-TABS = """script => new Promise(done => {
+TABS = """([script, comes, again]) => new Promise(done => {
   const tab = name => `<button data-dock-tab aria-selected="${name === 'old1'}">${name}</button>`;
   document.body.innerHTML = `<div data-scrollarea-viewport><p class="ol-question"></p><i class="ol-mark" data-stands="1"></i></div>
     <div data-dock-region="right"><div data-scrollarea-viewport><b></b></div>${['old0', 'old1', 'old2', 'old3'].map(tab).join('')}</div>`;
-  window.observerLabKeep = {lesson: 'one', hand: {}, run: 0};
+  window.observerLabKeep = Object.assign(window.observerLabKeep ?? {run: 0}, {lesson: 'one', hand: {}, figure: null});
   const tabs = () => [...document.querySelectorAll('[data-dock-tab]')], chose = [];
   document.addEventListener('keydown', event => {
     tabs().forEach(each => each.setAttribute('aria-selected', each === event.target));
     chose.push(event.target.textContent);
   });
   eval(script)({lesson: 'one', large: false});
-  const asked = document.querySelector('.ol-question');
-  asked.replaceWith(asked.cloneNode());
   let k = 0;
   const next = () => {
-    if (k === 4) return setTimeout(() => done(chose), 200);
+    if (k === comes) return setTimeout(() => done(chose), 200);
+    if (k === again) eval(script)({lesson: 'one', large: true});
+    if (k % 4 === 0) document.querySelector('.ol-question').replaceWith(document.querySelector('.ol-question').cloneNode());
     tabs()[0].remove();  // the old ones go as the new ones come
     tabs().at(-1).insertAdjacentHTML('afterend', tab(`new${k++}`));
     setTimeout(next, 150);
@@ -63,7 +63,13 @@ TABS = """script => new Promise(done => {
 
 def test_the_chosen_tab_is_told_by_its_place_when_all_tabs_are_new(blank: Page) -> None:
     """Half-way through a new layout the second of four tabs was the third of the old ones: it was turned to, and stayed."""
-    assert blank.evaluate(TABS, f"({page.source('keep.js')})") == ["new1"]
+    assert blank.evaluate(TABS, [f"({page.source('keep.js')})", 4, None]) == ["new1"]
+
+
+@pytest.mark.parametrize("again", [0, 1, 2, 3])
+def test_the_chosen_tab_is_kept_through_two_changes_at_once(blank: Page, again: int) -> None:
+    """A language and then a size of print, before the language's tabs were all there: any of them was left chosen."""
+    assert blank.evaluate(TABS, [f"({page.source('keep.js')})", 8, again])[-1] == "new5"
 
 
 CROWDED = """script => {

@@ -82,4 +82,7 @@ def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(walking
     for key, language in (("l", "zh"), ("m", "zh"), ("l", "en")):
         tab.key(key)
         stands(language)
-    tab.key("m")
+    for key in "lm":  # at once: the second change begins in the middle of the first
+        tab.key(key)
+    stands("zh")
+    tab.key("l")

@@ -6,13 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fakes import MODEL, Tab, toy, toy_compute
+from fakes import MODEL, Tab, same, toy, toy_compute, toy_figures
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.lesson.figures import LineFigure
 from app.lesson.lesson import Design, Outcome, Stage
 from app.lesson.living import AFTER, BRIEF, DEAD, LEAST, MOMENTS, apart, living, over
-from app.tab.commands import Kick, OpenLesson, Play, Predict, Reveal, Rewind, Seek, SetLanguage, Watched
+from app.tab.commands import Kick, OpenLesson, Placed, Play, Predict, Reveal, Rewind, Seek, SetLanguage, Watched
 from app.tab.playing import FRAME, HAND_ROUNDS, OPENING_ROUNDS
 
 
@@ -237,3 +238,21 @@ def test_the_figure_that_answers_opens_once_when_the_answer_comes() -> None:
     tab.run_for(2.2)
     tab.do(Reveal())
     assert tab.view.of("figure") == ["x"], "who has gone on to another figure is not called back"
+
+
+def test_who_turns_to_another_figure_while_the_evidence_plays_is_not_called_back() -> None:
+    def two_tabs(outcome: Outcome) -> tuple[LineFigure, ...]:
+        first, = toy_figures(outcome)
+        return first, replace(first, id="y", tab=same("other"))
+    for turned, opens in ((0, ["x"]), (1, [])):
+        tab = Tab({"toy": toy(compute=with_ghost, figures=two_tabs, answering="x")})
+        tab.do(Predict(1))
+        tab.do(Placed(turned, None))
+        tab.run_for(2.2)
+        assert tab.picture.state.revealed
+        assert tab.view.of("figure") == opens
+    tab = Tab({"toy": toy(compute=with_ghost, figures=two_tabs, answering="x")})
+    tab.do(Predict(1))
+    tab.do(Placed(1, None))
+    tab.do(Reveal())
+    assert tab.view.of("figure") == ["x"], "who asks for the answer is shown it"

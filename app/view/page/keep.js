@@ -49,22 +49,30 @@
   };
 
   if (!lab.folders) document.addEventListener('click', event => {
+    if (event.isTrusted && event.target.closest('[data-dock-tab]')) lab.figure.at = -1;
     const found = [...lab.folders()].find(([, head]) => head.contains(event.target));
     if (found) lab.hand[found[0]] = !isOpen(found[1]);
   }, {capture: true});
   const same = lab.lesson === lesson, told = same ? reasons().map(each => each.open) : [];
-  const wanted = same ? [[column, place(column())], [figures, place(figures())]].filter(([, at]) => at) : [];
-  const before = same ? tabs() : [], chosen = before.findIndex(each => each.ariaSelected === 'true');
+  // where the last change has not come to its end, some of what stands is from before it: what was wanted then still is
+  const before = same ? tabs() : [], last = same ? lab.figure : null, half = last?.at >= 0 && last.to === null;
+  const figure = lab.figure = half ? {...last} : {count: before.length, at: before.findIndex(each => each.ariaSelected === 'true'), to: null};
+  const found = () => [[column, place(column())], [figures, place(figures())]].filter(([, at]) => at);
+  const scroll = lab.scroll = {wanted: !same ? [] : lab.scroll && !lab.scroll.moved ? lab.scroll.wanted : found(), moved: false};
   if (!same) Object.assign(lab, {lesson, hand: {}});
   lab.folders = folders;
 
   const done = new Set(), hands = ['wheel', 'pointerdown', 'keydown', 'touchstart'];
   const begun = performance.now();
-  let end = begun + LONGEST, turned = chosen < 0, still = begun, moved = false;  // by a hand, which has the last word
-  const mine = event => { moved ||= event.isTrusted; };
+  let end = begun + LONGEST, still = begun;
+  const mine = event => {  // a hand has the last word; a letter alone moves nothing
+    scroll.moved ||= event.isTrusted && (event.type !== 'keydown' || event.key === ' ' || event.key.length > 1);
+  };
   hands.forEach(kind => addEventListener(kind, mine, {capture: true, passive: true}));
   const settle = () => {
     if (run !== lab.run || performance.now() > end) {
+      figure.to ??= undefined;  // what did not come is not waited for
+      if (run === lab.run) lab.scroll = null;
       hands.forEach(kind => removeEventListener(kind, mine, {capture: true}));
       return;
     }
@@ -78,13 +86,15 @@
       if (isOpen(head) !== lab.hand[name]) head.click();
     }
     const now = tabs();
-    if (!turned && now.length === before.length && !now.some(tab => before.includes(tab))) {  // all new: they come one by one
-      turned = now[chosen].ariaSelected === 'true';
-      if (!turned) now[chosen].dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
+    const whole = figure.at >= 0 && now.length === figure.count && !now.some(tab => before.includes(tab));  // they come one by one
+    if (whole && figure.to !== now[figure.at]) {
+      if (now[figure.at].ariaSelected === 'true') figure.to = now[figure.at];
+      else now[figure.at].dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
     }
-    if (told.length === reasons().length && !moved) reasons().forEach((each, k) => { each.open ||= told[k]; });
-    const by = moved ? [] : wanted.map(([view, at]) => (view() ? away(view(), at) : 0)), rests = turned && by.every(each => Math.abs(each) <= 1);
-    by.forEach((each, k) => { if (Math.abs(each) > 1) wanted[k][0]().scrollTop += each; });
+    if (told.length === reasons().length && !scroll.moved) reasons().forEach((each, k) => { each.open ||= told[k]; });
+    const by = scroll.moved ? [] : scroll.wanted.map(([view, at]) => (view() ? away(view(), at) : 0));
+    const rests = (figure.at < 0 || figure.to) && by.every(each => Math.abs(each) <= 1);
+    by.forEach((each, k) => { if (Math.abs(each) > 1) scroll.wanted[k][0]().scrollTop += each; });
     if (!rests) still = performance.now();
     if (performance.now() - still > STILL) end = 0;
   };
