@@ -92,7 +92,7 @@ def test_the_page_plays_a_run_by_itself(new_tab: Callable[..., Tab]) -> None:
         tab.press("slower")
         tab.press("|◀ start")
         tab.page.evaluate(CLICK, "▶ play")
-        eventually(lambda: tab.page.evaluate("[observerLabPlayer.count, stood.size]"), lambda seen: min(seen) > 8, "poses that the page shows")
+        eventually(lambda: tab.page.evaluate("[observerLabPlayer.count, stood.size]"), lambda seen: min(seen) > 8, "poses of the page")
         tab.page.evaluate(CLICK, "‖ pause")
         tab.answered(rests=True)
         return tab.clock()
