@@ -7,17 +7,25 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from attack import outcome_of, random_designs, single_moves
-from witnesses import Shown
-from witnesses_of_noise import WITNESSES
+from witnesses import Shown, Witness
+from witnesses_of_faults import WITNESSES as FAULTS
+from witnesses_of_functions import WITNESSES as FUNCTIONS
+from witnesses_of_loops import WITNESSES as LOOPS
+from witnesses_of_noise import WITNESSES as NOISE
+from witnesses_of_sensors import WITNESSES as SENSORS
+from witnesses_of_the_arm import WITNESSES as ARM
+from witnesses_of_variances import WITNESSES as VARIANCES
 
 from app.lesson.claims import Claim, claims_in
 from app.lesson.lesson import Design, Lesson
 
 RANDOM = 60
+TABLES = (LOOPS, SENSORS, VARIANCES, NOISE, FUNCTIONS, FAULTS, ARM)
+WITNESSES: Mapping[str, Witness] = {said: witness for table in TABLES for said, witness in table.items()}  # by message
 
 
 @dataclass

@@ -5,11 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from attack import random_designs
-from claim_trials import extremes, tried
+from claim_trials import TABLES, WITNESSES, extremes, tried
 from hypothesis import given
 from hypothesis import strategies as st
 from lesson_checks import CJK, every_lesson
-from witnesses_of_noise import WITNESSES
 
 from app.lesson.claims import Claim, claim, claims_in
 from app.lesson.lesson import Lesson
@@ -43,5 +42,6 @@ def test_claims_are_found_inside_sentences() -> None:
 
 
 def test_every_witness_knows_a_sentence_that_a_lesson_can_say() -> None:
+    assert len(WITNESSES) == sum(map(len, TABLES)), "a sentence has two witnesses"
     unknown = [said for said in WITNESSES if not CJK.search(translated(said, "", "zh"))]
     assert not unknown, unknown

@@ -1,13 +1,13 @@
-"""Witnesses for two faults at once: alarms counted from the residuals by sums written out, the quiet member by the printed table."""
+"""Witnesses for faults: who is accused, alarms counted from the residuals by sums written out, the quiet member by the printed table."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from scipy.stats import chi2
-from witnesses import Shown, near, value
+from witnesses import Shown, Witness, near, value
 
 from app.lesson.figures import TableFigure
 from app.text import Text
@@ -15,6 +15,10 @@ from app.text import Text
 PARTS = ("VL", "HL", "VR", "HR", "u1", "u2", "u3")
 STEP = 0.02  # s
 NOBODY, UNCLEAR = "nobody", "unclear"
+
+
+def _rightly(shown: Shown, words: Text) -> None:
+    assert dict(words.values)["who"] in (shown["place"], shown["place2"]) and value(words, "delay") > 0
 
 
 def _rows(shown: Shown) -> list[str]:
@@ -29,7 +33,7 @@ def _rows(shown: Shown) -> list[str]:
     return found
 
 
-def _most_often(said: str | None) -> Callable[[Shown, Text], None]:
+def _most_often(said: str | None) -> Witness:
     def witness(shown: Shown, words: Text) -> None:
         counted, values = Counter(_rows(shown)), dict(words.values)
         row = said or str(values["who"])
@@ -58,7 +62,8 @@ def _no_pair(shown: Shown, words: Text) -> None:
     assert abs(quiet - dict(words.values).get("quiet", 1)) <= sum(v == 1 for v in _cells(shown).values()), f"{quiet} are quiet"
 
 
-WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {
+WITNESSES: Mapping[str, Witness] = {
+    "{who} is accused {delay:.2f} s after it failed, rightly.": _rightly,
     "With both faults no member gives an alarm for {share:.0f} % of the time.": _most_often(NOBODY),
     "With both faults the alarms fit no row for {share:.0f} % of the time: something fails, but the bank cannot say what.":
         _most_often(UNCLEAR),

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import mpmath
 import numpy as np
 from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_are, solve_discrete_lyapunov
-from witnesses import WITNESSES as FIRST
-from witnesses import Shown, near, value
-from witnesses_of_faults import WITNESSES as FAULTS
+from witnesses import Shown, Witness, near, value
 
 from app.engine.filters import Experiment, simulate_filters
 from app.engine.systems import slopes
@@ -107,6 +105,10 @@ def _costs_nothing(shown: Shown, _: Text) -> None:
     near(cost[1], cost[0], 1e-4)
 
 
+def _bound(shown: Shown, words: Text) -> None:
+    assert value(words, "peak") <= value(words, "bound") * (1 + 1e-3) + 1e-8, "the error exceeds the bound"
+
+
 # --- decoupling --------------------------------------------------------------------------------------------------------
 def _drifts(shown: Shown, words: Text) -> None:
     """The printed controller's poles in fifty digits."""
@@ -191,15 +193,15 @@ def _near_the_bound(shown: Shown, words: Text) -> None:
     assert value(words, "left") >= 100 * (1 - 1 / times) - 1, f"{times:.3g} times the bound"
 
 
-MORE: Mapping[str, Callable[[Shown, Text], None]] = {
+WITNESSES: Mapping[str, Witness] = {
     "As far as {runs} runs tell, no filter could err {left:.2g} % less than the {who}.": _near_the_bound,
     "Within 1 % after {after:.2f} s. No reading has any part in this.": _within_a_percent,
     "No test flags this filter.": _right_about_itself,
     "Flagged by chance: each test flags a right filter in a few records of a hundred.": _right_about_itself,
     "Recovery costs more here and brings the loop no farther from −1 at this input.": _no_farther,
     "Leaving the states out costs nothing that one could measure.": _costs_nothing,
+    "Largest error {peak} at {where} Hz; the bound 2Σσ promises {bound}.": _bound,
     "C_v keeps a pole at {drift} rad/s.": _drifts,
     "Both agree with the report to 3 dB.": _as_printed,
     "Closing pitch has made the loop unstable: rightmost pole {right} rad/s.": _made_unstable,
 }
-WITNESSES: Mapping[str, Callable[[Shown, Text], None]] = {**FIRST, **MORE, **FAULTS}
