@@ -1,4 +1,4 @@
-"""A session's surroundings, made to be watched: a view that records, a clock that stands still, a lesson that obeys."""
+"""A session's surroundings, made to be watched: a view that records, a clock that stands still, a lesson that obeys, a job in steps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from app.lesson.knobs import Choice, Number, Poles, Track
 from app.lesson.lesson import Design, Job, Lesson, Outcome, Stage, Task, Verdict
 from app.lesson.prose import parse_prose
 from app.plants import MODELS
-from app.tab.commands import Command, SetKnobs
+from app.tab.commands import Command, LookFrom, SetKnobs
 from app.tab.picture import Picture
 from app.tab.playing import FRAME
 from app.tab.session import REST, Session
@@ -276,3 +276,30 @@ class Tab:
 
     def __getitem__(self, knob: str) -> Any:
         return self.picture.design[knob]
+
+
+class Worker:
+    """A job of `steps` steps; a command put into the mailbox after each makes the session look up once a step."""
+
+    def __init__(self, steps: int = 4, fail_at: int | None = None, problem: Exception | None = None,
+                 study: Callable[[int], object] = lambda i: i) -> None:
+        self.steps, self.fail_at, self.problem, self.study = steps, fail_at, problem, study
+        self.started = self.ended = self.done = 0
+        self.tab = Tab({"toy": toy(job=job_of(self.run)), "other": toy("other")})
+
+    def run(self, outcome: Outcome) -> Iterator[tuple[float, Outcome]]:
+        self.started += 1
+        try:
+            for i in range(1, self.steps + 1):
+                if i == self.fail_at and self.problem is not None:
+                    raise self.problem
+                self.done = i
+                self.tab.session.post(LookFrom("all"))
+                yield i / self.steps, replace(outcome, study=self.study(i))
+        finally:
+            self.ended += 1
+
+    def step(self, count: int = 1) -> Tab:
+        for _ in range(count):
+            self.tab.session.step(0.0)
+        return self.tab
