@@ -13,12 +13,10 @@ of its own; it and openssl must be there. Prints a line for each check; exit sta
 from __future__ import annotations
 
 import argparse
-import json
 import os
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
@@ -29,16 +27,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-HERE = Path(__file__).parents[2]
-sys.path[:0] = [str(HERE), str(HERE / "tests" / "e2e")]
+sys.path[:0] = [str(Path(__file__).parents[2]), str(Path(__file__).parents[1] / "e2e")]
 
 from conftest import chromium  # type: ignore[import-not-found]
 from playwright.sync_api import Browser, Page, sync_playwright
 from tab import FLAGS, Tab  # type: ignore[import-not-found]
+from tls_walk import NAME, walk_tls  # type: ignore[import-not-found]
+from token_walk import walk_token  # type: ignore[import-not-found]
+from walks import HERE, KNOB, PATIENCE, Walk, free_ports, window  # type: ignore[import-not-found]
 
-KNOB = "stiffness believed wrong by [%]"
 STUDENTS = ("alice", "bob")
-PATIENCE = 120.0  # s
 CONFIG = """
 load_subconfig({recipe!r})
 c.JupyterHub.bind_url = "http://127.0.0.1:{port}"
@@ -55,18 +53,6 @@ c.Spawner.environment = {{**c.Spawner.environment, "OBSERVER_LAB_KERNELS": "off"
 """
 
 
-class Walk:
-    """The checks so far: one line each."""
-
-    def __init__(self) -> None:
-        self.failed = 0
-
-    def check(self, words: str, holds: object, seen: object = "") -> None:
-        """Print whether something holds, and what was seen where it does not."""
-        self.failed += not holds
-        print(f"{'ok    ' if holds else 'FAILED'} {words}" + ("" if holds else f": {str(seen)[:300]}"), flush=True)
-
-
 def installed(folder: Path) -> tuple[Path, Path]:
     """The commands of an environment with the hub and the lab, and configurable-http-proxy; made where they are not there yet."""
     commands, proxy = folder / "venv" / "bin", folder / "node_modules" / ".bin" / "configurable-http-proxy"
@@ -81,15 +67,6 @@ def installed(folder: Path) -> tuple[Path, Path]:
     if not proxy.exists():
         subprocess.run(["npm", "install", "--silent", "--no-audit", "--no-fund", "configurable-http-proxy"], cwd=folder, check=True)
     return commands, proxy
-
-
-def free_ports(count: int) -> list[int]:
-    """Ports that nobody listens on now."""
-    sockets = [socket.create_server(("127.0.0.1", 0)) for _ in range(count)]
-    ports = [one.getsockname()[1] for one in sockets]
-    for one in sockets:
-        one.close()
-    return ports
 
 
 def status(url: str, **headers: str) -> int:
@@ -129,7 +106,7 @@ def hub(folder: Path, commands: Path, proxy: Path) -> Iterator[tuple[str, Path]]
 
 def logged_in(browser: Browser, url: str, name: str) -> Page:
     """A window of its own in which somebody has logged in to the hub, and whose server stands."""
-    page = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce").new_page()
+    page = window(browser)
     page.set_default_timeout(PATIENCE * 1000)
     page.goto(f"{url}/hub/login")
     page.fill("#username_input", name)
@@ -204,139 +181,6 @@ def walk_hub(walk: Walk, browser: Browser, folder: Path) -> None:
     while set(processes("app.cli serve")) - before and time.monotonic() < gone:
         time.sleep(0.2)
     walk.check("with the hub all labs have ended", not set(processes("app.cli serve")) - before)
-
-
-def walk_token(walk: Walk, browser: Browser) -> None:
-    """A lab with two workers and a token."""
-    environment = {**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_TOKEN": "auto", "OBSERVER_LAB_KERNELS": "off"}
-    server = subprocess.Popen([sys.executable, "-m", "app.cli", "serve", "--port", "0", "--workers", "2"], cwd=HERE, env=environment,
-                              stdout=subprocess.PIPE, text=True)
-    assert server.stdout is not None
-    try:
-        printed = server.stdout.readline().strip()
-        bare = printed.partition("?")[0]
-        page = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce").new_page()
-        page.goto(bare)
-        page.wait_for_url("**/?again")
-        walk.check("without the token there is one sentence", "access token" in page.inner_text("body"), page.inner_text("body"))
-        tab = Tab(page, bare, drawn=False) if page.goto(printed) else None
-        assert tab is not None
-        walk.check("with it the lab opens, and the address bar forgets it", page.url.partition("#")[0] == bare, page.url)
-        cookie = page.context.cookies()[0]
-        walk.check("the cookie is for requests of this site's own pages",
-                   cookie.get("httpOnly") and cookie.get("sameSite") == "Strict", cookie)
-        tab.slide(KNOB, "ArrowRight", 4)
-        value = tab.value(KNOB)
-        places = [figures["tabs"] for figures in health(bare, printed.rpartition("=")[2])]
-        second = Tab(page.context.new_page(), bare, drawn=False)
-        spread = [figures["tabs"] for figures in health(bare, printed.rpartition("=")[2])]
-        walk.check("a second tab of the browser needs no token and is at the other worker", sum(places) == 1 and spread == [1, 1], spread)
-        walk.check("and goes on where the first one was, kept by the browser", second.value(KNOB) == value, second.value(KNOB))
-        other = page.context.new_page()
-        other.route("http://elsewhere.example/", lambda route: route.fulfill(content_type="text/html", body=f'<a href="{bare}">lab</a>'))
-        other.goto("http://elsewhere.example/")
-        other.click("a")
-        other.wait_for_selector(".ol-question", timeout=PATIENCE * 1000)
-        walk.check("a link on another site's page opens it too", other.url.partition("#")[0] == bare, other.url)
-        walk.check("the browser complained of nothing", not tab.complaints + second.complaints, tab.complaints + second.complaints)
-        page.context.close()
-        browser_of_others = browser.new_context().new_page()
-        browser_of_others.goto(bare)
-        walk.check("another browser is turned away", "access token" in browser_of_others.inner_text("body"))
-        browser_of_others.context.close()
-    finally:
-        began = time.monotonic()
-        server.terminate()
-        walk.check("all ends well within five seconds", server.wait(30) == 0 and time.monotonic() - began < 5.5, time.monotonic() - began)
-
-
-NGINX = """
-daemon off; pid {place}/pid; error_log {place}/errors; worker_processes 1;
-events {{ worker_connections 64; }}
-http {{ access_log off; client_body_temp_path {place}/body; proxy_temp_path {place}/proxy; fastcgi_temp_path {place}/f;
-  uwsgi_temp_path {place}/u; scgi_temp_path {place}/s; include {place}/lab.conf; }}
-"""
-NAME = "lab.example.org"
-
-
-def listens(port: int) -> bool:
-    """Whether somebody listens on a port of loopback."""
-    with socket.socket() as probe:
-        return probe.connect_ex(("127.0.0.1", port)) == 0
-
-
-@contextmanager
-def nginx(place: Path, lab: int, plain: int, tls: int) -> Iterator[None]:
-    """nginx by our recipe on ports of loopback; only ports and the certificate are others."""
-    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={NAME}",
-                    "-keyout", place / "privkey.pem", "-out", place / "fullchain.pem"], check=True, capture_output=True)
-    recipe = (HERE / "assets" / "deploy" / "nginx.conf").read_text()
-    for ours, here in (("listen 80;", f"listen 127.0.0.1:{plain};"), ("listen 443 ssl;", f"listen 127.0.0.1:{tls} ssl;"),
-                       ("127.0.0.1:8080", f"127.0.0.1:{lab}"), (f"/etc/letsencrypt/live/{NAME}", str(place)),
-                       ("https://$host$", f"https://$host:{tls}$")):
-        assert recipe.count(ours) >= 1, ours
-        recipe = recipe.replace(ours, here)
-    (place / "lab.conf").write_text(recipe)
-    (place / "nginx.conf").write_text(NGINX.format(place=place))
-    process = subprocess.Popen(["nginx", "-p", place, "-c", place / "nginx.conf"])
-    try:
-        end = time.monotonic() + PATIENCE
-        while not listens(plain):
-            assert process.poll() is None and time.monotonic() < end, (place / "errors").read_text()[-2000:]
-            time.sleep(0.1)
-        yield
-    finally:
-        process.terminate()
-        process.wait(30)
-
-
-def walk_tls(walk: Walk, browser: Browser) -> None:
-    """A lab with a token behind nginx with TLS, under a name."""
-    lab, plain, tls = free_ports(3)
-    environment = {**os.environ, "PYTHONPATH": str(HERE), "OBSERVER_LAB_TOKEN": "auto", "OBSERVER_LAB_KERNELS": "off"}
-    with tempfile.TemporaryDirectory() as folder, nginx(Path(folder), lab, plain, tls):
-        server = subprocess.Popen([sys.executable, "-m", "app.cli", "serve", "--port", str(lab), "--exact-port", "--allow-host", NAME],
-                                  cwd=HERE, env=environment, stdout=subprocess.PIPE, text=True)
-        assert server.stdout is not None
-        try:
-            word = server.stdout.readline().strip().rpartition("=")[2]
-            address = f"https://{NAME}:{tls}/"
-            page = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce", ignore_https_errors=True).new_page()
-            sockets: list[str] = []
-            page.on("websocket", lambda opened: sockets.append(opened.url))
-            answer = page.request.get(f"http://127.0.0.1:{plain}/x?y=1", headers={"Host": NAME}, max_redirects=0)
-            walk.check("without TLS one is sent to it", (answer.status, answer.headers.get("location")) == (308, f"{address}x?y=1"),
-                       answer.headers)
-            page.goto(address)
-            page.wait_for_url("**/?again")
-            walk.check("without the token there is one sentence", "access token" in page.inner_text("body"), page.inner_text("body"))
-            page.goto(f"{address}?token={word}")
-            tab = Tab(page, address, drawn=False)
-            walk.check("with it the lab opens under its name, by TLS alone", sockets and all(
-                opened.startswith(f"wss://{NAME}:{tls}/") for opened in sockets), sockets)
-            cookie = page.context.cookies()[0]
-            walk.check("the cookie stays on TLS", cookie.get("secure") and cookie.get("httpOnly"), cookie)
-            tab.slide(KNOB, "ArrowRight", 4)
-            value = tab.value(KNOB)
-            page.reload()
-            tab.settle()
-            walk.check("a reload comes back where it was", value > 0 and tab.value(KNOB) == value, tab.value(KNOB))
-            page.goto("about:blank")
-            page.evaluate("address => new Promise(done => { const s = new WebSocket(address); s.onopen = () => done('open'); "
-                          "s.onerror = () => done('refused'); }).then(how => { window.how = how; })", f"wss://{NAME}:{tls}/")
-            walk.check("a page of elsewhere gets no WebSocket", page.evaluate("window.how") == "refused", page.evaluate("window.how"))
-            walk.check("the browser complained of nothing", not [line for line in tab.complaints if "wss://" not in line], tab.complaints)
-            page.context.close()
-        finally:
-            server.terminate()
-            server.wait(30)
-
-
-def health(url: str, word: str) -> list[dict[str, int]]:
-    """The figures of each worker."""
-    question = urllib.request.Request(f"{url}health", headers={"Authorization": f"Bearer {word}"})
-    with urllib.request.urlopen(question, timeout=20) as answer:
-        return json.loads(answer.read())["workers"]
 
 
 def main() -> int:

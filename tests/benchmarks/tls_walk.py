@@ -1,0 +1,96 @@
+"""A walk through a lab with a token behind nginx with TLS, under a name: `hub_walk.py --only tls`."""
+
+from __future__ import annotations
+
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from playwright.sync_api import Browser
+from tab import Tab  # type: ignore[import-not-found]
+from walks import HERE, KNOB, PATIENCE, Walk, free_ports, surroundings, window  # type: ignore[import-not-found]
+
+NGINX = """
+daemon off; pid {place}/pid; error_log {place}/errors; worker_processes 1;
+events {{ worker_connections 64; }}
+http {{ access_log off; client_body_temp_path {place}/body; proxy_temp_path {place}/proxy; fastcgi_temp_path {place}/f;
+  uwsgi_temp_path {place}/u; scgi_temp_path {place}/s; include {place}/lab.conf; }}
+"""
+NAME = "lab.example.org"
+
+
+def listens(port: int) -> bool:
+    """Whether somebody listens on a port of loopback."""
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+@contextmanager
+def nginx(place: Path, lab: int, plain: int, tls: int) -> Iterator[None]:
+    """nginx by our recipe on ports of loopback; only ports and the certificate are others."""
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={NAME}",
+                    "-keyout", place / "privkey.pem", "-out", place / "fullchain.pem"], check=True, capture_output=True)
+    recipe = (HERE / "assets" / "deploy" / "nginx.conf").read_text()
+    for ours, here in (("listen 80;", f"listen 127.0.0.1:{plain};"), ("listen 443 ssl;", f"listen 127.0.0.1:{tls} ssl;"),
+                       ("127.0.0.1:8080", f"127.0.0.1:{lab}"), (f"/etc/letsencrypt/live/{NAME}", str(place)),
+                       ("https://$host$", f"https://$host:{tls}$")):
+        assert recipe.count(ours) >= 1, ours
+        recipe = recipe.replace(ours, here)
+    (place / "lab.conf").write_text(recipe)
+    (place / "nginx.conf").write_text(NGINX.format(place=place))
+    process = subprocess.Popen(["nginx", "-p", place, "-c", place / "nginx.conf"])
+    try:
+        end = time.monotonic() + PATIENCE
+        while not listens(plain):
+            assert process.poll() is None and time.monotonic() < end, (place / "errors").read_text()[-2000:]
+            time.sleep(0.1)
+        yield
+    finally:
+        process.terminate()
+        process.wait(30)
+
+
+def walk_tls(walk: Walk, browser: Browser) -> None:
+    """A lab with a token behind nginx with TLS, under a name."""
+    lab, plain, tls = free_ports(3)
+    with tempfile.TemporaryDirectory() as folder, nginx(Path(folder), lab, plain, tls):
+        server = subprocess.Popen([sys.executable, "-m", "app.cli", "serve", "--port", str(lab), "--exact-port", "--allow-host", NAME],
+                                  cwd=HERE, env=surroundings(), stdout=subprocess.PIPE, text=True)
+        assert server.stdout is not None
+        try:
+            word = server.stdout.readline().strip().rpartition("=")[2]
+            address = f"https://{NAME}:{tls}/"
+            page = window(browser, ignore_https_errors=True)
+            sockets: list[str] = []
+            page.on("websocket", lambda opened: sockets.append(opened.url))
+            answer = page.request.get(f"http://127.0.0.1:{plain}/x?y=1", headers={"Host": NAME}, max_redirects=0)
+            walk.check("without TLS one is sent to it", (answer.status, answer.headers.get("location")) == (308, f"{address}x?y=1"),
+                       answer.headers)
+            page.goto(address)
+            page.wait_for_url("**/?again")
+            walk.check("without the token there is one sentence", "access token" in page.inner_text("body"), page.inner_text("body"))
+            page.goto(f"{address}?token={word}")
+            tab = Tab(page, address, drawn=False)
+            walk.check("with it the lab opens under its name, by TLS alone", sockets and all(
+                opened.startswith(f"wss://{NAME}:{tls}/") for opened in sockets), sockets)
+            cookie = page.context.cookies()[0]
+            walk.check("the cookie stays on TLS", cookie.get("secure") and cookie.get("httpOnly"), cookie)
+            tab.slide(KNOB, "ArrowRight", 4)
+            value = tab.value(KNOB)
+            page.reload()
+            tab.settle()
+            walk.check("a reload comes back where it was", value > 0 and tab.value(KNOB) == value, tab.value(KNOB))
+            page.goto("about:blank")
+            page.evaluate("address => new Promise(done => { const s = new WebSocket(address); s.onopen = () => done('open'); "
+                          "s.onerror = () => done('refused'); }).then(how => { window.how = how; })", f"wss://{NAME}:{tls}/")
+            walk.check("a page of elsewhere gets no WebSocket", page.evaluate("window.how") == "refused", page.evaluate("window.how"))
+            walk.check("the browser complained of nothing", not [line for line in tab.complaints if "wss://" not in line], tab.complaints)
+            page.context.close()
+        finally:
+            server.terminate()
+            server.wait(30)
