@@ -66,9 +66,9 @@ def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> Tabl
 def _pairing(twins: Twins, relative: float) -> LineFigure:
     value = f"{twins.pairing[0]:.4g}".replace("-", "−")
     return LineFigure(
-        "pairing", text("observer forward, dual backward"), twins.t,
-        (Curve(same("‖e(t)‖"), np.linalg.norm(twins.e, axis=1), "error"),
-         Curve(same("‖x_d(T − t)‖"), np.linalg.norm(twins.z, axis=1), "second", "dash"),
+        "pairing", text("observer forward, dual backward"), twins.pair.t,
+        (Curve(same("‖e(t)‖"), np.linalg.norm(twins.pair.e, axis=1), "error"),
+         Curve(same("‖x_d(T − t)‖"), np.linalg.norm(twins.pair.z, axis=1), "second", "dash"),
          Curve(same("x_d(T − t)ᵀ e(t)"), twins.pairing, "reference", "solid", 2.6)),
         "‖e‖, ‖x_d‖, x_dᵀe", window=(-0.5, 1.5), tab=TWINS_TAB,
         caption=text("The product stays at {value} to {relative:.0e} of the size of its factors.",
@@ -98,19 +98,19 @@ def _plane(name: str, title: Text, caption: Text, own: np.ndarray, twin: np.ndar
 
 
 def _ellipses(here: Setting, window: float, twins: Twins, mirror: float) -> tuple[PlaneFigure, PlaneFigure]:
-    at = np.ix_(here.pair, here.pair)
-    reach, seen = _ellipse(twins.reach[at]), _ellipse(twins.seen[at])
+    at, energies = np.ix_(here.pair, here.pair), twins.energies
+    reach, seen = _ellipse(energies.reach[at]), _ellipse(energies.seen[at])
     half = 1.15 * nice(max(reach[2], seen[2]))
     mirrored = (text("It is the mirror image of the upper one.") if mirror < 1e-6 else NO_WORDS)
     return (
         _plane("reach", text("states reached with unit energy"),
                text("Within {window:.3g} s: {reach:.3g} along the easy direction, {reach2:.3g} along the hard one.",
                     window=window, reach=reach[2], reach2=reach[3]),
-               twins.reach[at], twins.reach_twin[at],
+               energies.reach[at], energies.reach_twin[at],
                (text("reached by (A, B)"), text("seen by (Aᵀ, Bᵀ)")), half, here.axes),
         _plane("seen", text("how loudly a start is heard"),
                joined(text("A unit start leaves an output of norm {long:.3g} along the long axis and {short:.3g} along "
                            "the short one, within {window:.3g} s.", long=seen[2], short=seen[3], window=window), mirrored),
-               twins.seen[at], twins.seen_twin[at],
+               energies.seen[at], energies.seen_twin[at],
                (text("seen by (A, C)"), text("reached by (Aᵀ, Cᵀ)")), half, here.axes),
     )

@@ -53,7 +53,7 @@ def _metrics(twins: Twins, left: np.ndarray, right: np.ndarray) -> dict[str, flo
     own = twins.L
     return {
         "gain_gap": gap(twins.K_dual.T, own), "riccati_gap": gap(twins.S_dual, twins.P),
-        "gramian_gap": max(gap(twins.reach_twin, twins.reach), gap(twins.seen_twin, twins.seen)),
+        "gramian_gap": max(gap(twins.energies.reach_twin, twins.energies.reach), gap(twins.energies.seen_twin, twins.energies.seen)),
         "pairing_gap": twins.pairing_gap, "mirror_gap": twins.mirror_gap,
         "L1": float(own[0, 0]), "L2": float(own[-1, 0]), "slowest_controller": float(np.max(np.real(left))),
         "slowest_observer": float(np.max(np.real(right))),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import expm, schur
@@ -44,6 +45,24 @@ class Setting:
     axes: tuple[Text | str, Text | str]
     window: Window
     mirror: bool = False
+
+
+class Energies(NamedTuple):
+    """What is reached and heard within a window, n×n each: reached by (A, B) and heard by (Aᵀ, Bᵀ); heard by (A, C) and reached by
+    (Aᵀ, Cᵀ)."""
+
+    reach: np.ndarray
+    reach_twin: np.ndarray
+    seen: np.ndarray
+    seen_twin: np.ndarray
+
+
+class Pair(NamedTuple):
+    """A run of both loops: instants t (n_t,), the observer's error e (n_t, n), the state z of the dual loop, time reversed (n_t, n)."""
+
+    t: np.ndarray
+    e: np.ndarray
+    z: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,24 +138,9 @@ class Twins:
         return float(max(self.regulator.poles.real)), float(max(self.twin.poles.real))
 
     @property
-    def reach(self) -> np.ndarray:
-        """The Gramian of (A, B)."""
-        return _gramians(self.plant, self.design["window"])[0]
-
-    @property
-    def reach_twin(self) -> np.ndarray:
-        """The output energies of its dual."""
-        return _gramians(self.plant, self.design["window"])[1]
-
-    @property
-    def seen(self) -> np.ndarray:
-        """The output energies of (A, C)."""
-        return _gramians(self.plant, self.design["window"])[2]
-
-    @property
-    def seen_twin(self) -> np.ndarray:
-        """The Gramian of its dual."""
-        return _gramians(self.plant, self.design["window"])[3]
+    def energies(self) -> Energies:
+        """What both pairs reach and hear within the window."""
+        return _gramians(self.plant, self.design["window"])
 
     @cached_property
     def horizon(self) -> Horizon:
@@ -144,40 +148,25 @@ class Twins:
         return horizon_of(self.plant, self.weights, self.S, self.P, self.design["window"])
 
     @cached_property
-    def pair(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The pairing over a window of its own: t, e, and the state of the dual loop, time reversed."""
+    def pair(self) -> Pair:
+        """The pairing over a window of its own."""
         return run_pair(self.here.model, self.plant, self.L, self.K_dual)
-
-    @property
-    def t(self) -> np.ndarray:
-        """Its instants (n_t,)."""
-        return self.pair[0]
-
-    @property
-    def e(self) -> np.ndarray:
-        """The error of the observer (n_t, n)."""
-        return self.pair[1]
-
-    @property
-    def z(self) -> np.ndarray:
-        """The state of the dual loop (n_t, n)."""
-        return self.pair[2]
 
     @property
     def pairing(self) -> np.ndarray:
         """x_d(T − t)ᵀ e(t), shape (n_t,): constant."""
-        return np.sum(self.e * self.z, axis=1)
+        return np.sum(self.pair.e * self.pair.z, axis=1)
 
     @property
     def pairing_gap(self) -> float:
         """How far it is from that, relative to the size of its factors."""
-        size = float(np.max(np.linalg.norm(self.e, axis=1) * np.linalg.norm(self.z, axis=1)))
+        size = float(np.max(np.linalg.norm(self.pair.e, axis=1) * np.linalg.norm(self.pair.z, axis=1)))
         return float(np.ptp(self.pairing)) / max(size, TINY)
 
     @property
     def mirror_gap(self) -> float:
         """How far the two ellipses are from mirror images, 1 where velocities cannot be turned round."""
-        return gap(FLIP @ self.reach @ FLIP, self.seen) if self.here.mirror else 1.0
+        return gap(FLIP @ self.energies.reach @ FLIP, self.energies.seen) if self.here.mirror else 1.0
 
 
 def gap(a: np.ndarray, b: np.ndarray) -> float:
@@ -192,7 +181,7 @@ def weights_of(here: Setting, design: Design) -> tuple[np.ndarray, np.ndarray, n
     return q * here.Q, r * here.R, w * here.W, v * here.V
 
 
-def run_pair(model: Model, plant: Plant, L: np.ndarray, K_dual: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def run_pair(model: Model, plant: Plant, L: np.ndarray, K_dual: np.ndarray) -> Pair:
     """e(t) of the observer and x_d(T − t) of the dual loop over a window of about two of the slowest time constants.
 
     Raises KnobError where one of them is lost within its first step.
@@ -205,15 +194,15 @@ def run_pair(model: Model, plant: Plant, L: np.ndarray, K_dual: np.ndarray) -> t
     count = min(len(seen.t), len(dual.t))
     if count < 2:
         raise KnobError(LOST)
-    return seen.t[:count], seen.e[:count], dual.x[:count][::-1]
+    return Pair(seen.t[:count], seen.e[:count], dual.x[:count][::-1])
 
 
 @lru_cache(maxsize=128)
-def _gramians(plant: Plant, T: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Reached by (A, B), heard by (Aᵀ, Bᵀ); heard by (A, C), reached by (Aᵀ, Cᵀ); 2×2 each, within T seconds."""
+def _gramians(plant: Plant, T: float) -> Energies:
+    """Within T seconds: each pair's own by its own formula, its twin's by the other one."""
     A, B, C = plant.A, plant.B, plant.C
-    return (reachability_gramian(plant, T), output_energy(A.T, B.T, T),
-            output_energy(A, C, T), reachability_gramian(plant.dual(), T))
+    return Energies(reachability_gramian(plant, T), output_energy(A.T, B.T, T),
+                    output_energy(A, C, T), reachability_gramian(plant.dual(), T))
 
 
 def observer_by_polynomial(A: np.ndarray, C: np.ndarray, poles: Sequence[complex]) -> np.ndarray:

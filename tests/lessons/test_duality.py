@@ -61,8 +61,8 @@ def test_filter_solution_is_what_the_covariance_settles_at():
 @pytest.mark.parametrize("window", [0.5, 4.0, 12.0])
 def test_energy_heard_is_the_gramian_reached_by_the_twin(window):
     o = outcome(sensor=30.0, window=window)
-    np.testing.assert_allclose(o.study.seen, o.study.seen_twin, rtol=1e-11, atol=1e-13)
-    np.testing.assert_allclose(o.study.reach, o.study.reach_twin, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.study.energies.seen, o.study.energies.seen_twin, rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(o.study.energies.reach, o.study.energies.reach_twin, rtol=1e-11, atol=1e-13)
 
 
 def test_output_energy_of_a_scalar_decay():
@@ -75,7 +75,7 @@ def test_pairing_of_observer_and_dual_loop_is_constant():
         o = outcome(poles=poles, sensor=15.0)
         assert abs(o.study.pairing[0]) > 0
         assert o.metrics["pairing_gap"] < 1e-10
-        assert o.study.pairing[0] == pytest.approx(float(o.study.z[0] @ o.study.e[0]), rel=1e-12)
+        assert o.study.pairing[0] == pytest.approx(float(o.study.pair.z[0] @ o.study.pair.e[0]), rel=1e-12)
 
 
 def test_a_wrong_gain_is_found_out():
