@@ -81,6 +81,15 @@ def test_one_formatter_writes_numbers(value: complex, spec: str, words: str) -> 
     assert written(value, spec) == words
 
 
+def test_no_number_of_five_digits_stands_beside_one_in_powers_of_ten() -> None:
+    """As in "1.01·10⁵ ± 10000", which the lesson on nonlinear filters said."""
+    both = text("{times:.3g} ± {unsure:.1g}", times=101234.0, unsure=1e4)
+    assert both("en") == both("zh") == "1.01·10⁵ ± 10⁴"
+    rare, many = text("It costs {cost:.3g}.", cost=68500.0), text("One in {share:.2g}.", share=3e-7)
+    assert rare("en") == "It costs 68500." and joined(rare, many)("en") == "It costs 6.85·10⁴. One in 3·10⁻⁷."
+    assert joined(many, text("All {all}.", all=listed([rare, both])))("en").endswith("It costs 6.85·10⁴., 1.01·10⁵ ± 10⁴.")
+
+
 def test_the_decimal_sign_is_the_languages() -> None:
     assert decimal_sign("de") == "," and written(1234.5, ",.1f", "de") == "1\N{NARROW NO-BREAK SPACE}234,5"
     assert decimal_sign("en") == decimal_sign("zh") == decimal_sign("xx-none") == "."

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import reduce
 
 from .languages import closed_up, known_name, translated
-from .numbers import Written, written
+from .numbers import Written, has_powers, written
 
 
 @dataclass(frozen=True)
@@ -24,10 +24,16 @@ class Text:
     context: str = ""
 
     def __call__(self, language: str = "en") -> str:
+        words = self.said(language)
+        return self.said(language, beside_powers=True) if self.values and has_powers(words) else words
+
+    def said(self, language: str, *, beside_powers: bool = False) -> str:
+        """The sentence; `beside_powers`: as a part of one that has numbers in powers of ten."""
         template = translated(self.id, self.context, language)
         if not self.values:
             return template
-        return closed_up(template.format_map({name: _Place(value, language) for name, value in self.values}), language)
+        places = {name: _Place(value, language, beside_powers) for name, value in self.values}
+        return closed_up(template.format_map(places), language)
 
     def __str__(self) -> str:
         return self("en")
@@ -40,17 +46,17 @@ class Text:
 class _Place:
     """A value on its way into a sentence: its format is applied in the language of the sentence."""
 
-    def __init__(self, value: object, language: str) -> None:
-        self._value, self._language = value, language
+    def __init__(self, value: object, language: str, beside_powers: bool) -> None:
+        self._value, self._language, self._beside_powers = value, language, beside_powers
 
     def __format__(self, spec: str) -> str:
-        value, language = self._value, self._language
+        value, language, beside = self._value, self._language, self._beside_powers
         if isinstance(value, Text):
-            return value(language)
+            return value.said(language, beside_powers=beside)
         if hasattr(value, "message") and hasattr(value, "values"):
-            return told(value)(language)
+            return told(value).said(language, beside_powers=beside)
         if isinstance(value, Written):
-            return written(value, spec, language)
+            return written(value, spec, language, beside_powers=beside)
         return format(value, spec)
 
 

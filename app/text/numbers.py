@@ -8,11 +8,13 @@ from numbers import Number as Written
 
 from .languages import decimal_sign
 
-__all__ = ["Written", "raised", "written"]
+__all__ = ["Written", "has_powers", "raised", "written"]
 
 RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]\d+)")
 PLAIN = range(-3, 5)  # powers of ten that are written out
+BESIDE = range(-3, 4)  # and those where another number of the sentence is written as a power of ten
+POWERS = re.compile("10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]")
 
 
 def raised(number: int | str) -> str:
@@ -20,17 +22,26 @@ def raised(number: int | str) -> str:
     return str(number).translate(RAISED)
 
 
-def written(value: object, spec: str = "", language: str = "en") -> str:
-    """A number in a format of Python's, as the language writes it: −2.5, 1200, 3·10⁻⁶, ∞; 2,5 where the sign is a comma."""
-    words = POWER.sub(_power, format(value, spec)).replace("-", "−").replace("inf", "∞")
+def has_powers(words: str) -> bool:
+    """Whether a sentence has a number in powers of ten; then it writes out none of five digits: 1.01·10⁵ ± 10⁴."""
+    return POWERS.search(words) is not None
+
+
+def written(value: object, spec: str = "", language: str = "en", *, beside_powers: bool = False) -> str:
+    """A number in a format of Python's, as the language writes it: −2.5, 1200, 3·10⁻⁶, ∞; 2,5 where the sign is a comma.
+
+    Of a number rounded to less than its digits 12300 is written, but 1.23·10⁴ beside powers of ten.
+    """
+    plain = BESIDE if beside_powers else PLAIN
+    words = POWER.sub(lambda found: _power(found, plain), format(value, spec)).replace("-", "−").replace("inf", "∞")
     sign = decimal_sign(language)
     if sign == "." or "." not in words:
         return words
     return words.replace(",", "\N{NARROW NO-BREAK SPACE}").replace(".", sign)
 
 
-def _power(found: re.Match[str]) -> str:
+def _power(found: re.Match[str], plain: range) -> str:
     mantissa, power = found[1], int(found[2])
-    if power in PLAIN:
+    if power in plain:
         return f"{Decimal(f'{mantissa}e{power}'):f}"
     return ("" if mantissa == "1" else f"{mantissa}·") + "10" + raised(power)

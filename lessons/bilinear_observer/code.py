@@ -8,7 +8,7 @@ from app.lesson.code import Code, Given, Shown
 from app.lesson.lesson import Design, Outcome
 from app.plants.bilinear import PRINTED_FORM, PRINTED_L, X0
 
-from .drive import HELD, HORIZON, columns, form_index, noise_values, random_values
+from .drive import HELD, HORIZON, columns, form_index, noise_values, number_of, random_values
 from .own_run import deviations
 from .own_words import Story
 from .problems import COMPUTED, PAPER, PRINTED, PROBLEMS, ROUNDED, TYPED
@@ -61,15 +61,20 @@ def _sizes(units: np.ndarray, relative: bool) -> tuple[Given, Given]:
 def _more(d: Design, inputs: int) -> tuple[Given, ...]:
     """What drives the inputs after the first."""
     numbers = range(2, inputs + 1)
+    hands = [(j, *pair) for j in numbers if d[f"input{j}"] == "hand" for pair in d[f"hand{j}"]]
     return (Given("more_kinds", " ".join(d[f"input{j}"] for j in numbers), "what drives the inputs after the first, if there are any"),
             Given("more_amplitudes", np.array([d[f"amplitude{j}"] for j in numbers])),
-            Given("more_omegas", np.array([d[f"omega{j}"] for j in numbers])))
+            Given("more_omegas", np.array([d[f"omega{j}"] for j in numbers])),
+            Given("more_seeds", np.array([d[f"seed{j}"] for j in numbers])),
+            Given("more_drawn", np.array(hands).reshape(-1, 3), "what a hand drew of them: which input, s, value"))
 
 
-def drawn_of(d: Design, count: int, outputs: int) -> tuple[Given, ...]:
+def drawn_of(d: Design, count: int, outputs: int, inputs: int = 1) -> tuple[Given, ...]:
     """What Python draws from the seed."""
-    held = (Given("values", random_values(d)),) if d["input"] == "random" else ()
-    return (*held, Given("draws", noise_values(d, count, outputs))) if d["noise"] else held
+    held = [Given("values", random_values(d))] if d["input"] == "random" else []
+    if any(d[f"input{number_of(j)}"] == "random" for j in range(1, inputs)):
+        held.append(Given("more_values", np.column_stack([random_values(d, j) for j in range(1, inputs)])))
+    return (*held, Given("draws", noise_values(d, count, outputs))) if d["noise"] else tuple(held)
 
 
 def own_code(outcome: Outcome[Story]) -> Code:
@@ -100,7 +105,7 @@ def own_code(outcome: Outcome[Story]) -> Code:
         Shown("errors", run.errors.reshape(count, 3 * r), max(float(np.abs(run.errors).max()), size)),
         *(Shown(name, m[name], max(m[name], share)) for name in ("late_error", "half_error")),
     ), "The eight steps in between, the settling time, and how much of the errors is noise",
-        drawn_of(d, round(here.horizon / here.dt) + 1, o.plant.m))
+        drawn_of(d, round(here.horizon / here.dt) + 1, o.plant.m, o.plant.inputs))
 
 
 def _natural(M: np.ndarray, beside: np.ndarray) -> float:

@@ -24,17 +24,18 @@ def form_index(design: Design) -> int:
     return FORMS.index(design["form"])
 
 
-def signal(design: Design, *, horizon: float = HORIZON) -> Signal:
-    """u(t) as the student chose it, for a run of `horizon` s."""
-    kind = design["input"]
+def signal(design: Design, *, horizon: float = HORIZON, which: int = 0) -> Signal:
+    """u(t) as the student chose it for one of the inputs, for a run of `horizon` s."""
+    number = number_of(which)
+    kind, drawn = design[f"input{number}"], design[f"hand{number}"]
     if kind == "random":
-        values = random_values(design)
+        values = random_values(design, which)
         return lambda t: values[np.minimum(t / (horizon / HELD) + 1e-9, len(values) - 1).astype(int)]
-    if kind == "hand" and design["hand"]:
-        times, drawn = np.array(design["hand"]).T
-        held = np.concatenate([[0.0], drawn])
+    if kind == "hand" and drawn:
+        times, levels = np.array(drawn).T
+        held = np.concatenate([[0.0], levels])
         return lambda t: held[np.searchsorted(times, t + 1e-9 * horizon, side="right")]
-    return wave(kind, design["amplitude"], design["omega"], horizon)
+    return wave(kind, design[f"amplitude{number}"], design[f"omega{number}"], horizon)
 
 
 def wave(kind: str, size: float, omega: float, horizon: float) -> Signal:
@@ -50,10 +51,9 @@ def wave(kind: str, size: float, omega: float, horizon: float) -> Signal:
     return lambda t: np.zeros(np.shape(t))
 
 
-def further(design: Design, which: int, *, horizon: float) -> Signal:
-    """What drives the second input (1) or one that follows, by knobs of its own."""
-    kind, size, omega = (design[f"{name}{which + 1}"] for name in ("input", "amplitude", "omega"))
-    return wave(kind, size, omega, horizon)
+def number_of(which: int) -> str:
+    """What the names of an input's knobs end with: nothing for the first, 2 for the second."""
+    return str(which + 1) if which else ""
 
 
 def together(signals: Sequence[Signal]) -> Signal:
@@ -66,9 +66,10 @@ def columns(u: np.ndarray) -> np.ndarray:
     return u.reshape(len(u), -1)
 
 
-def random_values(design: Design) -> np.ndarray:
+def random_values(design: Design, which: int = 0) -> np.ndarray:
     """What a random input holds, one value after the other."""
-    return np.random.default_rng(int(design["seed"])).uniform(-design["amplitude"], design["amplitude"], HELD + 1)
+    seed, size = (design[f"{name}{number_of(which)}"] for name in ("seed", "amplitude"))
+    return np.random.default_rng(int(seed)).uniform(-size, size, HELD + 1)
 
 
 def noise_values(design: Design, count: int, outputs: int) -> np.ndarray:

@@ -17,7 +17,7 @@ from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
 from .code import own_code
 from .derive import own_derived
-from .drive import columns, form_index
+from .drive import columns, form_index, number_of
 from .formulas import own_formulas
 from .own_figures import figures
 from .own_knobs import own_knobs
@@ -99,4 +99,5 @@ def adapted(lesson: Lesson, model: Model) -> Lesson:
     """The lesson on a person's own plant; the tasks stay with the paper's."""
     here = fitted(model)
     return replace(lesson, knobs=own_knobs(here), compute=partial(compute, here), figures=figures, tasks=(), code=own_code,
-                   derived=own_derived, key=("step", "wanted", "input"), aside=("amplitude", "omega", "seed", "tau"))
+                   derived=own_derived, key=("step", "wanted", "input"), aside=(
+                       *(name + number_of(j) for j in range(here.plant.inputs) for name in ("amplitude", "omega", "seed")), "tau"))

@@ -12,8 +12,8 @@ from .own_plant import Here, omega_of
 from .study import FORM_NAMES
 
 STRONGEST = 4.0  # times the natural input
-WAVES = (("none", text_in("bilinear-observer", "none")), ("sine", text("sine")), ("step", text("step")), ("square", text("square wave")),
-         ("sweep", text("sweep")))  # of each input
+SIGNALS = (("none", text_in("bilinear-observer", "none")), ("sine", text("sine")), ("step", text("step")), ("square", text("square wave")),
+           ("sweep", text("sweep")), ("random", text("random")), ("hand", text("your own hand")))  # of each input
 
 
 def own_knobs(here: Here) -> tuple[Knob, ...]:
@@ -25,9 +25,8 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
                hint=text("The formulas and the tab Eight steps show this step.")),
         Choice("wanted", "K", text("wanted, g = K x"), default=here.wanted[0].id, options=tuple((w.id, w.label) for w in here.wanted),
                hidden=len(here.wanted) == 1, hint=text("The rows of K in the file, together or alone, or one state that y does not give.")),
-        Choice("input", "u", text("input"), default="sine", options=(
-            *WAVES, ("random", text("random")), ("hand", text("your own hand"))),
-            hint=text("u is {name}. The plant is linear: F is zero, and u multiplies nothing.", name=here.names[0]) if here.linear else
+        Choice("input", "u", text("input"), default="sine", options=SIGNALS, hint=
+            text("u is {name}. The plant is linear: F is zero, and u multiplies nothing.", name=here.names[0]) if here.linear else
             text("u pushes the plant and also multiplies its state: {name}.", name=here.names[0])),
         Number("amplitude", r"u_0", text("amplitude"), unit, low=0.0, high=most, default=strength, step=most / 100,
                when=("input", SHAPED), hint=text("At first half of what a regulator would ask for.") if here.linear else
@@ -37,7 +36,7 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
                scale="log", when=("input", MOVING), hint=text("The sweep ends four times as fast as it says here.")),
         Number("seed", r"s_0", text("random seed"), low=0, high=9999, default=1, scale="integer", when=("input", ("random",)),
                hint=text("The same seed gives the same input.")),
-        Track("hand", "u", text("input by hand"), low=-most, high=most, when=("input", ("hand",)),
+        Track("hand", "u", text("input by hand"), unit, low=-most, high=most, when=("input", ("hand",)),
               hint=text("Slow the clock down, press play and move this.")),
         *(knob for j in range(1, here.plant.inputs) for knob in _further(here, j)),
         *(Poles(f"poles_{w.id}", "p", text("Observer poles"), "rad/s", default=w.poles, re_low=w.window.re_low, re_high=w.window.re_high,
@@ -56,14 +55,18 @@ def own_knobs(here: Here) -> tuple[Knob, ...]:
 def _further(here: Here, which: int) -> tuple[Knob, ...]:
     """The drive of the second input or of one that follows."""
     name, strength, omega, number = here.names[which], float(here.strength[which]), omega_of(here.horizon, which), which + 1
-    most, kinds = STRONGEST * strength, tuple(id for id, _ in WAVES)
+    most = STRONGEST * strength
     return (
-        Choice(f"input{number}", f"u_{number}", text("input {name}", name=name), default="sine", options=WAVES,
+        Choice(f"input{number}", f"u_{number}", text("input {name}", name=name), default="sine", options=SIGNALS,
                hint=text("It multiplies the state by a matrix of its own, F{number}.", number=number)),
         Number(f"amplitude{number}", "u_0", text("amplitude of {name}", name=name), here.units[which], low=0.0, high=most, default=strength,
-               step=most / 100, when=(f"input{number}", tuple(k for k in SHAPED if k in kinds)),
+               step=most / 100, when=(f"input{number}", SHAPED),
                hint=text("At first all inputs together make the plant at most half as fast again.")),
         Number(f"omega{number}", r"\omega", text("frequency of {name}", name=name), "rad/s", low=omega / 4, high=20 * omega, default=omega,
-               scale="log", when=(f"input{number}", tuple(k for k in MOVING if k in kinds)),
+               scale="log", when=(f"input{number}", MOVING),
                hint=text("The sweep ends four times as fast as it says here.")),
+        Number(f"seed{number}", f"s_{number}", text("random seed of {name}", name=name), low=0, high=9999, default=number, scale="integer",
+               when=(f"input{number}", ("random",)), hint=text("The same seed gives the same input.")),
+        Track(f"hand{number}", f"u_{number}", text("{name} by hand", name=name), here.units[which], low=-most, high=most,
+              when=(f"input{number}", ("hand",)), hint=text("Slow the clock down, press play and move this.")),
     )

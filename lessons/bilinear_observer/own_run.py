@@ -9,7 +9,7 @@ import numpy as np
 from app.engine.observers import BilinearForm, BilinearRun
 from app.lesson.lesson import Design
 
-from .drive import Signal, form_index, further, joined, noise_values, promised, signal, together
+from .drive import Signal, form_index, joined, noise_values, promised, signal, together
 from .own_plant import Here, Wanted, error_matrix
 from .record import Record, Setting, end_to_end, fed_of, kicked_at, whole
 
@@ -52,8 +52,7 @@ def run_of(here: Here, design: Design, wanted: Wanted, L: np.ndarray) -> Run:
 
 
 def _inputs(here: Here, design: Design) -> Signal:
-    return together([signal(design, horizon=here.horizon),
-                     *(further(design, j, horizon=here.horizon) for j in range(1, here.plant.inputs))])
+    return together([signal(design, horizon=here.horizon, which=j) for j in range(here.plant.inputs)])
 
 
 def _told(here: Here, design: Design, wanted: Wanted, L: np.ndarray, calm: list[BilinearRun], noisy: list[BilinearRun],

@@ -173,3 +173,21 @@ def test_each_of_several_inputs_has_a_matrix_and_a_drive_of_its_own(tmp_path: Pa
     np.testing.assert_allclose(run.estimates[at, 0, 0], seen[:, 0], rtol=1e-6, atol=1e-7)
     lone = json.loads(read("one.json", json.dumps({k: v for k, v in two.items() if k != "F2"}).encode()))
     assert not np.any(lone["F2"]) and lone["F1"] == two["F1"]
+
+
+def test_every_input_has_the_choice_of_signals_that_the_first_has() -> None:
+    """Random values with a seed of their own, and a hand's; what drives one leaves the other alone."""
+    two = {key: SMALL[key] for key in "AC"} | {"B": [[1, 0], [0, 1], [1, 1]], "K": [[0, 0, 1]], "F1": SMALL["F"],
+                                               "F2": [[0, 0.2, 0], [0, 0, 0.1], [0.3, 0, 0]]}
+    own = LESSON.fit(cleaned(json.dumps(two)))
+    assert own.knob("input").options == own.knob("input2").options
+    assert {"amplitude2", "omega2", "seed2"} <= set(own.aside)
+    most, t_end = own.knob("amplitude2").high, own.knob("kick").high
+    u = {kind: outcome(own, input2=kind, hand2=((0.2 * t_end, most / 4), (0.6 * t_end, -most / 2))).study.run.u
+         for kind, _ in own.knob("input2").options}
+    assert all(np.array_equal(one[:, 0], u["none"][:, 0]) for one in u.values()) and not u["none"][:, 1].any()
+    assert [float(u["hand"][round(400 * share), 1]) for share in (0.1, 0.4, 0.9)] == pytest.approx([0, most / 4, -most / 2])
+    held = np.unique(u["random"][:-1, 1])
+    assert len(held) == 20 and np.abs(held).max() <= own.knob("amplitude2").default
+    assert not np.array_equal(outcome(own, input2="random", seed2=7).study.run.u[:, 1], u["random"][:, 1])
+    assert not np.array_equal(outcome(own, input="random").study.run.u[:, 0], u["random"][:, 1])
