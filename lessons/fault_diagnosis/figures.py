@@ -12,7 +12,7 @@ from app.text import Text, listed, same, text, text_in
 from .bank import COILS, COUNT, DT, NAMES, PLACE_NAMES, PLACES, guard
 from .cusum import cusum
 from .diagnosis import POWER
-from .pair_figures import PAIR_TAB, pair_figures
+from .pair_figures import PAIR_TAB, pair_figures, pair_reach, short
 from .reach import TONES, least, least_force
 from .record import LEVEL, Study
 from .runs import NONE, OPEN, SWITCH
@@ -35,7 +35,7 @@ def figures(outcome: Outcome[Study]) -> Sheaf:
                                     _residuals(s, "coils", text("ignoring one coil"), range(4, 7)), _reading(s))),
         leaf(VERDICT_TAB, lambda: (isolation(s), _members())), leaf(PAIR_TAB, lambda: pair_figures(outcome)),
         leaf(LOOP_TAB, lambda: (_pitch(s), _across(s), _forces(s))), leaf(RATE_TAB, lambda: (_rates(s), _counts(s), _cusum(s))),
-        leaf(REACH_TAB, lambda: (_tones(s), _least(s))))
+        leaf(REACH_TAB, lambda: (_tones(s), _least(s), pair_reach(s, REACH_TAB))))
 
 
 # --- residuals ---------------------------------------------------------------------------------------------------------
@@ -264,7 +264,7 @@ def _least(s: Study) -> TableFigure:
     rows: list[tuple[Text | str, ...]] = []
     for j, name in enumerate(PLACES):
         scale, unit = (1e3, "mm/s") if j < 4 else (1.0, "N")
-        cells = [_short(scale * v) for v in values[:, j]]
+        cells = [short(scale * v) for v in values[:, j]]
         rows.append((f"{name} [{unit}]", *cells))
     weak = int(np.argmax(np.where(np.isfinite(values[:, 0]), values[:, 0], 0)))
     said = text("Bias, or missing amplitude at {tone:.2g} Hz. A lie of VL is hardest to see for {names}: it looks "
@@ -272,7 +272,3 @@ def _least(s: Study) -> TableFigure:
                 tone=s.case.tone, names=NAMES[weak])
     return TableFigure("least", text("least fault that each member sees with 99 %"),
                        (text("fault"), *(same(n) for n in NAMES)), tuple(rows), said, REACH_TAB)
-
-
-def _short(value: float) -> str:
-    return "—" if not np.isfinite(value) else f"{value:.2f}" if value < 10 else f"{value:.0f}" if value < 1000 else "∞"

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+import numpy as np
+
+from app.lesson.claims import claim
 from app.lesson.figures import Figure, TableFigure
 from app.lesson.lesson import Outcome
-from app.text import Text, listed, same, text
+from app.text import NO_WORDS, Text, joined, listed, same, text
 
 from .bank import DT, PLACES
+from .pair_reach import deaf, least_beside
 from .pairs import NEVER, PAIRS, SURE, Pair, isolable, judge_pairs, rank_of, rivals
 from .record import Study
 from .words import of_pairs, when_talked_about
 
 PAIR_TAB = text("Two faults")
 ALWAYS, NOT_AT_ALL, HERE = "●", "○", "▶"
+MOST = 1000.0  # mm/s or N: what it takes more of is not seen
+USUAL = (1, 3)  # HL and HR
 Cell = Callable[[int, int], str]
 
 
@@ -60,3 +66,36 @@ def _bank(outcome: Outcome[Study]) -> TableFigure:
         return f"{value:.2f}" if value < 9.995 else f"{value:.0f}"
     return TableFigure("pair-bank", text("ignoring two parts: T / threshold at {dt:.2f} s", dt=DT * at), _columns(),
                        _square(cell, s.pair), of_pairs(s, v), PAIR_TAB)
+
+
+# --- how small -------------------------------------------------------------------------------------------------------------
+def short(value: float) -> str:
+    """The size of a fault in a cell."""
+    return "—" if not np.isfinite(value) else f"{value:.2f}" if value < 10 else f"{value:.0f}" if value < MOST else "∞"
+
+
+def pair_reach(s: Study, tab: Text) -> TableFigure:
+    """The least size of each fault beside each other one, and alone."""
+    values = least_beside(s.test, s.case.tone) * np.array([1e3] * 4 + [1.0] * 3)[:, None]
+
+    def cell(i: int, j: int) -> str:
+        return short(values[i, j]) + ("*" if i != j and isolable((min(i, j), max(i, j))) != SURE else "")
+    rows = tuple((same(f"{row[0]} [{'mm/s' if i < 4 else 'N'}]"), *row[1:]) for i, row in enumerate(_square(cell, s.pair)))
+    told = text("Bias, or missing amplitude at {tone:.2g} Hz, of the row's fault beside the column's, which may do what it likes; on the "
+                "diagonal alone, by the seven. ∞: {most:.0f} or more. *: other pairs can make the same readings.",
+                tone=s.case.tone, most=MOST)
+    return TableFigure("least-pairs", text("least fault that all members see with 99 % which ignore another part"),
+                       (text("fault"), *(same(n) for n in PLACES)), rows, joined(told, _company(s, values)), tab)
+
+
+def _company(s: Study, values: np.ndarray) -> Text:
+    """What the company of the other costs that of the two faults, of the present pair or of HL and HR, which suffers more from it."""
+    first, second = s.pair or USUAL
+    i, j = (first, second) if values[first, second] / values[first, first] >= values[second, first] / values[second, second] else (
+        second, first)
+    unseen = text("A lasting lie of {fault} goes unseen beside {other}: the member that ignores {other} and {third} takes it for what "
+                  "those two can do.", fault=PLACES[i], other=PLACES[j], third=PLACES[deaf(s.case.tone, i, j)])
+    seen = text("{fault} is seen beside {other} from {least:.3g} {unit} on, {times:.3g} times what it takes alone.", fault=PLACES[i],
+                other=PLACES[j], least=float(values[i, j]), unit="mm/s" if i < 4 else "N", times=float(values[i, j] / values[i, i]))
+    return claim(seen, float(values[i, j]), below=MOST, otherwise=(
+        claim(unseen, float(values[i, j]), above=MOST) if i < 4 else NO_WORDS))

@@ -8,10 +8,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from app.engine.observers import needed_noncentrality
 from lessons.fault_diagnosis.bank import COUNT, PLACES, guard, model
 from lessons.fault_diagnosis.diagnosis import Rule
 from lessons.fault_diagnosis.lesson import LESSON
+from lessons.fault_diagnosis.pair_reach import least_beside
 from lessons.fault_diagnosis.pairs import NEVER, PAIRS, SETS, SURE, due, isolable, judge_pairs, pair_bank, pattern, rank_of, rivals
+from lessons.fault_diagnosis.reach import least
 from lessons.fault_diagnosis.runs import OPEN, Case, Fault, drawn, quiet, simulate
 
 Z = 3  # a point at which directions are compared exactly: neither pole nor zero
@@ -104,3 +107,18 @@ def test_two_lies_that_leave_the_sum_at_zero_accuse_a_healthy_coil_and_the_bank_
         assert shown.study.verdict.who == "u3" and "healthy" in shown.live("en") and verdict.both is None and verdict.alone is None
         quiet = {PAIRS[k] for k in np.flatnonzero((verdict.values[400:] < 1).mean(axis=0) > 0.9)}
         assert quiet == {(1, 3), *((i, 6) for i in range(6))}, seed
+
+
+def test_the_least_faults_that_the_bank_of_pairs_sees_are_those_of_its_responses_and_company_never_helps() -> None:
+    """Alone as the table of the seven says; beside another part never smaller but for the degrees of freedom of the noise."""
+    test, tone = Rule(), 0.5
+    values, seven = least_beside(test, tone), least(test, tone)
+    assert np.diag(values) == pytest.approx([seven[:, i][np.isfinite(seven[:, i])].max() for i in range(7)])
+    cheaper = np.sqrt(needed_noncentrality(2 * 25, 1e-3, 0.99) / test.needed)
+    assert (values >= cheaper * np.diag(values)[:, None] * (1 - 1e-9)).all()
+    unseen = {(PLACES[i], PLACES[j]) for i, j in np.argwhere(values > 1.0) if i < 4}
+    assert unseen == {("VL", "VR"), ("VL", "u1"), ("VL", "u2"), ("VR", "VL"), ("VR", "u1"), ("VR", "u2"),
+                      ("HL", "HR"), ("HL", "u3"), ("HR", "HL"), ("HR", "u3")}
+    shown = LESSON.compute(LESSON.apply(LESSON.start(), {"place2": "VR"}))
+    table = next(f for f in LESSON.figures(shown) if f.id == "least-pairs")
+    assert "is seen beside" in table.caption("en") and "▶" in table.rows[1][3] and table.rows[1][4] == "∞" and "*" in table.rows[0][3]

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping
+from functools import lru_cache
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.stats import chi2, ncx2
 from witnesses import Shown, Witness, near, value
 
 from app.lesson.figures import TableFigure
 from app.text import Text
+from lessons.fault_diagnosis.bank import guard
+from lessons.fault_diagnosis.pairs import PAIRS, pair_bank
 
 PARTS = ("VL", "HL", "VR", "HR", "u1", "u2", "u3")
 STEP = 0.02  # s
@@ -62,8 +65,55 @@ def _no_pair(shown: Shown, words: Text) -> None:
     assert abs(quiet - dict(words.values).get("quiet", 1)) <= sum(v == 1 for v in _cells(shown).values()), f"{quiet} are quiet"
 
 
+SETTLED = 30_000  # samples
+FORCES = 5_000
+
+
+@lru_cache(maxsize=8)
+def _left(pairs: bool, fault: int, tone: float) -> np.ndarray:
+    """What a lasting 1 m/s, or a sine of 1 N that a coil owes, leaves in each member in the long run: residuals (n_t, members, q)."""
+    bank, count = pair_bank() if pairs else guard().bank, SETTLED if fault < 4 else FORCES
+    y, u = np.zeros((count, 4)), np.zeros((count, 3))
+    if fault < 4:
+        y[:, fault] = 1.0
+    else:
+        u[:, fault - 4] = np.sin(2 * np.pi * tone * STEP * np.arange(count))
+    return bank.run(y, u, bank.start(np.zeros(6)))[0][-FORCES // 2:]
+
+
+def _power(shown: Shown, fault: int, size: float, ignored: frozenset[int]) -> float:
+    """With what probability the member that ignores these parts sees a fault of this size, its λ averaged over the phase."""
+    pairs, mean, N = len(ignored) == 2, shown["statistic"] == "mean", int(shown["window"])
+    found = _left(pairs, fault, shown["tone"])
+    rho = size * found[:, PAIRS.index((min(ignored), max(ignored))) if pairs else next(iter(ignored))]
+    total = np.vstack([np.zeros(rho.shape[1]), np.cumsum(rho, axis=0)])
+    sums = total[N:] - total[:-N]
+    lam = float(np.mean(np.sum(sums**2, axis=1)) / N) if mean else float(np.mean(np.sum(rho**2, axis=1)) * N)
+    dof = rho.shape[1] * (1 if mean else N)
+    return float(ncx2.sf(chi2.isf(shown["rate"], dof), dof, lam))
+
+
+def _beside(shown: Shown, words: Text) -> None:
+    fault, other = (PARTS.index(str(dict(words.values)[name])) for name in ("fault", "other"))
+    unit = 1e-3 if fault < 4 else 1.0
+    size, alone = unit * value(words, "least"), unit * value(words, "least") / value(words, "times")
+    pairs = min(_power(shown, fault, size, frozenset((other, k))) for k in range(7) if k not in (fault, other))
+    seven = min(_power(shown, fault, alone, frozenset((k,))) for k in range(7) if k != fault)
+    assert abs(pairs - 0.99) < 0.005 and abs(seven - 0.99) < 0.005, f"seen with {pairs:.4f}, alone with {seven:.4f}"
+
+
+def _unseen(shown: Shown, words: Text) -> None:
+    fault, other, third = (PARTS.index(str(dict(words.values)[name])) for name in ("fault", "other", "third"))
+    power = _power(shown, fault, 1.0, frozenset((other, third)))
+    assert power < 0.99, f"a lie of 1 m/s is seen with {power:.4f}"
+    assert _power(shown, fault, 1.0, frozenset((other,))) > 0.99, "it is no better alone"
+
+
 WITNESSES: Mapping[str, Witness] = {
     "{who} is accused {delay:.2f} s after it failed, rightly.": _rightly,
+    "{fault} is seen beside {other} from {least:.3g} {unit} on, {times:.3g} times what it takes alone.": _beside,
+    "A lasting lie of {fault} goes unseen beside {other}: the member that ignores {other} and {third} takes it for what those two can do.":
+        _unseen,
     "With both faults no member gives an alarm for {share:.0f} % of the time.": _most_often(NOBODY),
     "With both faults the alarms fit no row for {share:.0f} % of the time: something fails, but the bank cannot say what.":
         _most_often(UNCLEAR),
