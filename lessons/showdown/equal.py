@@ -52,7 +52,9 @@ def _best(found: Equal) -> Text:
 
 def _said(found: Equal, m: Study) -> Text:
     limit, lqe, siso = m.world.hardware.limit, *(ORDER.index(id) - 1 for id in (LQE, SISO))
-    head = text("{split} The coil told most gets {force:.3g} mN RMS from each.", split=SPLIT, force=1e3 * found.wanted)
+    head = (text("{split} The coil told most gets {force:.3g} mN RMS from each.", split=SPLIT, force=1e3 * found.wanted)
+            if np.isfinite(found.dials).all() else
+            text("{split} The coil told most gets {force:.3g} mN RMS from each that gets there.", split=SPLIT, force=1e3 * found.wanted))
     clipped = text("A coil that may give {limit:.3g} mN would be clipped often; that is left out.", limit=1e3 * limit)
     over = clipped if WIDE * found.wanted > limit else NO_WORDS
     lead = 20 * np.log10(found.rms[siso] / found.rms[lqe])

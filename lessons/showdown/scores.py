@@ -6,7 +6,7 @@ import numpy as np
 
 from app.lesson.figures import TableFigure
 from app.lesson.lesson import Outcome
-from app.text import Text, text, text_in
+from app.text import Text, listed, text, text_in
 
 from .friction import friction_of
 from .players import DECOUPLED, LQE, NAMES, ORDER, SHORT
@@ -40,12 +40,14 @@ def _suppression(outcome: Outcome[Study]) -> TableFigure:
     m = outcome.study
     rows = tuple((NAMES[i], *(text("unstable") if not m.spectra[i].stable else
                               f"{m.peak_db[i, j]:.1f} / {m.band_db[i, j]:.1f}".replace("-", "−") for j in range(3))) for i in range(1, 5))
-    best = [1 + int(np.flatnonzero(m.band_db[1:, j] >= m.band_db[1:, j].max() - 0.05)[0]) for j in range(3)]
+    stable = np.array([s.stable for s in m.spectra])
+    gains = np.where(stable[:, None], m.band_db, -np.inf)[1:]
+    best = [1 + int(np.flatnonzero(gains[:, j] >= gains[:, j].max() - 0.05)[0]) for j in range(3)]
     return TableFigure("suppression", text("suppression in dB, 0.5–3 Hz: of the highest peak / of the area"),
                        (text("controller"), *HEADS), rows, tab=SCORE_TAB,
-                       caption=text("Best by area: {short} vertically, {short2} in rotation, {short3} "
-                                    "horizontally.",
-                                    short=SHORT[best[0]], short2=SHORT[best[1]], short3=SHORT[best[2]]))
+                       caption=text("Best by area: {short} vertically, {short2} in rotation, {short3} horizontally.", short=SHORT[best[0]],
+                                    short2=SHORT[best[1]], short3=SHORT[best[2]]) if stable[1:].any() else
+                       text("Unstable in this world: {names}.", names=listed(SHORT[1:])))
 
 
 def _sizes(outcome: Outcome[Study]) -> TableFigure:

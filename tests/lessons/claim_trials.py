@@ -5,13 +5,15 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 from attack import outcome_of, random_designs, single_moves
 from witnesses import Shown, Witness
+from witnesses_of_effort import WITNESSES as EFFORT
 from witnesses_of_faults import WITNESSES as FAULTS
 from witnesses_of_functions import WITNESSES as FUNCTIONS
 from witnesses_of_loops import WITNESSES as LOOPS
@@ -21,11 +23,28 @@ from witnesses_of_the_arm import WITNESSES as ARM
 from witnesses_of_variances import WITNESSES as VARIANCES
 
 from app.lesson.claims import Claim, claims_in
-from app.lesson.lesson import Design, Lesson
+from app.lesson.lesson import Design, Lesson, Outcome
+from app.text.numbers import has_powers
+from lessons.showdown.effort import equal_effort
+from lessons.showdown.players import ORDER
+from lessons.showdown.study import Trials
 
 RANDOM = 60
-TABLES = (LOOPS, SENSORS, VARIANCES, NOISE, FUNCTIONS, FAULTS, ARM)
+TABLES = (LOOPS, SENSORS, VARIANCES, NOISE, FUNCTIONS, FAULTS, EFFORT, ARM)
 WITNESSES: Mapping[str, Witness] = {said: witness for table in TABLES for said, witness in table.items()}  # by message
+LONG = re.compile(r"(?<![\d.])\d{5,}")  # a number of five digits or more, written out
+
+
+def _at_one_effort(lesson: Lesson, outcome: Outcome) -> Outcome:
+    """What the longer computation of the showdown says of equal effort, without the rest of it."""
+    m, d, lqe = outcome.study, outcome.design, ORDER.index("lqe")
+    if lesson.job is None or not m.spectra[lqe].stable:
+        return outcome
+    *_, (_, found) = equal_effort(m.world, m.five, d["v"], d["pair"], float(m.forces[lqe].max()))
+    return lesson.job.shown(outcome, Trials((None,) * 5, equal=found))
+
+
+AFTERWARDS: dict[str, Callable[[Lesson, Outcome], Outcome]] = {"showdown": _at_one_effort}
 
 
 @dataclass
@@ -36,6 +55,7 @@ class Trial:
     tried: Counter[str] = field(default_factory=Counter)
     unseen: set[str] = field(default_factory=set)  # claims without a witness
     lies: dict[str, list[str]] = field(default_factory=dict)
+    mixed: set[str] = field(default_factory=set)  # sentences with a number written out beside one in powers of ten
 
 
 def extremes(lesson: Lesson) -> list[Design]:
@@ -50,6 +70,8 @@ def spoken(lesson: Lesson, design: Design) -> Iterator[tuple[Shown, object]]:
     outcome = outcome_of(lesson, design)
     if outcome is None:
         return
+    if lesson.id in AFTERWARDS:
+        outcome = AFTERWARDS[lesson.id](lesson, outcome)
     yield Shown(lesson, outcome, None), outcome.live
     for note in outcome.formulas:
         yield Shown(lesson, outcome, None), note.note
@@ -63,6 +85,7 @@ def tried(lesson: Lesson, designs: Iterable[Design]) -> Trial:
     for design in designs:
         found.designs += 1
         for shown, said in spoken(lesson, design):
+            found.mixed |= {one for one in re.split(r"(?<=[.:;]) ", str(said)) if LONG.search(one) and has_powers(one)}
             for words in claims_in(said):
                 witness = WITNESSES.get(words.id)
                 if witness is None:
@@ -86,5 +109,7 @@ if __name__ == "__main__":
         print(f"{name}: {told.designs} designs, {len(told.tried)} claims tried {told.tried.total()} times, {len(told.lies)} lie")
         for claim, where in told.lies.items():
             print(f"   LIE ({len(where)} times) {claim}\n      " + "\n      ".join(where[:3]), flush=True)
+        for sentence in sorted(told.mixed):
+            print(f"   written out beside powers of ten: {sentence}")
         for claim in sorted(told.unseen):
             print(f"   without a witness: {claim}")

@@ -25,6 +25,7 @@ def test_no_claim_lies(lesson: Lesson) -> None:
     pick = np.random.default_rng(lesson.number).permutation(len(ends))[:4]
     found = tried(lesson, [ends[0], *(ends[k] for k in pick), *random_designs(lesson, 4, lesson.number)])
     assert not found.lies, "\n".join(f"{said}: {'; '.join(where)}" for said, where in found.lies.items())
+    assert not found.mixed, "\n".join(found.mixed)
 
 
 @given(st.floats(allow_nan=True), st.floats(-1e3, 1e3))
