@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.engine import NonlinearPlant
-from app.engine.filters import Experiment, Sample, posterior_bound
+from app.engine.filters import Experiment, Sample, posterior_bound, slopes_along
 from app.engine.systems import Flow
 from app.lesson.claims import claim
 from app.text import Text, joined, listed, text
@@ -49,8 +49,9 @@ class Slopes:
         x = np.concatenate([s.x for s in samples], axis=1)
         runs = x.shape[1] // len(samples)
         u = np.concatenate([np.broadcast_to(s.u, (len(s.u), runs)) for s in samples], axis=1)
-        assert isinstance(self.experiment.flow, Flow)
-        for slopes, kept in ((self.experiment.flow.expand(x, u)[1], self.F), (self.plant.output_slope(x, u), self.H)):
+        flow = self.experiment.flow
+        assert isinstance(flow, Flow)
+        for slopes, kept in zip(slopes_along(self.plant, flow.step, x, u, parts=flow.parts), (self.F, self.H), strict=True):
             kept.append(slopes.reshape(len(samples), runs, *slopes.shape[1:]))
 
     def bound(self, squares: Mapping[str, np.ndarray], fell: np.ndarray) -> Bound:

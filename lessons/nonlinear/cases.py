@@ -98,6 +98,7 @@ def _fall() -> Case:
                 np.array([0.0, 300.0, 0.0]), np.zeros((0, 3)), np.zeros(0), falling_body.UNITS, 0, falling_body.ERROR_GAIN)
 
 
+@lru_cache(maxsize=16)
 def plant_of(name: str, hardening: float, weakening: float) -> NonlinearPlant:
     """The equations; hardening and weakening are those of the platform."""
     if name == PLATFORM:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from call_parts import I2, ONE, A, B, C, expand, of, rhs, same
+from call_parts import I2, ONE, A, B, C, expand, of, ones, rhs, same, slope
 
 from app import engine
 from app.engine import Belief, KalmanFilter, Plant, functional_observer, lqe, unknown_input_observer
@@ -21,8 +21,10 @@ def filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
     belief, one = Belief([0, 0], I2), Belief([0], ONE)
     start = f.Beliefs.alike([0.0], ONE, 3)
     steering = f.Steering("ekf", np.zeros((1, 1)), np.ones(1))
+    bending = engine.systems.NonlinearPlant(1, 0, 1, rhs, slope, same, ones)
     experiment = {"flow": rhs, "output": same, "Q": ONE, "R": ONE, "x0": np.ones((1, 3)), "start": start,
-                  "inputs": np.zeros((4, 1)), "filters": {"ekf": ekf}, "steering": steering, "kicks": ((1, np.ones(1)),)}
+                  "inputs": np.zeros((4, 1)), "filters": {"ekf": ekf}, "steering": steering, "kicks": ((1, np.ones(1)),),
+                  "plant": bending}
     schedule = kf.schedule(belief, 12)
     noise = f.AdcNoise(1.0, 1.0, 0.1, 0.1)
     L = lqe(A, B, C, ONE, ONE).gain
@@ -73,6 +75,7 @@ def filters(plant: Plant, dplant: Plant) -> dict[str, dict[str, Any]]:
         "simulate_filter": {"plant": plant, "G": B, "W": ONE, "V": ONE, "step": 0.1, "samples": 10, "believed": (1.0, 2.0), "seed": 1,
                             "kick": (0.3, np.ones(2))},
         "simulate_filters": {"e": f.Experiment(**experiment), "rng": rng},
+        "slopes_along": {"plant": bending, "step": 0.1, "x": np.ones((1, 3)), "u": np.zeros((0, 3)), "parts": 2},
         "with_coloured_noise": {"plain": kf, "noise": noise},
     }
 

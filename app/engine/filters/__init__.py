@@ -24,14 +24,15 @@ from .door import (
     sigma_weights,
     simulate_filter,
     simulate_filters,
+    slopes_along,
     whiteness,
     with_coloured_noise,
 )
+from .experiment import Experiment, Sample, Steering
 from .extended import ExtendedKalmanFilter, LinearisedFilter
 from .filter_trial import FilterTrial
 from .kalman import KalmanFilter
 from .linear_filter import LinearFilter
-from .many_runs import Experiment, Sample, Steering
 from .nonlinear import NonlinearFilter
 from .square_root import SquareRootFilter
 from .squared_error import SquaredError
@@ -85,6 +86,7 @@ __all__ = [
     "sigma_weights",
     "simulate_filter",
     "simulate_filters",
+    "slopes_along",
     "whiteness",
     "with_coloured_noise",
 ]

@@ -6,6 +6,8 @@ from typing import Literal
 
 import numpy as np
 
+from ..kernels import given, kernel
+from ..kernels.bounds import bound_steps
 from ..systems.arrays import correlations, definite, symmetric
 from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import root
@@ -47,9 +49,14 @@ def posterior_bound(F: np.ndarray, H: np.ndarray, Q: np.ndarray, R: np.ndarray, 
 
 def _of_states(F: np.ndarray, H: np.ndarray, Q: np.ndarray, R: np.ndarray, P: np.ndarray) -> np.ndarray:
     """The recursion, each half of it a correction by what is told."""
-    middle = F.mean(axis=1)
+    middle, start = F.mean(axis=1), np.asarray(P, dtype=float)
     told, varying = _readings(_mean_square(_whitening(R) @ H)), _readings(_varying(F - middle[:, None], middle, Q))
-    found = [_corrected(P, told[0])]
+    if (work := kernel(bound_steps)) is not None:
+        quick = np.empty((len(H), *start.shape))
+        with np.errstate(all="ignore"):
+            if work(*map(given, (start, middle, Q, varying, told)), quick) == len(quick):
+                return quick
+    found = [_corrected(start, told[0])]
     for k, each in enumerate(middle):
         found.append(_corrected(ahead(each, Q, _corrected(found[-1], varying[k])), told[k + 1]))
     return np.array(found)

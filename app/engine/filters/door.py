@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
+from ..systems.flow import NonlinearPlant
 from ..systems.gates import (
     BOOLEAN,
     GENERATOR,
@@ -29,7 +30,21 @@ from ..systems.gates import (
     vector,
 )
 from ..systems.plant import Plant
-from . import adc, bound, consistency, filter_trial, kalman, many_runs, sigma_points, squared_error, track, trade_off, two_forms
+from . import (
+    adc,
+    bound,
+    consistency,
+    experiment,
+    filter_trial,
+    kalman,
+    many_runs,
+    sigma_points,
+    slopes,
+    squared_error,
+    track,
+    trade_off,
+    two_forms,
+)
 from .linear_filter import LinearFilter
 
 _PLANT = instance(Plant)
@@ -60,8 +75,10 @@ nis = gated(innovations=RECORD, S=array(), level=LEVEL)(squared_error.nis)
 means_along = gated(A=matrix("n n"), C=matrix("p n"), schedule=instance(track.Schedule), start=vector("n"),
                     known=array("k p", missing=True), push=optional(array("k n")))(track.means_along)
 sigma_weights = gated(n=count(1, 1000), alpha=number(high=1e6, above=0), beta=number(), kappa=number())(sigma_points.sigma_weights)
+slopes_along = gated(plant=instance(NonlinearPlant), step=SECONDS, x=array("n k"), u=array("m l"),
+                     parts=count(1, 100_000))(slopes.slopes_along)
 simulate_filter = gated(plant=_PLANT, **_NOISE, step=SECONDS, samples=count(1, MOST_NUMBERS // 8, beside="n n"),
                         believed=pair(number(0), number(0)), seed=SEED,
                         kick=optional(pair(number(0, 1e9), vector())))(filter_trial.simulate_filter)
-simulate_filters = gated(e=instance(many_runs.Experiment), rng=GENERATOR)(many_runs.simulate_filters)
+simulate_filters = gated(e=instance(experiment.Experiment), rng=GENERATOR)(many_runs.simulate_filters)
 with_coloured_noise = gated(plain=instance(LinearFilter), noise=instance(adc.AdcNoise))(adc.with_coloured_noise)

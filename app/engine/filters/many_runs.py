@@ -3,85 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
+from ..kernels import given, kernel
+from ..kernels.bounds import square_steps
 from ..systems.errors import EngineError, ShapeError
 from ..systems.flow import Flow
-from ..systems.gates import FUNCTION, NAME, Gate, array, count, covariance, instance, items, matrix, optional, pair, passed, vector
-from ..systems.jacobian import Map
 from ..systems.noise import root
 from .belief import Beliefs, Corrections
+from .experiment import Experiment, Sample, State, Steering
 from .extended import ExtendedKalmanFilter
-from .nonlinear import NonlinearFilter
+from .quick_many import watch_of
 
-__all__ = ["Experiment", "Sample", "Steering", "errors_squared", "simulate_filters"]
+__all__ = ["errors_squared", "simulate_filters"]
 
 FAR = 1e12  # a state, an estimate or a variance beyond this is given up
-
-
-def _named(value: object, name: str, sizes: dict[str, int]) -> object:
-    if not isinstance(value, Mapping) or not all(isinstance(f, NonlinearFilter) for f in value.values()):
-        raise EngineError("{name} must map names to filters of nonlinear plants.", name=name)
-    return value
-
-
-_FILTERS: Gate = _named
-
-
-@dataclass(frozen=True, eq=False)
-class Steering:
-    """u = reference − K x̂, x̂ the estimate of the filter named `by`, clipped to ±u_max (m,)."""
-
-    by: str
-    gain: np.ndarray
-    u_max: np.ndarray
-
-    def __post_init__(self) -> None:
-        passed(self, by=NAME, gain=matrix("m n"), u_max=array("m", infinite=True))
-
-
-@dataclass(frozen=True, eq=False)
-class Experiment:
-    """What N runs share. x[k+1] = flow(x[k], u[k]) + w[k], y[k] = output(x[k]) + v[k], white w, v of covariances Q, R.
-
-    x0 (n, N): true starts; start: the beliefs before the first measurement; inputs (n_t, m): known inputs, to which
-    `steering` may add; kicks: (sample, jump of the true state (n,)), of which no filter is told.
-    """
-
-    flow: Flow | Map
-    output: Map
-    Q: np.ndarray
-    R: np.ndarray
-    x0: np.ndarray
-    start: Beliefs
-    inputs: np.ndarray
-    filters: Mapping[str, NonlinearFilter]
-    steering: Steering | None = None
-    kicks: tuple[tuple[int, np.ndarray], ...] = ()
-
-    def __post_init__(self) -> None:
-        passed(self, flow=FUNCTION, output=FUNCTION, x0=array("n N"), start=instance(Beliefs), inputs=array("k m"), Q=covariance("n"),
-               R=covariance(), filters=_FILTERS, steering=optional(instance(Steering)), kicks=items(pair(count(), vector("n"))))
-        if self.steering is not None and self.steering.by not in self.filters:
-            raise EngineError("There is no filter called {name} to steer by.", name=self.steering.by)
-
-
-@dataclass(frozen=True, eq=False)
-class Sample:
-    """Sample k of all runs: states x (n, N), readings y (p, N), inputs u (m, N) from here on, and each filter's corrections.
-
-    lost (N,), by filter: runs that this filter has given up, its numbers no longer finite or no longer a covariance; its
-    beliefs in these rest at those of its start and mean nothing.
-    """
-
-    k: int
-    x: np.ndarray
-    y: np.ndarray
-    u: np.ndarray
-    corrections: Mapping[str, Corrections]
-    lost: Mapping[str, np.ndarray]
+TOGETHER = 256  # samples of single runs that a kernel marches before it is looked at
 
 
 def simulate_filters(e: Experiment, rng: np.random.Generator) -> Iterator[Sample]:
@@ -93,33 +32,52 @@ def simulate_filters(e: Experiment, rng: np.random.Generator) -> Iterator[Sample
     if e.start.mean.shape != (n, N):
         raise ShapeError("The start is about {mean_shape} states and runs; the true states are {value}.",
                          mean_shape=e.start.mean.shape, value=(n, N))
-    shake, blur, kicks = root(e.Q), root(e.R), dict(e.kicks)
-    x = e.x0
-    priors: dict[str, Beliefs] = dict.fromkeys(e.filters, e.start)
-    lost = {name: np.zeros(N, dtype=bool) for name in e.filters}
-    last = len(e.inputs) - 1
-    for k, reference in enumerate(e.inputs):
-        v, w = blur @ rng.standard_normal((len(e.R), N)), shake @ rng.standard_normal((n, N))
-        if k in kicks:
-            x = x + kicks[k][:, None]
-        known = reference[:, None]
-        y = e.output(x, known) + v
-        steps: dict[str, Corrections] = {}
-        for name, filter_ in e.filters.items():
-            with np.errstate(all="ignore"):
-                step = filter_.correct(priors[name], y, known)
-            beliefs, lost[name] = _kept(step.beliefs, lost[name], e.start)
-            steps[name] = step if beliefs is step.beliefs else replace(step, beliefs=beliefs)
-        u = known if e.steering is None else _steered(e.steering, known, steps)
-        yield Sample(k, x, y, u, steps, dict(lost))
-        if k == last:
-            return
-        with np.errstate(over="ignore", invalid="ignore"):
-            x, priors = _ahead(e, x, u, steps)
-            x = x + w
-        if not (np.abs(x) < FAR).all():
-            raise EngineError("A true state has left the region where the plant's equations hold; start it nearer "
-                              "to rest.")
+    shake, blur, p, watch = root(e.Q), root(e.R), len(e.R), watch_of(e)
+    now = State(e.x0, dict.fromkeys(e.filters, e.start), {name: np.zeros(N, dtype=bool) for name in e.filters})
+    k, count = 0, len(e.inputs)
+    while k < count:
+        together = 1 if watch is None else min(max(TOGETHER // N, 1), count - k)
+        noise = rng.standard_normal((together, p + n, N))
+        v, w = blur @ noise[:, :p], shake @ noise[:, p:]
+        at = 0
+        while at < together:
+            if watch is not None:
+                samples, now = watch.ahead(k + at, now, v[at:], w[at:])
+                yield from samples
+                at += len(samples)
+            if at < together:  # without a kernel, or one sample that it could not judge
+                sample = _corrected(e, k + at, now, v[at])
+                yield sample
+                if k + at + 1 < count:
+                    now = _moved(e, sample, w[at])
+                at += 1
+        k += together
+
+
+def _corrected(e: Experiment, k: int, now: State, v: np.ndarray) -> Sample:
+    x, known = now.x, e.inputs[k][:, None]
+    for at, jump in e.kicks:
+        if at == k:
+            x = now.x + jump[:, None]
+    y = e.output(x, known) + v
+    steps: dict[str, Corrections] = {}
+    lost: dict[str, np.ndarray] = {}
+    for name, filter_ in e.filters.items():
+        with np.errstate(all="ignore"):
+            step = filter_.correct(now.priors[name], y, known)
+        beliefs, lost[name] = _kept(step.beliefs, now.lost[name], e.start)
+        steps[name] = step if beliefs is step.beliefs else replace(step, beliefs=beliefs)
+    return Sample(k, x, y, known if e.steering is None else _steered(e.steering, known, steps), steps, lost)
+
+
+def _moved(e: Experiment, sample: Sample, w: np.ndarray) -> State:
+    with np.errstate(over="ignore", invalid="ignore"):
+        x, priors = _ahead(e, sample.x, sample.u, sample.corrections)
+        x = x + w
+    if not (np.abs(x) < FAR).all():
+        raise EngineError("A true state has left the region where the plant's equations hold; start it nearer "
+                          "to rest.")
+    return State(x, priors, sample.lost)
 
 
 def _ahead(e: Experiment, x: np.ndarray, u: np.ndarray,
@@ -181,6 +139,8 @@ def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
     except ValueError as problem:
         raise ShapeError("{name} must be {size}×{size}, or one such matrix a sample; its shape is {array_shape}.",
                          name="P", size=e.shape[-1], array_shape=P.shape) from problem
+    if e.shape[-1] > 1 and (squares := _quick_squares(e, P)) is not None:
+        return squares
     spread = np.sqrt(np.maximum(np.diagonal(P, axis1=-2, axis2=-1), 1e-300))
     correlation = P / (spread[..., :, None] * spread[..., None, :])
     scaled = (e / spread)[..., None]
@@ -195,3 +155,14 @@ def errors_squared(e: np.ndarray, P: np.ndarray) -> np.ndarray:
         good = values[..., 0] > 0
         squares = (turned**2 / np.where(values > 0, values, 1.0)).sum(axis=-1)
         return np.where(good, squares, np.nan)
+
+
+def _quick_squares(e: np.ndarray, P: np.ndarray) -> np.ndarray | None:
+    """The same by a kernel; None where there is none, or where a P is not positive definite."""
+    work = kernel(square_steps)
+    if work is None:
+        return None
+    n, found = e.shape[-1], np.empty(e.shape[:-1])
+    with np.errstate(all="ignore"):
+        done = work(given(e.reshape(-1, n)), given(P.reshape(-1, n, n)), found.reshape(-1))
+    return found if done == found.size else None

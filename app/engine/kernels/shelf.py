@@ -22,13 +22,14 @@ from typing import Any
 
 import numpy as np
 
-from . import clipped, exits, geared, held, recursion, small
+from . import bounds, clipped, exits, geared, held, recursion, small, tape, watched
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
-_1, _2, _3, _4 = ("f8[" + ":," * d + "::1]" for d in range(4))
+_1, _2, _3, _4, _5 = ("f8[" + ":," * d + "::1]" for d in range(5))
+_TAPES = f"i8[:,::1],{_1},i8[::1],i8[:,::1],{_1},i8[::1]"
 _STEPS = f"b1[:,::1],{_2},{_2},i8,{_3},{_3},{_3},{_3})"
 SIGNATURES = MappingProxyType({
     recursion.mean_steps: f"i8({_2},{_2},{_3},{_1},{_2},{_2},{_2},{_2},{_2})",
@@ -39,10 +40,16 @@ SIGNATURES = MappingProxyType({
     geared.contact_steps: f"i8({_2},i8[::1],{_2},{_3},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_1},{_1},"
                             f"{_1},{_1},{_1},{_1},i8[::1],f8,i8,f8,i8,i8)",
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
+    watched.watched_steps: f"i8({_TAPES},{_1},{_2},{_2},{_1},{_2},{_2},{_1},{_1},{_3},{_3},{_2},{_2},{_1},{_2},{_2},{_3},{_3},{_2},{_3},"
+                           f"i8[::1],f8,{_3},{_4},{_3},{_5},{_4},b1[:,:,::1],{_3},{_3},{_3},{_4},{_3},{_5},{_4},{_3},{_5},{_3},{_5})",
+    bounds.slope_steps: f"i8({_TAPES},f8,i8,{_2},{_2},{_3},{_3})",
+    bounds.bound_steps: f"i8({_2},{_3},{_2},{_3},{_3},{_3})",
+    bounds.square_steps: f"i8({_2},{_3},{_1})",
 })
 PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor,
          small.solve_upper, small.solve_both, recursion.there, clipped.length2, clipped.mode_at, clipped.slack_of, clipped.stays,
-         clipped.careful, clipped.blurred, exits.piece, exits.first_exit)
+         clipped.careful, clipped.blurred, exits.piece, exits.first_exit, tape.run_lanes, tape.flow_lanes, watched.straight,
+         watched.drawn, watched.centre, watched.spread, watched.gained, watched.joseph_form, watched.told, bounds.corrected)
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
 SWITCH = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it

@@ -19,6 +19,7 @@ NEAR_SINGULAR = 1e-3  # |1 − ab| below which two mixed inputs are one
 EVALUATIONS = 600
 NEAR = 1e-3  # how near a simplex must come to the end of a valley before Newton's steps
 NEWTON = 12
+SMALL = 1e-6  # a step of Newton's below which J, all rounding there, is no longer asked whether it falls
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +141,7 @@ def coupling(response: object, *, channels: tuple[int, int] = (0, 1)) -> Couplin
 
 
 def _bottom(J: Coupling, x: np.ndarray) -> np.ndarray | None:
-    """The end (2,) of the valley near x by Newton's steps; None where they do not lead there."""
+    """The end (2,) of the valley near x by Newton's steps, to rounding of the slopes; None where they do not lead there."""
     begun, value = x, J(*x)
     for _ in range(NEWTON):
         slope, bend = J.slopes(*x)
@@ -149,7 +150,7 @@ def _bottom(J: Coupling, x: np.ndarray) -> np.ndarray | None:
         step = np.linalg.solve(bend, slope)
         x, last = x - step, value
         value = J(*x)
-        if not value <= last * (1 + 1e-12) or np.abs(x - begun).max() > 10 * NEAR:
+        if (not value <= last * (1 + 1e-12) and np.abs(step).max() > SMALL) or np.abs(x - begun).max() > 10 * NEAR:
             return None
         if np.abs(step).max() <= 1e-10:
             return x
@@ -177,7 +178,9 @@ def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixi
         valley = walk(np.array(x), spread, NEAR, np.inf)
         end = _bottom(J, valley)
         if end is None:
-            end = walk(valley, NEAR, 1e-9, 1e-12)
+            valley = walk(valley, NEAR, 1e-9, 1e-12)  # as near as J itself can tell, which is half the digits of the slopes
+            end = _bottom(J, valley)
+            end = valley if end is None else end
         return J(*end), float(end[0]), float(end[1])
     begins = [x for x in (start, (0.0, 0.0)) if np.isfinite(J(*x))]
     value, a, b = min(run(x) for x in begins)

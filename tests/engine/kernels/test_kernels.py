@@ -23,10 +23,26 @@ from app.engine import (
     simulate,
     simulate_trial,
 )
+from app.engine.filters import (
+    Beliefs,
+    Experiment,
+    ExtendedKalmanFilter,
+    LinearisedFilter,
+    PrintedUnscentedFilter,
+    Steering,
+    UnscentedKalmanFilter,
+    errors_squared,
+    posterior_bound,
+    simulate_filters,
+    slopes_along,
+)
 from app.engine.kernels import SHELF, prepare_kernels, shelf
 from app.engine.kernels.shelf import SIGNATURES
+from app.engine.kernels.tape import recorded
 from app.engine.sampled import Hardware, SampledLoop, sampled_controller, simulate_trials
 from app.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
+from app.engine.systems import NonlinearPlant
+from app.plants import cart_pendulum, falling_body, nonlinear_platform
 
 Parts = dict[str, np.ndarray]
 
@@ -92,6 +108,36 @@ def geared(s: Scenario, **gear: object) -> Parts:
     return {"x": found.run.x, "xhat": found.run.xhat, "v": found.run.v, "inner": found.inner, "contact": found.contact.astype(float)}
 
 
+def watched(plant: NonlinearPlant, steps: int, size: float, points: type = UnscentedKalmanFilter, by: str = "", known: float = 0.0,
+            parts: int = 1) -> Parts:
+    """Runs watched by three filters, kicked on the way, the slopes along them, their bound and their squared errors."""
+    n, m, runs, rng = plant.n, plant.m, 2, np.random.default_rng(4)
+    flow, R = plant.flow(0.05, parts=parts), 1e-4 * size**2 * np.eye(plant.p)
+    middle, P = np.zeros(n) if m else np.array(falling_body.GUESS), (size * np.linspace(1, known, n))**2
+    Q = 1e-3 * np.diag(np.where(P > 0, P, size**2))
+    made = {"points": points(flow, plant.output, Q, R, 0.7, 1.5, 1.0),
+            "once": LinearisedFilter(flow, plant.output, Q, R, middle, np.zeros(m)),
+            "along": ExtendedKalmanFilter(flow, plant.output, Q, R, h_expand=plant.observe)}
+    steering = Steering(by, rng.standard_normal((m, n)), np.full(m, 0.5)) if by else None
+    x0, inputs = middle[:, None] + np.sqrt(P)[:, None] * rng.standard_normal((n, runs)), 0.1 * rng.standard_normal((steps, m))
+    e = Experiment(flow, plant.output, Q, R, x0, Beliefs.alike(middle, np.diag(P), runs), inputs, made, steering,
+                   ((1, size * np.sqrt(P)),), plant)
+    samples = list(simulate_filters(e, rng))
+    x, u = (np.array([np.broadcast_to(getattr(s, what), (rows, runs)) for s in samples]) for what, rows in (("x", n), ("u", m)))
+    found = {"x": x, "u": u, "y": np.array([s.y for s in samples])}
+    for name in made:
+        each = [s.corrections[name] for s in samples]
+        found |= {f"{name} {part}": np.array([np.broadcast_to(getattr(c, part), (runs, *getattr(c, part).shape[1:])) for c in each])
+                  for part in ("S", "gain")}
+        found |= {f"{name} mean": np.array([c.beliefs.mean for c in each]), f"{name} nu": np.array([c.innovation for c in each]),
+                  f"{name} P": np.array([np.broadcast_to(c.beliefs.covariance, (runs, n, n)) for c in each]),
+                  f"{name} lost": np.array([s.lost[name] for s in samples], dtype=float)}
+        found[f"{name} squares"] = errors_squared((x - found[f"{name} mean"]).swapaxes(1, 2), found[f"{name} P"])
+    F, H = slopes_along(plant, 0.05, *(a.swapaxes(0, 1).reshape(a.shape[1], steps * runs) for a in (x, u)), parts=parts)
+    F, H = F.reshape(steps, runs, n, n), H.reshape(steps, runs, -1, n)
+    return found | {"F": F, "H": H, "bound": posterior_bound(F[:-1], H, Q, R, np.diag(P))}
+
+
 NOISE = {"W": 0.1 * np.eye(2), "V": 1e-3 * np.eye(1), "G": np.eye(2)}
 KICKED = {"impulses": ((0.055, [0.5, 0.3]), (0.07, [0.1, 0.0]), (0.2, [-1.0, 0.0]))}
 FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
@@ -116,6 +162,11 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
     for clip, gear in (({}, {"gap": 0.05}), (KICKED, {"gap": 0.02, "step": 1e-3, "sensor": "outer"}),
                        ({"u_min": -3, "u_max": 2}, {"gap": 0.05, "step": 1e-3}), ({}, {})):
         yield f"geared {[*clip]} {gear}", partial(geared, replace(arm, **clip), **gear)
+    few = min(steps // 8, 25)
+    yield "watched pole", partial(watched, cart_pendulum.nonlinear_plant(sensor="both"), few, 0.1, by="points")
+    yield "watched pole, as printed", partial(watched, cart_pendulum.nonlinear_plant(), few, 0.1, PrintedUnscentedFilter, "once", 1.0)
+    yield "watched fall", partial(watched, falling_body.plant(), few, 1.0, known=1e-6, parts=2)
+    yield "watched deck", partial(watched, nonlinear_platform.plant(), few, 1e-3, PrintedUnscentedFilter, "along", 1.0)
     falling = Scenario(FALLING, [[5.0, 4.0]], [[12.0], [37.0]], horizon=horizon / 8, u_min=-1, u_max=1, **KICKED)
     yield "map", partial(mapped, falling, 5, 10.0)
     yield "map in slices", partial(mapped, falling, 3, 0.0)
@@ -160,6 +211,13 @@ def test_a_compiler_that_fails_leaves_the_plain_ways(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(shelf, "_compiled", fails)
     prepare_kernels().join()
     assert not SHELF.made and "another version is needed" in caplog.text
+
+
+def test_equations_that_no_tape_can_hold_are_left_to_numpy() -> None:
+    for f in (np.abs, lambda x, u: np.where(x > 0, x, 0.0), lambda x, u: x if x[0] == 0 else -x, lambda x, u: np.maximum(x, 0.0),
+              lambda x, u: np.arctan(x), lambda x, u: x.astype(float)):
+        assert recorded(f, 1, 0, 1) is None
+    assert recorded(lambda x, u: np.zeros_like(x), 2, 0, 2) is not None
 
 
 @pytest.mark.slow

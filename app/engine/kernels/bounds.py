@@ -1,0 +1,100 @@
+"""What the runs of a nonlinear plant are judged by: slopes along them, the bound of Cramér and Rao, squared errors."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .small import factor, product, symmetrise, turn
+from .tape import flow_lanes, run_lanes
+from .watched import gained, joseph_form, straight
+
+__all__ = ["bound_steps", "slope_steps", "square_steps"]
+
+
+def slope_steps(f_steps, f_numbers, f_ends, h_steps, h_numbers, h_ends, step, parts, x, u, F, H):
+    """Slopes of a flow and of what is measured, F (k, n, n) and H (k, p, n), at the states x (k, n) and inputs u (k, m); see `tape`."""
+    n, m, p = x.shape[1], u.shape[1], H.shape[1]
+    first, lanes = n + m, 1 + n
+    T = np.empty((first + max(len(f_steps), len(h_steps)), lanes))
+    Y, K, total = np.empty((n, lanes)), np.empty((n, lanes)), np.empty((n, lanes))
+    for k in range(len(x)):
+        for j in range(m):
+            for l in range(lanes):
+                T[n + j, l] = u[k, j] if l == 0 else 0.0
+        for i in range(n):
+            Y[i, 0] = T[i, 0] = x[k, i]
+        straight(T, 1)
+        straight(Y, 1)
+        run_lanes(h_steps, h_numbers, first, T, 1)
+        for i in range(p):
+            for l in range(n):
+                H[k, i, l] = T[h_ends[i], 1 + l]
+        flow_lanes(f_steps, f_numbers, f_ends, first, T, 1, step, parts, Y, K, total)
+        for i in range(n):
+            for l in range(n):
+                F[k, i, l] = Y[i, 1 + l]
+    return len(x)
+
+
+def bound_steps(P, F, Q, varying, told, out):
+    """Fill out (k, n, n): P corrected by told[0], then by varying[k], through F[k] and by told[k + 1]; the number done.
+
+    A correction by C is (P⁻¹ + CᵀC)⁻¹, as by readings C x with noise I.
+    """
+    n = len(P)
+    one, after, X, Y, FT = np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    for i in range(n):
+        for j in range(n):
+            one[i, j] = 1.0 if i == j else 0.0
+    if not corrected(P, told[0], one, out[0]):
+        return 0
+    for k in range(len(F)):
+        if not corrected(out[k], varying[k], one, after):
+            return k + 1
+        turn(F[k], FT)
+        product(F[k], after, False, X)
+        product(X, FT, True, Y)
+        symmetrise(Y, Q, after)
+        if not corrected(after, told[k + 1], one, out[k + 1]):
+            return k + 1
+    return len(out)
+
+
+def corrected(P, C, one, out):
+    """out = (P⁻¹ + CᵀC)⁻¹ for C (n, n); False where rounding has spoilt P. `one` is the identity."""
+    n = len(P)
+    CT, across, S = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    L, turned, M = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
+    turn(C, CT)
+    product(P, CT, False, across)
+    product(C, across, False, S)
+    symmetrise(S, one, S)
+    if not gained(S, across, L, turned, M):
+        return False
+    joseph_form(P, C, one, M, out)
+    return True
+
+
+def square_steps(e, P, out):
+    """out (k,) = eᵀ P⁻¹ e of errors e (k, n) with covariances P (k, n, n), brought to unit variance; the number done."""
+    n = e.shape[1]
+    deviation, R, L, half = np.empty(n), np.empty((n, n)), np.empty((n, n)), np.empty(n)
+    for k in range(len(e)):
+        for i in range(n):
+            if not P[k, i, i] > 0.0:
+                return k
+            deviation[i] = np.sqrt(P[k, i, i])
+        for i in range(n):
+            for j in range(i + 1):
+                R[i, j] = P[k, i, j] / (deviation[i] * deviation[j])
+        if not factor(R, L):
+            return k
+        total = 0.0
+        for i in range(n):
+            a = e[k, i] / deviation[i]
+            for j in range(i):
+                a -= L[i, j] * half[j]
+            half[i] = a / L[i, i]
+            total += half[i] * half[i]
+        out[k] = total
+    return len(e)
