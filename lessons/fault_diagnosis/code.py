@@ -9,6 +9,7 @@ from app.lesson.lesson import Outcome
 
 from .bank import COUNT, DT, MODEL, NAMES, PLACES, Q_WEIGHT, SIGMA, guard, model, truth
 from .diagnosis import ENERGY, FADE, HOLD, POWER
+from .pairs import judge_pairs, pair_bank, pair_start
 from .record import Study
 from .runs import NONE, OPEN, SWITCH, Fault, drawn
 
@@ -20,6 +21,10 @@ def code(outcome: Outcome[Study]) -> Code:
     A_true, B_true = truth(case.stiffer)
     noise = drawn(int(d["seed"]))
     ignoring = np.array([member.basis @ noise.bank[part] for member, part in zip(bank.members, bank.slices, strict=True)][4:])
+    two = pair_bank()
+    in_pairs = np.array([member.basis @ start for member, start in zip(two.members, np.split(pair_start(int(d["seed"])), [
+        part.stop for part in two.slices[:-1]]), strict=True)])
+    said = judge_pairs(s.test, s.record, int(d["seed"]))
     poles = [Shown(f"eigvals(step_of['m{k}'])", outcome.poles[name], poles=True) for k, name in enumerate(NAMES)]
     return Code(("faults",), (
         Given("A", kf.A, "the deck at its samples, as the bank believes it: x[k+1] = A x + B u + w, y = C x + v"), Given("B", kf.B),
@@ -41,11 +46,18 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("fade", FADE, "samples in which the bank forgets a kick"), Given("power", POWER),
         Given("seed", int(d["seed"])),
         Given("first_errors", ignoring, "of the members that ignore a coil: drawn in a basis of which there are many, the page's"),
+        Given("pair_errors", in_pairs, "of the members that ignore two parts, in the order of their pairs"),
     ), (
         Shown("L", outcome.gains["L"]), *poles, Shown("x", s.record.x), Shown("xhat", s.record.xhat), Shown("y", s.record.y),
         Shown("asked", s.record.asked), Shown("applied", s.record.applied), Shown("statistics", s.verdict.values),
+        Shown("pair_statistics", said.values), Shown("named_alone", _named(said.alone, 1)), Shown("named_pair", _named(said.both, 2)),
         *(Shown(name, m[name]) for name in ("threshold", "dof", "needed", "hourly", "accused", "right_verdict", "delay", "expected_delay",
-                                            "pitch"))), "Shares over many runs, the cumulative sum, and the bank of pairs", (
+                                            "pitch"))), "Shares over many runs, the cumulative sum, and how small a fault the banks see", (
         Given("w", noise.w), Given("v", noise.v), Given("first_error", noise.whole, "of the filter that the loop believes"),
         Given("first_starts", np.array([noise.bank[part] for part in bank.slices[:4]]), "of the members that leave out a sensor"),
     ), DT)
+
+
+def _named(verdict: tuple[int, tuple[int, ...]] | None, parts: int) -> np.ndarray:
+    """The sample of a verdict and the parts it names, -1 where there is none."""
+    return np.array([-1] * (1 + parts) if verdict is None else [verdict[0], *verdict[1]])

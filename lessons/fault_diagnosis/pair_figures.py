@@ -95,7 +95,12 @@ def _company(s: Study, values: np.ndarray) -> Text:
         second, first)
     unseen = text("A lasting lie of {fault} goes unseen beside {other}: the member that ignores {other} and {third} takes it for what "
                   "those two can do.", fault=PLACES[i], other=PLACES[j], third=PLACES[deaf(s.case.tone, i, j)])
+    least, times, unit = float(values[i, j]), float(values[i, j] / values[i, i]), "mm/s" if i < 4 else "N"
     seen = text("{fault} is seen beside {other} from {least:.3g} {unit} on, {times:.3g} times what it takes alone.", fault=PLACES[i],
-                other=PLACES[j], least=float(values[i, j]), unit="mm/s" if i < 4 else "N", times=float(values[i, j] / values[i, i]))
-    return claim(seen, float(values[i, j]), below=MOST, otherwise=(
-        claim(unseen, float(values[i, j]), above=MOST) if i < 4 else NO_WORDS))
+                other=PLACES[j], least=least, unit=unit, times=times)
+    if times <= 1:
+        seen = text("{fault} is seen beside {other} from {least:.3g} {unit} on, no more than it takes alone ({alone:.3g} {unit}): "
+                    "two residuals have less noise than three.", fault=PLACES[i], other=PLACES[j], least=least, unit=unit,
+                    alone=float(values[i, i]))
+    return claim(seen, least, below=MOST, otherwise=(
+        claim(unseen, least, above=MOST) if i < 4 else NO_WORDS))

@@ -79,7 +79,7 @@ def pattern() -> np.ndarray:
 
 
 @lru_cache(maxsize=8)
-def _start(seed: int) -> np.ndarray:
+def pair_start(seed: int) -> np.ndarray:
     rng = None if seed < 0 else np.random.default_rng([seed, 17, 2])
     return pair_bank().start(np.zeros(model().n), rng=rng)
 
@@ -103,7 +103,7 @@ def _dof(test: Rule) -> int:
 
 def values_of(test: Rule, record: Record, seed: int) -> np.ndarray:
     """The statistic of the windows that end at each sample, (COUNT, 21), of the bank of pairs on a record."""
-    return test.values(pair_bank().run(record.y, record.asked, _start(seed))[0])
+    return test.values(pair_bank().run(record.y, record.asked, pair_start(seed))[0])
 
 
 def judge_pairs(test: Rule, record: Record, seed: int) -> PairVerdict:

@@ -96,7 +96,9 @@ def _power(shown: Shown, fault: int, size: float, ignored: frozenset[int]) -> fl
 def _beside(shown: Shown, words: Text) -> None:
     fault, other = (PARTS.index(str(dict(words.values)[name])) for name in ("fault", "other"))
     unit = 1e-3 if fault < 4 else 1.0
-    size, alone = unit * value(words, "least"), unit * value(words, "least") / value(words, "times")
+    size, values = unit * value(words, "least"), dict(words.values)
+    alone = unit * value(words, "alone") if "alone" in values else size / value(words, "times")
+    assert (alone >= size * (1 - 1e-9)) == ("alone" in values), "company makes it easier, or harder"
     pairs = min(_power(shown, fault, size, frozenset((other, k))) for k in range(7) if k not in (fault, other))
     seven = min(_power(shown, fault, alone, frozenset((k,))) for k in range(7) if k != fault)
     assert abs(pairs - 0.99) < 0.005 and abs(seven - 0.99) < 0.005, f"seen with {pairs:.4f}, alone with {seven:.4f}"
@@ -112,6 +114,8 @@ def _unseen(shown: Shown, words: Text) -> None:
 WITNESSES: Mapping[str, Witness] = {
     "{who} is accused {delay:.2f} s after it failed, rightly.": _rightly,
     "{fault} is seen beside {other} from {least:.3g} {unit} on, {times:.3g} times what it takes alone.": _beside,
+    "{fault} is seen beside {other} from {least:.3g} {unit} on, no more than it takes alone ({alone:.3g} {unit}): two residuals have less "
+    "noise than three.": _beside,
     "A lasting lie of {fault} goes unseen beside {other}: the member that ignores {other} and {third} takes it for what those two can do.":
         _unseen,
     "With both faults no member gives an alarm for {share:.0f} % of the time.": _most_often(NOBODY),
