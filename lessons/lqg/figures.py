@@ -30,9 +30,9 @@ def all_figures(outcome: Outcome[Study]) -> Sheaf:
     """Everything on the right of the stage."""
     return Sheaf(
         leaf(SPECTRUM_TAB, lambda: _spectra(outcome)), leaf(COST_TAB, lambda: (_input(outcome), _cost(outcome))),
-        leaf(ROBUST_TAB, lambda: (_nyquist(outcome), _return(outcome), _margins(outcome))),
-        leaf(RECOVERY_TAB, lambda: (_loop_gain(outcome), _price(outcome))), leaf(TIME_TAB, lambda: _run(outcome)),
-        leaf(REPORT_TAB, lambda: (rules_figure(outcome),)))
+        leaf(ROBUST_TAB, lambda: (_nyquist(outcome), _return(outcome))), leaf(ROBUST_TAB, lambda: (_margins(outcome),), "late"),
+        leaf(RECOVERY_TAB, lambda: (_loop_gain(outcome),)), leaf(RECOVERY_TAB, lambda: (_price(outcome),), "late"),
+        leaf(TIME_TAB, lambda: _run(outcome)), leaf(REPORT_TAB, lambda: (rules_figure(outcome),)))
 
 
 def words(value: float, digits: int = 3) -> str:

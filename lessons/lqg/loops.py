@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -139,37 +139,62 @@ def sensor_input(case: Case, setting: Setting) -> float:
 # --- robustness ------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True, eq=False)
 class Robustness:
-    """A loop cut at one plant input, the model being right. margins there; loop gain ℓ (n_f,) at the case's wide
-    frequencies, `curve` the same along Nyquist's curve in even steps; all inputs at once: `together` σ_min(I + L) over
-    frequency (n_f,), its least value `nearest`, and `alpha` of the unstructured disk."""
+    """A loop cut at one plant input, the model being right; each part is found when it is looked at."""
 
-    margins: ChannelMargins
-    gain: np.ndarray
-    curve: np.ndarray
-    together: np.ndarray
-    nearest: float
-    alpha: float
+    case: Case
+    all: LoopMargins
+    cut: int
+
+    @cached_property
+    def margins(self) -> ChannelMargins:
+        """There."""
+        return self.all.input(self.cut)
+
+    @cached_property
+    def gain(self) -> np.ndarray:
+        """ℓ (n_f,) at the case's wide frequencies."""
+        return _gain(self._wide[:, self.cut, self.cut])
+
+    @cached_property
+    def curve(self) -> np.ndarray:
+        """ℓ along Nyquist's curve in even steps."""
+        return _even(_gain(self.all.loop.own(self.cut)))
+
+    @cached_property
+    def together(self) -> np.ndarray:
+        """All inputs at once: σ_min(I + L) over frequency (n_f,)."""
+        return _least(self._wide)
+
+    @cached_property
+    def nearest(self) -> float:
+        """Its least value."""
+        return 1 / _largest(self._dense)
+
+    @cached_property
+    def alpha(self) -> float:
+        """Of the unstructured disk."""
+        return 1 / _largest(self._dense - 0.5 * np.eye(self.case.plant.m))
+
+    @cached_property
+    def _wide(self) -> np.ndarray:
+        return self.all.loop.corner(2 * np.pi * self.case.wide, self.case.plant.m)
+
+    @cached_property
+    def _dense(self) -> np.ndarray:
+        return self.all.loop.corner(self.all.loop.omega, self.case.plant.m)
 
 
 @lru_cache(maxsize=32)
 def ideal(case: Case, alpha_q: float, alpha_r: float, cut: int) -> Robustness:
     """Of LQR, the whole state known."""
-    return _robustness(case, state_feedback_margins(case.plant, regulator(case, alpha_q, alpha_r).gain), cut)
+    return Robustness(case, state_feedback_margins(case.plant, regulator(case, alpha_q, alpha_r).gain), cut)
 
 
 @lru_cache(maxsize=32)
 def real(case: Case, factors: Factors, recovery: float, cut: int) -> Robustness:
     """Of LQG."""
     reg, est = gains(case, Setting(factors, recovery, 1.0))
-    return _robustness(case, loop_margins(case.plant, compensator(case.plant, reg.gain, est.gain)), cut)
-
-
-def _robustness(case: Case, margins: LoopMargins, cut: int) -> Robustness:
-    m = case.plant.m
-    S = margins.loop.at(2 * np.pi * case.wide)[:, :m, :m]
-    dense = margins.loop.values[:, :m, :m]
-    return Robustness(margins.input(cut), _gain(S[:, cut, cut]), _even(_gain(dense[:, cut, cut])), _least(S), 1 / _largest(dense),
-                      1 / _largest(dense - 0.5 * np.eye(m)))
+    return Robustness(case, loop_margins(case.plant, compensator(case.plant, reg.gain, est.gain)), cut)
 
 
 def _gain(S: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from app.text import Text, joined, listed, same, text, text_in
 
 from .equal import EFFORT_TAB, equal
 from .players import NAMES, ORDER, SHORT, gain_gap
-from .scores import SCORE_TAB, TRIAL_TAB, friction, scored, tried
+from .scores import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
 from .study import Study
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
@@ -34,7 +34,8 @@ def figures(outcome: Outcome[Study]) -> Sheaf:
         leaf(INPUT_TAB, lambda: (_input(outcome, 0), _input(outcome, 2), _gain(outcome))),
         leaf(TIME_TAB, lambda: [_test(outcome, j) for j in range(3)]),
         leaf(RUN_TAB, lambda: (_stage_velocity(outcome), _stage_force(outcome), friction(outcome, RUN_TAB))),
-        leaf(SCORE_TAB, lambda: scored(outcome)), leaf(TRIAL_TAB, lambda: tried(outcome)),
+        leaf(SCORE_TAB, lambda: scored(outcome)), leaf(SCORE_TAB, lambda: (times(outcome),), "late"),
+        leaf(TRIAL_TAB, lambda: tried(outcome)),
         leaf(EFFORT_TAB, lambda: equal(outcome)))
 
 
@@ -128,7 +129,7 @@ def _input(outcome: Outcome[Study], j: int) -> LineFigure:
 def _gain(outcome: Outcome[Study]) -> LineFigure:
     t, away = gain_gap(outcome.design["v"])
     m = outcome.study
-    apart = outcome.metrics.get("filters_apart_db")
+    apart = m.filters_apart
     said = [text("It has {left:.2g} % to go after 20 s.", left=100 * away[-1])]
     if apart is not None:
         said.append(text("Settled, its loop differs from the steady LQE's by at most {apart:.2f} dB.", apart=apart))

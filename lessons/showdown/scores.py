@@ -20,8 +20,8 @@ SPLIT = text("Cells: vertical, rotation, horizontal.")
 
 
 def scored(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
-    """Suppression, sizes, times."""
-    return _suppression(outcome), _sizes(outcome), _times(outcome)
+    """Suppression, sizes."""
+    return _suppression(outcome), _sizes(outcome)
 
 
 def tried(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
@@ -59,7 +59,8 @@ def _sizes(outcome: Outcome[Study]) -> TableFigure:
                        caption=text("Here what a controller adds above the resonances counts too."))
 
 
-def _times(outcome: Outcome[Study]) -> TableFigure:
+def times(outcome: Outcome[Study]) -> TableFigure:
+    """How the test goes, which nobody reads while a knob moves."""
     m = outcome.study
     rows = []
     for i in range(5):
@@ -67,9 +68,9 @@ def _times(outcome: Outcome[Study]) -> TableFigure:
         if measured is None:
             rows.append((SHORT[i], text("unstable"), "–", "–", "–"))
             continue
-        times = APART.join(">12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
+        recovered = APART.join(">12" if part.recovery is None else f"{part.recovery:.2g}" for part in measured)
         over = APART.join(f"{100 * part.overshoot:.0f}" for part in measured)
-        rows.append((SHORT[i], times, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.4g}"))
+        rows.append((SHORT[i], recovered, over, f"{1e3 * measured[0].peak:.3g}", f"{1e6 * measured[0].energy:.4g}"))
     return TableFigure("times", text("the test in time"),
                        (text("controller"), text("recovery [s]"), text("overshoot "
                                                                                                         "[%]"),

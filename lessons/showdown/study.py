@@ -30,7 +30,7 @@ from .world import (
     measures,
     respond,
     shake,
-    without_hardware,
+    without_control,
     world_of,
 )
 
@@ -94,6 +94,15 @@ class Study:
         return tuple(analyse(self.world, player) for player in self.five)
 
     @cached_property
+    def filters_apart(self) -> float | None:
+        """How far the loops of steady and recursive filter differ in the working band at most, in dB; None where one is not stable."""
+        lqe, recursive = self.spectra[ORDER.index(LQE)], self.spectra[ORDER.index(RECURSIVE)]
+        if not (lqe.stable and recursive.stable):
+            return None
+        work = (self.f >= WORK[0]) & (self.f <= WORK[1])
+        return float(np.abs(10 * np.log10(recursive.density[work, :3] / lqe.density[work, :3])).max())
+
+    @cached_property
     def peak_db(self) -> np.ndarray:
         """How far each player brings the peak of each channel down (5, 3); 0 for a loop that is not stable."""
         inside = (self.f >= BAND[0]) & (self.f <= BAND[1])
@@ -144,7 +153,7 @@ def compute(design: Design) -> Outcome[Study]:
     five = players(design["v"], design["pair"])
     seed, kick = int(design["seed"]), design["kick"]
     chosen = five[ORDER.index(design["play"])]
-    bare = (world, chosen) if chosen.id == OPEN else (without_hardware(world), five[0])
+    bare = (world, chosen) if chosen.id == OPEN else (without_control(world), five[0])
     most = friction_of(design)
     run, ghost = ((rubbed(*who, seed, step, kick, most) if most else shake(*who, seed, step, kick)) for who in ((world, chosen), bare))
     match = Study(world, five, step, run, ghost[1])
@@ -168,11 +177,7 @@ def _metrics(m: Study) -> dict[str, float]:
         if measured is not None:
             found[f"{player.id}_peak_force"] = measured[0].peak
             found[f"{player.id}_energy"] = measured[0].energy
-    lqe, recursive = m.spectra[ORDER.index(LQE)], m.spectra[ORDER.index(RECURSIVE)]
-    if lqe.stable and recursive.stable:
-        work = (m.f >= WORK[0]) & (m.f <= WORK[1])
-        found["filters_apart_db"] = float(np.abs(10 * np.log10(recursive.density[work, :3] / lqe.density[work, :3])).max())
-    return found
+    return found if m.filters_apart is None else {**found, "filters_apart_db": m.filters_apart}
 
 
 def _checks(m: Study, metrics: Mapping[str, float]) -> tuple[Check, ...]:

@@ -34,6 +34,7 @@ OUTPUTS = 5  # vertical, rotation, horizontal; VL, VR. HL is the horizontal chan
 ASD = (2.5e-7, 6e-9)  # m/√Hz at 1 Hz of vertical and horizontal ground, falling as 1/f²
 CORNERS = 2 * np.pi * np.array([0.03, 0.04])  # rad/s below which the ground filter is flat
 BROAD = np.concatenate([np.geomspace(0.1, 499.0, 120), BAND])  # with the edges of the band
+SILENT = 1e-10  # (m/s)² s of noise where the sensors do not count
 NEAR = np.geomspace(5e-4, 0.3, 22)
 NEAR = np.concatenate([-NEAR[::-1], [0.0], NEAR])
 
@@ -116,14 +117,14 @@ def grid(parameters: platform.Parameters) -> np.ndarray:
 @lru_cache(maxsize=64)
 def _mechanics(world: World) -> MechanicsResponse:
     """What all players share: the responses of deck, drivers, delay and ground. `world` without sensor noise and limit."""
-    return mechanics_response(loop_of(world, players(1e-10, OWN)[0]), grid(world.parameters))
+    return mechanics_response(loop_of(world, players(SILENT, OWN)[0]), grid(world.parameters))
 
 
 @lru_cache(maxsize=256)
 def analyse(world: World, player: Player) -> Analysis:
     """The player's densities on the world's grid, by transfer function; zero where the loop is not stable."""
     loop = loop_of(world, player)
-    shared = replace(world, sensor=1e-10, hardware=replace(world.hardware, limit=np.inf, step=0.0, walk=0.0))
+    shared = replace(world, sensor=SILENT, hardware=replace(world.hardware, limit=np.inf, step=0.0, walk=0.0))
     if not loop.stable:
         return Analysis(False, np.zeros((len(grid(world.parameters)), OUTPUTS + 3)))
     units = np.array([1e12] * OUTPUTS + [1.0] * 3)
@@ -197,9 +198,9 @@ def measures(response: Response, reference: Response) -> tuple[ResponseMeasures,
     return tuple(response_measures(response.t, response.velocity[:, i], response.u, float(bands[i])) for i in range(3))
 
 
-def without_hardware(world: World) -> World:
-    """The same deck, ground and sensors with ideal coils and computer: what a deck that nobody steers meets."""
-    return replace(world, hardware=Hardware())
+def without_control(world: World) -> World:
+    """The same deck and ground with ideal coils, and sensors to which nobody listens: what a deck that nobody steers meets."""
+    return replace(world, hardware=Hardware(), sensor=SILENT)
 
 
 @lru_cache(maxsize=16)

@@ -29,7 +29,7 @@ def figures(outcome: Outcome[Study]) -> Sheaf:
     return Sheaf(leaf(RANK_TAB, lambda: (_sizes(outcome), _ranks(outcome))),
                  leaf(HANKEL_TAB, lambda: (_staircase(outcome), _error(outcome), _forms(outcome))),
                  leaf(MOTION_TAB, lambda: (_motions(outcome), _shapes(outcome))),
-                 leaf(LQG_TAB, lambda: (_spectrum(outcome), _gains(outcome), _costs(outcome))))
+                 leaf(LQG_TAB, lambda: (_spectrum(outcome), _gains(outcome))), leaf(LQG_TAB, lambda: (_costs(outcome),), "late"))
 
 
 def show(value: float, digits: int = 3) -> str:
@@ -167,7 +167,7 @@ def _shapes(outcome: Outcome[Study]) -> MatrixFigure:
 # --- LQG ---------------------------------------------------------------------------------------------------------------
 def _spectrum(outcome: Outcome[Study]) -> LineFigure:
     c, f = outcome.study.compared, outcome.study.system.frequencies
-    order = outcome.study.cut.order
+    order = outcome.study.order
     curves = [Curve(text("without control"), 1e12 * c.free[:, 0], "muted", width=1.4)]
     if c.full.densities is not None:
         curves.append(Curve(text("LQG on 10 states"), 1e12 * c.full.densities[:, 0], "plant"))
@@ -184,7 +184,7 @@ def _spectrum(outcome: Outcome[Study]) -> LineFigure:
 
 
 def _gains(outcome: Outcome[Study]) -> PlaneFigure:
-    c, order = outcome.study.compared, outcome.study.cut.order
+    c, order = outcome.study.compared, outcome.study.order
     index = np.arange(1.0, PAIRS + 1)
     curves, lowest = [], -10.0
     bars = ((c.full.K, text("K on 10 states"), "plant", -0.3),
@@ -204,7 +204,7 @@ def _gains(outcome: Outcome[Study]) -> PlaneFigure:
 
 
 def _costs(outcome: Outcome[Study]) -> TableFigure:
-    c, order = outcome.study.compared, outcome.study.cut.order
+    c, order = outcome.study.compared, outcome.study.order
 
     def cell(value: float | None, digits: int = 5) -> str:
         return "—" if value is None else show(value, digits)

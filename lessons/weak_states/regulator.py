@@ -9,6 +9,7 @@ import numpy as np
 
 from app.engine import Plant, lqg, noisy_loop
 from app.engine.feedback import Lqg, NoisyLoop
+from app.lesson.later import Later
 from app.plants.platform_lqg import FIGURE_V, Weights, coils, ground
 from app.text import text
 
@@ -25,8 +26,8 @@ SLOWEST = 1e-9  # rad/s: a pole no farther left is on the axis to rounding, and 
 class Loop:
     """One design on a balanced model, closed around the ten states: gains by pair (5,), densities, cost, force.
 
-    densities (n_f, 4) of the outputs in (m/s)²/Hz, cost of the average xᵀQx + uᵀRu, force: rms of all coils in N. None of
-    the three where the loop is unstable or on the edge. rightmost: real part of the slowest pole.
+    densities (n_f, 4) of the outputs in (m/s)²/Hz, None where the loop is unstable or on the edge. rightmost: real part of the slowest
+    pole. spent: the averages of xᵀQx and uᵀRu where there are such; alpha: R of one newton.
     """
 
     design: Lqg
@@ -34,8 +35,18 @@ class Loop:
     L: np.ndarray
     rightmost: float
     densities: np.ndarray | None
-    cost: float | None
-    force: float | None
+    spent: Later[tuple[float, float]] | None
+    alpha: float
+
+    @property
+    def cost(self) -> float | None:
+        """The average of xᵀQx + uᵀRu."""
+        return None if self.spent is None else sum(self.spent.value)
+
+    @property
+    def force(self) -> float | None:
+        """Rms of all coils in N."""
+        return None if self.spent is None else float(np.sqrt(self.spent.value[1] / self.alpha))
 
     @property
     def stable(self) -> bool:
@@ -81,10 +92,9 @@ def _on(s: System, order: int, v0: float, pressed: str) -> Loop:
     loop = _closed(s, design.controller, weights)
     rightmost = float(loop.poles.real.max())
     if rightmost > -SLOWEST:
-        return Loop(design, K, L, rightmost, None, None, None)
+        return Loop(design, K, L, rightmost, None, None, weights.alpha_r)
     paid = weights.Q(s.plant) if pressed == OUTPUTS else EQUAL * s.balanced.left.T @ s.balanced.left
-    spent = loop.cost(paid, weights.R)
-    return Loop(design, K, L, rightmost, loop.psd(s.frequencies), sum(spent), float(np.sqrt(spent[1] / weights.alpha_r)))
+    return Loop(design, K, L, rightmost, loop.psd(s.frequencies), Later(lambda: loop.cost(paid, weights.R)), weights.alpha_r)
 
 
 def weights_of(s: System, v0: float = FIGURE_V) -> Weights:

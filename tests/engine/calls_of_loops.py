@@ -48,7 +48,8 @@ def feedback(plant: Plant) -> dict[str, dict[str, Any]]:
               psd={"frequency": f, "rows": I2, "ground": f}, parts={"frequency": f, "rows": I2, "ground": f},
               response={"frequency": f, "rows": I2}, variance={"rows": I2}, joint={"rows": I2}, cost={"Q": I2, "R": ONE}),
         **of(noisy_loop(plant, None, B, ONE), "NoisyLoop", sampled={"dt": 0.1}),
-        **of(sensitivity(plant, controller), "Sensitivity", at={"omega": f}, along={"i": 0}),
+        **of(sensitivity(plant, controller), "Sensitivity", at={"omega": f}, along={"i": 0}, corner={"omega": f, "count": 1},
+             own={"i": 0}),
     }
 
 

@@ -166,7 +166,7 @@ def _channel(loop: Sensitivity, i: int, name: str) -> ChannelMargins:
     if not loop.stable:
         nan = float("nan")
         return ChannelMargins(name, (1.0, 1.0), (nan, nan), 0.0, nan, 0.0, DiskMargin(0.0, nan), np.inf, nan)
-    omega, s, at = loop.omega, loop.values[:, i, i], loop.along(i)
+    omega, s, at = loop.omega, loop.own(i), loop.along(i)
     low, high = _gain(omega, s, at)
     phase, delay = _phase(loop, s, at)
     peak, frequency = highest(omega, np.abs(s), lambda w: np.abs(at(w)))

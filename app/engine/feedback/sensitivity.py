@@ -76,21 +76,28 @@ class Sensitivity:
     @gated(omega=array(infinite=True))
     def at(self, omega: np.ndarray) -> np.ndarray:
         """S at frequencies in rad/s of any shape, ∞ included: complex (…, m+p, m+p)."""
+        return self._first(omega, len(self.D))
+
+    @gated(omega=array(infinite=True), count=count())
+    def corner(self, omega: np.ndarray, count: int) -> np.ndarray:
+        """S of the first `count` signals alone, complex (…, count, count): of the m inputs, where many states are measured."""
+        return self._first(omega, min(count, len(self.D)))
+
+    def _first(self, omega: np.ndarray, count: int) -> np.ndarray:
         if self.modal is None:
             flat, finite = omega.ravel(), np.isfinite(omega.ravel())
             values = np.empty((flat.size, *self.D.shape), dtype=complex)
             values[~finite] = self.D
             if finite.any():
                 values[finite] = frequency_response(self.A, self.B, self.C, self.D, flat[finite], dt=self.dt)
-            return values.reshape(*omega.shape, *self.D.shape)
-        residues = self.modal[1].reshape(len(self.A), -1)
-        return (self._weights(omega) @ residues).reshape(*omega.shape, *self.D.shape) + self.D
+            return values.reshape(*omega.shape, *self.D.shape)[..., :count, :count]
+        residues = self.modal[1][:, :count, :count].reshape(len(self.A), -1)
+        return (self._weights(omega) @ residues).reshape(*omega.shape, count, count) + self.D[:count, :count]
 
     @gated(i=count())
     def along(self, i: int) -> Callable[[np.ndarray], np.ndarray]:
         """S_ii alone as a function of finite frequencies (…) → complex (…), for searches that ask again and again."""
-        if i >= len(self.D):
-            raise EngineError("There is no signal number {index}; the loop has {count}.", index=i, count=len(self.D))
+        self._known(i)
         if self.modal is None:
             return lambda omega: self.at(omega)[..., i, i]
         poles, residues, direct, dt = self.modal[0], np.ascontiguousarray(self.modal[1][:, i, i]), self.D[i, i], self.dt
@@ -100,6 +107,18 @@ class Sensitivity:
             return (1 / (points[..., None] - poles)) @ residues + direct
 
         return at
+
+    @gated(i=count())
+    def own(self, i: int) -> np.ndarray:
+        """S_ii alone on `omega`, complex (n_ω,)."""
+        self._known(i)
+        if self.modal is None or "values" in vars(self):
+            return self.values[:, i, i]
+        return self._weights(self.omega) @ self.modal[1][:, i, i] + self.D[i, i]
+
+    def _known(self, i: int) -> None:
+        if i >= len(self.D):
+            raise EngineError("There is no signal number {index}; the loop has {count}.", index=i, count=len(self.D))
 
     def _weights(self, omega: np.ndarray) -> np.ndarray:
         """1/(λ − λ_k) at λ = jω or e^{jω dt}, zero at ∞: (…, N)."""
