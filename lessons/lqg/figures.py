@@ -13,7 +13,7 @@ from app.plants.names import called
 from app.text import Text, same, squared, text, text_in
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
-from .loops import Robustness
+from .robustness import Robustness
 from .rules import REPORT_TAB, rules_figure
 from .study import Study, sensor_share
 

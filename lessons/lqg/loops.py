@@ -1,9 +1,9 @@
-"""What a design of this lesson leads to: gains, the noisy loop, its costs, its robustness, one run. All of it cached."""
+"""What a design of this lesson leads to: gains, the noisy loop, its costs, one run. All of it cached."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from app.engine import (
     Plant,
     Scenario,
     compensator,
-    loop_margins,
     lqe,
     lqr,
     noisy_loop,
@@ -21,7 +20,7 @@ from app.engine import (
     simulate,
 )
 from app.engine.design import Optimal
-from app.engine.feedback import ChannelMargins, LoopMargins, NoisyLoop, state_feedback_margins
+from app.engine.feedback import NoisyLoop
 from app.engine.filters import Schedule
 from app.engine.sampled import SampledLqg
 from app.engine.systems import symmetric
@@ -30,8 +29,6 @@ from app.lesson.lesson import Design
 from .cases import Case, Factors
 
 FAR = 1e9  # a state beyond this ends the run
-STEP, DRAWN = 0.1, 240  # of Nyquist's curve: a longer jump counts as this; points drawn
-LOOK = 60  # matrices looked at together
 SLACK = 0.1  # of the largest first error, the least standard deviation that the recursive filter begins with
 
 
@@ -134,99 +131,6 @@ def sensor_input(case: Case, setting: Setting) -> float:
     """Rms over all inputs of what the sensors' noise alone makes them do, ∞ for an unstable loop."""
     z = loop(case, setting)
     return float(np.sqrt(z.only(disturbances=0.0).variance(z.inputs()).sum())) if z.stable else np.inf
-
-
-# --- robustness ------------------------------------------------------------------------------------------------------
-@dataclass(frozen=True, eq=False)
-class Robustness:
-    """A loop cut at one plant input, the model being right; each part is found when it is looked at."""
-
-    case: Case
-    all: LoopMargins
-    cut: int
-
-    @cached_property
-    def margins(self) -> ChannelMargins:
-        """There."""
-        return self.all.input(self.cut)
-
-    @cached_property
-    def gain(self) -> np.ndarray:
-        """ℓ (n_f,) at the case's wide frequencies."""
-        return _gain(self._wide[:, self.cut, self.cut])
-
-    @cached_property
-    def curve(self) -> np.ndarray:
-        """ℓ along Nyquist's curve in even steps."""
-        return _even(_gain(self.all.loop.own(self.cut)))
-
-    @cached_property
-    def together(self) -> np.ndarray:
-        """All inputs at once: σ_min(I + L) over frequency (n_f,)."""
-        return _least(self._wide)
-
-    @cached_property
-    def nearest(self) -> float:
-        """Its least value."""
-        return 1 / _largest(self._dense)
-
-    @cached_property
-    def alpha(self) -> float:
-        """Of the unstructured disk."""
-        return 1 / _largest(self._dense - 0.5 * np.eye(self.case.plant.m))
-
-    @cached_property
-    def _wide(self) -> np.ndarray:
-        return self.all.loop.corner(2 * np.pi * self.case.wide, self.case.plant.m)
-
-    @cached_property
-    def _dense(self) -> np.ndarray:
-        return self.all.loop.corner(self.all.loop.omega, self.case.plant.m)
-
-
-@lru_cache(maxsize=32)
-def ideal(case: Case, alpha_q: float, alpha_r: float, cut: int) -> Robustness:
-    """Of LQR, the whole state known."""
-    return Robustness(case, state_feedback_margins(case.plant, regulator(case, alpha_q, alpha_r).gain), cut)
-
-
-@lru_cache(maxsize=32)
-def real(case: Case, factors: Factors, recovery: float, cut: int) -> Robustness:
-    """Of LQG."""
-    reg, est = gains(case, Setting(factors, recovery, 1.0))
-    return Robustness(case, loop_margins(case.plant, compensator(case.plant, reg.gain, est.gain)), cut)
-
-
-def _gain(S: np.ndarray) -> np.ndarray:
-    """ℓ = 1/S − 1, at most 10⁹ where an integrator makes S zero."""
-    return 1 / np.where(np.abs(S) < 1e-9, 1e-9, S) - 1
-
-
-def _even(ell: np.ndarray) -> np.ndarray:
-    """Points of a curve about evenly spaced where it is near, so that resonances are round and far arcs cost little."""
-    way = np.concatenate([[0.0], np.cumsum(np.minimum(np.abs(np.diff(ell)), STEP))])
-    return ell[np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], DRAWN)).clip(0, len(ell) - 1))]
-
-
-def _least(S: np.ndarray) -> np.ndarray:
-    """1/σ_max(S) of each matrix of a stack: σ_min of I + L."""
-    if S.shape[-1] == 1:
-        return 1 / np.maximum(np.abs(S[:, 0, 0]), 1e-9)
-    return 1 / np.sqrt(np.maximum(np.linalg.eigvalsh(S.conj().swapaxes(1, 2) @ S)[:, -1], 1e-18))
-
-
-def _largest(matrices: np.ndarray) -> float:
-    """The largest singular value of a stack; one whose Frobenius norm lies below the best so far need not be looked at."""
-    size = np.linalg.norm(matrices, axis=(1, 2))
-    if matrices.shape[-1] == 1:
-        return float(size.max())
-    order, best = np.argsort(size)[::-1], 0.0
-    for part in np.array_split(order, max(len(order) // LOOK, 1)):
-        if size[part[0]] <= best:
-            break
-        M = matrices[part]
-        best = max(best, float(np.sqrt(np.linalg.eigvalsh(M.conj().swapaxes(1, 2) @ M)[:, -1].max())))
-    return best
 
 
 # --- one run ---------------------------------------------------------------------------------------------------------

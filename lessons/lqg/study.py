@@ -22,19 +22,17 @@ from .cases import DOYLE, Case
 from .knobs import PROCESS, RECURSIVE, SENSOR, SPLIT
 from .loops import (
     Cost,
-    Robustness,
     Setting,
     Trace,
     cost,
     estimator,
     gains,
-    ideal,
     loop,
-    real,
     sensor_input,
     setting_of,
     trace,
 )
+from .robustness import Robustness, ideal, real
 
 STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
 STANDS = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")

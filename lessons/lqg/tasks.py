@@ -10,7 +10,8 @@ from app.text import text
 
 from .cases import DOYLE, REPORT
 from .knobs import NONE, SENSOR, UNITS
-from .loops import real, setting_of
+from .loops import setting_of
+from .robustness import real
 from .study import Study
 
 EDGE = 1.001  # a gain that breaks the loop of the first task

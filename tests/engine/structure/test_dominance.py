@@ -137,3 +137,15 @@ def test_channels_that_are_not_there_and_responses_on_a_pole_are_refused() -> No
             mixing_matrix(0.1, 0.2, size=2, channels=channels)
     with pytest.raises(EngineError, match="NaN or infinity"):
         relative_gains(np.full((2, 2), np.nan))
+
+
+def test_the_best_mixing_is_one_point_however_the_response_is_rounded():
+    """Newton once gave up where rounding of J, small beside its terms, hid that it falls: a and b then moved in the ninth digit."""
+    rng = np.random.default_rng(3)
+    for _ in range(40):
+        G = rng.standard_normal((40, 2, 2)) + 1j * rng.standard_normal((40, 2, 2))
+        G[:, [0, 1], [1, 0]] *= 10**rng.uniform(-6, 0)
+        G[:, [0, 1], [0, 1]] += 3
+        G = G @ np.linalg.inv([[1, rng.uniform(-0.3, 0.3)], [rng.uniform(-0.3, 0.3), 1]])
+        one, other = best_mixing(G), best_mixing(G * (1 + 2e-16 * rng.integers(-2, 3, G.shape)))
+        assert max(abs(one.a - other.a), abs(one.b - other.b)) < 1e-12
