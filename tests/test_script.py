@@ -22,6 +22,7 @@ from app.export.matlab import function_name, matlab_script
 from app.export.script import ScriptError, parts_of, python_script
 from app.lesson.lesson import Design, Lesson
 from app.plants.examples import example
+from app.plants.own import cleaned
 from app.tab.state import Saved
 from app.tab.token import write_token
 from lessons import LESSONS
@@ -48,7 +49,15 @@ for k in range(int(sys.argv[1])):
 def sampled(turn: int) -> list[tuple[Lesson, Design]]:
     """DESIGNS, and of every lesson its start or one of three random designs, another at another turn."""
     every = [(lesson, list(designs(lesson, 3))[(k + turn) % 4]) for k, lesson in enumerate(LESSONS.values())]
-    return [*(design_of(*one) for one in DESIGNS), *every]
+    return [*(design_of(*one) for one in DESIGNS), of_two_inputs(), *every]
+
+
+def of_two_inputs() -> tuple[Lesson, Design]:
+    """A bilinear plant whose first input is random and whose second one was drawn by hand."""
+    plant = {"A": [[-1, 0.4, 0], [0.2, -2, 0.5], [0, 0.7, -3]], "B": [[1, 0], [0, 1], [1, 1]], "C": [[1, 0, 0], [0, 1, 0]],
+             "K": [[0, 0, 1]], "F1": [[0.1, 0, 0.3], [0, 0.2, 0.1], [0, 0, -0.2]], "F2": [[0, 0.2, 0], [0, 0, 0.1], [0.3, 0, 0]]}
+    lesson = LESSONS["bilinear-observer"].fit(cleaned(json.dumps(plant)))
+    return lesson, lesson.apply(lesson.start(), {"input": "random", "input2": "hand", "hand2": ((0.3, 0.2), (1.0, -0.1)), "noise": 1.0})
 
 
 def design_of(id: str, plant: str, changes: Mapping[str, object]) -> tuple[Lesson, Design]:

@@ -62,7 +62,7 @@ def _pair(shown: Shown, words: Text) -> None:
 
 def _no_pair(shown: Shown, words: Text) -> None:
     quiet = sum(v < 1 for v in _cells(shown).values())
-    assert abs(quiet - dict(words.values).get("quiet", 1)) <= sum(v == 1 for v in _cells(shown).values()), f"{quiet} are quiet"
+    assert abs(quiet - int(str(dict(words.values).get("quiet", 1)))) <= sum(v == 1 for v in _cells(shown).values()), f"{quiet} are quiet"
 
 
 SETTLED = 30_000  # samples
