@@ -16,7 +16,7 @@ from app.lesson.lesson import Lesson
 from app.text import same, squared, symbol, text
 from app.view.charts import even
 from app.view.knobs import decades, in_tens
-from app.view.lettering import Box, along, beside, folded, width
+from app.view.lettering import LARGE, Box, along, beside, folded, width
 from app.view.svg import FRAME, H, W, draw
 from lessons import LESSONS
 
@@ -68,6 +68,25 @@ def test_names_of_few_curves_stand_in_the_frame_apart_and_next_to_their_own(wave
 
 def test_few_curves_need_no_key() -> None:
     assert height(draw(plane("one", "another"), "en")) == H
+
+
+# --- names of axes ---------------------------------------------------------------------------------------------------
+@pytest.mark.parametrize("name, numbers", [
+    ("vz [mm/s]", (-0.0005, 0.0005)), ("σ²/σ₀²", (0.0, 1e5)), ("rate of change of all that is seen [m/s]", (0.0, 1.0)),
+    ("输入端测量噪声引起的电流的均方根值", (-1e4, 0.0))], ids=str)
+def test_a_name_of_an_axis_is_whole_and_clear_of_the_numbers_in_large_print(name: str, numbers: tuple[float, float]) -> None:
+    line = np.linspace(-1, 1, 5)
+    drawing = draw(PlaneFigure("p", same("plane"), (Curve(same("c"), line, x=line),), (), name * 2, name, y_range=numbers), "en")
+    upright = re.findall(r'<text transform="translate\(([\d.]+) ([\d.]+)\) rotate\(-90\)"[^>]*>([^<]*)</text>', drawing)
+    for x, y, said in upright:
+        assert float(x) + 0.1 >= 1.16 * LARGE and abs(float(y) - H / 2) + width(said, LARGE) / 2 < H / 2 + 12
+    right = max(float(x) for x, _, _ in upright) + 0.29 * LARGE
+    ends = re.findall(r'<text x="([\d.]+)" y="[\d.]+" text-anchor="end">([^<]*)</text>', drawing)
+    assert ends and all(float(x) - width(said, LARGE) > right for x, said in ends)
+    assert "".join(said for *_, said in upright).replace(" ", "") == name.replace(" ", "")
+    below = [(x, y, said) for x, y, said in words(drawing) if y > H - 10 and said != "c"]
+    assert "".join(said for *_, said in below).replace(" ", "") == (name * 2).replace(" ", "")
+    assert all(x - width(said, LARGE) / 2 > 0 and x + width(said, LARGE) / 2 < W and y < height(drawing) for x, y, said in below)
 
 
 def test_the_key_of_a_map_stands_below_the_axes_as_patches() -> None:

@@ -14,6 +14,7 @@ from ..lesson.figures import COLOURS, FLOOR, Curve, Figure, LineFigure, calm_ran
 from ..lesson.scales import decades
 from ..tab.picture import Picture
 from ..text import raised, wording
+from .lettering import width
 from .prose import with_minus
 from .sizes import Sizes
 from .style import of_figure
@@ -84,16 +85,17 @@ class Chart:
     """One figure's widget with its caption. Data are replaced; the chart is rebuilt only when its axes must change.
 
     What the figure `under` it says as well, its axis, its key and its caption, is written there alone; in large print, where one
-    figure fills the column, each says all of it.
+    figure fills the column, each says all of it. `mates` is how many figures its tab has.
     """
 
-    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, sizes: Sizes, horizon: float, under: Figure | None) -> None:
+    def __init__(self, gui: viser.GuiApi, figure: Figure, language: str, sizes: Sizes, horizon: float, under: Figure | None,
+                 mates: int = 3) -> None:
         self._language, self._figure = language, figure
         self._alone = sizes.state.lecture
         self._shared = what_is_shared(figure, self._under(under))
         self._cursor = on_the_clock(figure, horizon)
         self._bold = 1.5 if sizes.state.lecture else 1.0
-        self._letter, self._aspect = sizes.chart_letter, (sizes.right - FRAME) / sizes.chart
+        self._letter, self._aspect, self._room = sizes.chart_letter, (sizes.right - FRAME) / sizes.chart(mates), sizes.upright(mates)
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
@@ -119,6 +121,11 @@ class Chart:
         return (x, *(_series(c, self._language, "ol-x" if told[k] in told[:k] else f"{mark}-{c.dash}{end}", self._bold)
                      for k, c in enumerate(figure.curves)))
 
+    def _worded(self, figure: LineFigure) -> tuple[str, str]:
+        """The title, and the name of the vertical axis, which stands in the title where it would not fit beside its axis."""
+        title, name = figure.title(self._language), wording(figure.y_label, self._language)
+        return (title, name) if width(name, self._letter) <= self._room else (f"{title} · {name}", " ")
+
     def _frame(self, figure: LineFigure) -> dict[str, Any]:
         assert self._range is not None
         ends = float(figure.x[0]), float(figure.x[-1])
@@ -128,11 +135,11 @@ class Chart:
         xs: dict[str, Any] = {"time": False, "range": ends}
         if figure.log_x:
             xs["distr"] = 3
-        size = self._letter
+        size, (title, name) = self._letter, self._worded(figure)
         font = f"{size}px sans-serif"
         look = {"font": font, "labelFont": font, "stroke": "#333a44", "grid": {"stroke": "#e8ebf0", "width": 1},
                 "ticks": {"stroke": "#c9ced6", "width": 1}}
-        vertical: dict[str, Any] = {**look, "label": wording(figure.y_label, self._language), "labelSize": size + 6, "size": 4 * size + 8}
+        vertical: dict[str, Any] = {**look, "label": name, "labelSize": size + 6, "size": 4 * size + 8}
         if figure.log_y:
             vertical["splits"], vertical["values"] = decades(*self._range)
         else:
@@ -141,7 +148,7 @@ class Chart:
                                       "size": size + 16}
         horizontal["splits"], horizontal["values"] = decades(*ends) if figure.log_x else even(*ends, 6)
         return {
-            "title": figure.title(self._language), "scales": {"x": xs, "y": y}, "aspect": self._aspect,
+            "title": title, "scales": {"x": xs, "y": y}, "aspect": self._aspect,
             "axes": (horizontal, vertical),
             "legend": {"show": True, "live": False}, "cursor": {"drag": {"x": False, "y": False}},
             "padding": (10, 14, 0, 0),
@@ -171,8 +178,8 @@ class Chart:
         if turned or anew or len(figure.curves) != len(before.curves) or any(
                 (a.key, a.role) != (b.key, b.role) for a, b in zip(figure.curves, before.curves, strict=True)):
             self._plot.series = self._all_series(figure)
-        if figure.title != before.title:
-            self._plot.title = figure.title(self._language)
+        if self._worded(figure)[0] != self._worded(before)[0]:
+            self._plot.title = self._worded(figure)[0]
         if (wanted != self._range or figure.log_y != before.log_y or float(figure.x[-1]) != float(before.x[-1])
                 or figure.y_label != before.y_label):
             self._range = wanted

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from types import MappingProxyType
 from typing import Any
 
 import viser
 
+from . import quirks
+
 Size = float | Callable[[float], float]
 UNSEEN = 0.03  # of the size of letters: a change that nobody sees
+INK = MappingProxyType({False: ("#000000", "#ffffff"), True: ("#e9ecf1", "#1d2127")})  # of labels and of their ground, by day and by night
+
+
+def ink_labels(client: viser.ClientHandle, dark: bool) -> None:
+    """Write all labels of the scene in the theme's ink on the theme's ground."""
+    ink, ground = INK[dark]
+    quirks.run(client, "labels", ink=ink, ground=ground)
 
 
 class Letters:

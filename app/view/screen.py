@@ -81,6 +81,7 @@ class Screen(Browser):
             self._panel = Panel(gui, picture, self._post)
             quirks.run(self._client, "fields", fields=self._panel.fields)
             quirks.run(self._client, "fill", large=picture.state.lecture)
+            quirks.run(self._client, "tabrow", large=picture.state.lecture)
             self._right_panel(picture)
             self._transport = Transport(gui, picture, self._post)
             self._mark = Mark(gui, self._post)
@@ -246,8 +247,8 @@ class Screen(Browser):
             with panel.add_tab(tab(language)):
                 for figure in picture.seen:
                     if figure.tab == tab:
-                        self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state),
-                                                       picture.horizon, below(picture.seen, figure))
+                        self._charts[figure.id] = Chart(self._client.gui, figure, language, Sizes(picture.state), picture.horizon,
+                                                       below(picture.seen, figure), sum(f.tab == tab for f in picture.seen))
 
     def _commands(self, language: str) -> None:
         for shortcut in SHORTCUTS:

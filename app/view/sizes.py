@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import viser
 
@@ -16,6 +17,8 @@ LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
 LARGE = 0.021  # of the window's height: a letter's size in large print; `lecture.css` says the same
 PHONE = 576.0  # px of a window's width below which a sheet lies over the stage; `page.css` says the same
 BAR = 12.0  # px between the panel of the run and the columns
+LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
+LEAST_FILLED = 0.26  # of the window's height: a chart in large print is no lower; `fill.js` has it as a share of the column
 
 
 @dataclass(frozen=True)
@@ -55,10 +58,14 @@ class Sizes:
         """px of the words in a chart."""
         return round(self.letter) if self.state.lecture else 12
 
-    @property
-    def chart(self) -> int:
-        """px of a chart's height: one figure is what a hall looks at."""
-        return round(0.5 * self.state.window[1]) if self.state.lecture else 180
+    def chart(self, figures: int) -> int:
+        """px of a chart's height in a tab of so many figures: in a hall one is looked at, and `fill.js` gives it what is left."""
+        return round(0.5 * self.state.window[1]) if self.state.lecture else CHARTS.get(figures, LEAST_CHART)
+
+    def upright(self, figures: int) -> float:
+        """px along a chart's vertical axis that its name may take, however little of the column is left to the chart."""
+        least = LEAST_FILLED * self.state.window[1] if self.state.lecture else self.chart(figures)
+        return least - self.chart_letter - 26.0
 
 
 def listen_to_the_window(client: viser.ClientHandle, post: Callable[[Edit], int]) -> None:

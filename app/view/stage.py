@@ -18,7 +18,7 @@ from ..text import wording
 from . import phrases, quirks
 from .ground import lines, shade
 from .lettering import folded
-from .letters import Letters
+from .letters import Letters, ink_labels
 from .moves import Frame, Value, changed, flat
 from .pinghosts import PinGhosts
 from .solids import Solids, rgb
@@ -102,6 +102,7 @@ class StageView:
     def furnish(self, dark: bool) -> None:
         """Floor, light, background and the default camera of an empty stage."""
         scene, self._dark = self._scene, dark
+        ink_labels(self._client, dark)
         scene.set_up_direction("+z")
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)

@@ -10,13 +10,16 @@ import numpy as np
 from ..lesson.figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ..lesson.scales import decades
 from ..text import symbol, wording
-from .lettering import DASHES, LARGE, SIZE, Box, Name, along, beside, key, width
+from .lettering import DASHES, LARGE, SIZE, Box, Name, along, beside, folded, key, width
 from .prose import with_minus
 from .ticks import ticks
 
 W, H = 360, 250
 LEFT, RIGHT, TOP, BOTTOM = 56, 12, 28, 36
 FRAME = Box(LEFT, TOP, W - RIGHT, H - BOTTOM)
+# of the names of axes: the height of a line in the tallest fonts, what of it rises above the foot of letters, px to the numbers
+ROW, RISE, CLEAR = 1.45 * LARGE, 1.16 * LARGE, 8.0
+AWAY = 5.0  # px from the numbers to the frame
 MOST_NAMES, INK = 4, 0.66  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 TALLEST_CELL, ROOM_FOR_ENTRY, SMALLEST = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px
 
@@ -43,35 +46,67 @@ def _svg(drawn: tuple[str, float], title: str, name: str) -> str:
 
 
 class _Axes:
-    """Maps a range of the plane to the drawing area and draws grid, numbers and names."""
+    """Maps a range of the plane to the drawing area and draws grid, numbers and names.
 
-    def __init__(self, x: tuple[float, float], y: tuple[float, float], equal: bool) -> None:
-        width, height = W - LEFT - RIGHT, H - TOP - BOTTOM
+    Both names have the room that large print asks for: beside the numbers, and in lines where one would not hold them.
+    """
+
+    def __init__(self, x: tuple[float, float], y: tuple[float, float], equal: bool, names: tuple[str, str], powers: str = "") -> None:
+        self._powers, self._upright = powers, folded(names[1], (H - TOP - BOTTOM) / LARGE).split("\n")
+        self.left = FRAME.left
+        self._fit(x, y, equal)
+        widest = max((width(name, LARGE) for _, name in self._levels()), default=0.0)
+        self.left = max(self.left, len(self._upright) * ROW + CLEAR + widest + AWAY)
+        self._fit(x, y, equal)
+        self._across = folded(names[0], (W - RIGHT - self.left) / LARGE).split("\n")
+        self.height = H + ROW * (len(self._across) - 1)
+
+    def _fit(self, x: tuple[float, float], y: tuple[float, float], equal: bool) -> None:
+        across, up = W - self.left - RIGHT, H - TOP - BOTTOM
         if equal:
-            scale = max((x[1] - x[0]) / width, (y[1] - y[0]) / height)
+            scale = max((x[1] - x[0]) / across, (y[1] - y[0]) / up)
             cx, cy = sum(x) / 2, sum(y) / 2
-            x = (cx - scale * width / 2, cx + scale * width / 2)
-            y = (cy - scale * height / 2, cy + scale * height / 2)
+            x = (cx - scale * across / 2, cx + scale * across / 2)
+            y = (cy - scale * up / 2, cy + scale * up / 2)
         self.x, self.y = x, y
-        self._sx, self._sy = width / (x[1] - x[0]), height / (y[1] - y[0])
+        self._sx, self._sy = across / (x[1] - x[0]), up / (y[1] - y[0])
+
+    def _levels(self) -> list[tuple[float, str]]:
+        return _numbers(*self.y, 5, "y" in self._powers)
+
+    @property
+    def frame(self) -> Box:
+        """The drawing area."""
+        return Box(self.left, TOP, W - RIGHT, H - BOTTOM)
 
     def at(self, x: float, y: float) -> tuple[float, float]:
-        return LEFT + (x - self.x[0]) * self._sx, H - BOTTOM - (y - self.y[0]) * self._sy
+        return self.left + (x - self.x[0]) * self._sx, H - BOTTOM - (y - self.y[0]) * self._sy
 
-    def draw(self, x_label: str, y_label: str, powers: str = "") -> str:
-        out = [f'<rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" height="{H - TOP - BOTTOM}" fill="none" '
-               'stroke="#c9ced6"/>']
-        for v, name in _numbers(*self.x, 6, "x" in powers):
+    def held(self, x: float, y: float) -> tuple[float, float]:
+        """The pixel of a point, or the nearest one inside the frame."""
+        px, py = self.at(x, y)
+        return min(max(px, self.left), W - RIGHT), min(max(py, TOP), H - BOTTOM)
+
+    def area(self, left: float = 0.0) -> str:
+        """Where the drawing area is, from a pixel on, as an element says it."""
+        begin = max(left, self.left)
+        return f'x="{begin:.1f}" y="{TOP}" width="{W - RIGHT - begin:.1f}" height="{H - TOP - BOTTOM}"'
+
+    def draw(self) -> str:
+        out = [f'<rect {self.area()} fill="none" stroke="#c9ced6"/>']
+        for v, name in _numbers(*self.x, 6, "x" in self._powers):
             px, _ = self.at(v, 0)
             out.append(f'<line x1="{px:.1f}" x2="{px:.1f}" y1="{TOP}" y2="{H - BOTTOM}" stroke="#e8ebf0"/>'
                        f'<text x="{px:.1f}" y="{H - BOTTOM + 14}" text-anchor="middle">{name}</text>')
-        for v, name in _numbers(*self.y, 5, "y" in powers):
+        for v, name in self._levels():
             _, py = self.at(0, v)
-            out.append(f'<line x1="{LEFT}" x2="{W - RIGHT}" y1="{py:.1f}" y2="{py:.1f}" stroke="#e8ebf0"/>'
-                       f'<text x="{LEFT - 5}" y="{min(py + 4, H - BOTTOM):.1f}" text-anchor="end">{name}</text>')
-        out.append(f'<text x="{(LEFT + W - RIGHT) / 2}" y="{H - 6}" text-anchor="middle">{html.escape(x_label)}</text>'
-                   f'<text transform="translate(14 {(TOP + H - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
-                   f"{html.escape(y_label)}</text>")
+            out.append(f'<line x1="{self.left:.1f}" x2="{W - RIGHT}" y1="{py:.1f}" y2="{py:.1f}" stroke="#e8ebf0"/>'
+                       f'<text x="{self.left - AWAY:.1f}" y="{min(py + 4, H - BOTTOM):.1f}" text-anchor="end">{name}</text>')
+        middle = (self.left + W - RIGHT) / 2
+        out += [f'<text x="{middle:.1f}" y="{H - 6 + k * ROW:.1f}" text-anchor="middle">{html.escape(line)}</text>'
+                for k, line in enumerate(self._across)]
+        out += [f'<text transform="translate({RISE + k * ROW:.1f} {(TOP + H - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
+                f"{html.escape(line)}</text>" for k, line in enumerate(self._upright)]
         return "".join(out)
 
 
@@ -83,15 +118,15 @@ def _numbers(low: float, high: float, most: int, powers: bool) -> list[tuple[flo
 
 
 def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
-    axes = _Axes(figure.x_range, figure.y_range, figure.equal)
+    axes = _Axes(figure.x_range, figure.y_range, figure.equal, (wording(figure.x_label, language), wording(figure.y_label, language)),
+                 figure.powers)
     out = []
     if figure.unstable and axes.x[1] > 0:
         left, _ = axes.at(max(0.0, axes.x[0]), 0)
-        out.append(f'<rect x="{left:.1f}" y="{TOP}" width="{W - RIGHT - left:.1f}" height="{H - TOP - BOTTOM}" '
-                   f'fill="{COLOURS["unstable"]}"/>')
-    out.append(axes.draw(wording(figure.x_label, language), wording(figure.y_label, language), figure.powers))
-    out.append(f'<clipPath id="clip-{figure.id}"><rect x="{LEFT}" y="{TOP}" width="{W - LEFT - RIGHT}" '
-               f'height="{H - TOP - BOTTOM}"/></clipPath><g clip-path="url(#clip-{figure.id})">')
+        out.append(f'<rect {axes.area(left)} fill="{COLOURS["unstable"]}"/>')
+    out.append(axes.draw())
+    out.append(f'<clipPath id="clip-{figure.id}"><rect {axes.area()}/></clipPath>'
+               f'<g clip-path="url(#clip-{figure.id})">')
     drawn = []
     for curve in figure.curves:
         xs = np.arange(len(curve.y)) if curve.x is None else curve.x
@@ -101,27 +136,27 @@ def _plane(figure: PlaneFigure, language: str) -> tuple[str, float]:
         out.append(f'<polyline points="{points}" fill="none" stroke="{COLOURS[curve.role]}" '
                    f'stroke-width="{curve.width}"{DASHES[curve.dash]}/>')
     out.append("</g>")
-    out += [_mark(*axes.at(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
-    marks = [(*_held(*axes.at(p.x, p.y)), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
-    names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2))
+    out += [_mark(*axes.held(p.x, p.y), COLOURS[p.role], p.mark) for p in figure.points]
+    marks = [(*axes.held(p.x, p.y), p.name(language)) for p in figure.points if math.isfinite(p.x + p.y)]
+    names, taken = _names(marks, np.array([at for path in drawn for at in path], dtype=float).reshape(-1, 2), axes.frame)
     told = {curve.entry(language): k for k, curve in reversed(list(enumerate(figure.curves))) if curve.entry(language)}
     if len(told) <= MOST_NAMES:
         first = sorted(told.values())
         words = [figure.curves[k].entry(language) for k in first]
-        places = along([np.array(drawn[k], dtype=float).reshape(-1, 2) for k in first], words, FRAME, taken)
+        places = along([np.array(drawn[k], dtype=float).reshape(-1, 2) for k in first], words, axes.frame, taken)
         names += "".join(_name(at, name, figure.curves[k].role) for k, name, at in zip(first, words, places, strict=True) if at)
-        return "".join(out) + names, H
-    below, more = key([(c.entry(language), COLOURS["muted" if c.pin.id else c.role], c.dash) for c in figure.curves], W, H)
-    return "".join(out) + names + below, H + more
+        return "".join(out) + names, axes.height
+    below, more = key([(c.entry(language), COLOURS["muted" if c.pin.id else c.role], c.dash) for c in figure.curves], W, axes.height)
+    return "".join(out) + names + below, axes.height + more
 
 
-def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray) -> tuple[str, list[Box]]:
+def _names(marks: list[tuple[float, float, str]], drawn: np.ndarray, frame: Box) -> tuple[str, list[Box]]:
     """The names of marks, each beside its own and clear of the others, and what marks and names cover."""
     taken = [Box(x - 6, y - 6, x + 6, y + 6) for x, y, _ in marks]
     out = []
     for x, y, words in marks:
         if words:
-            at = beside(x, y, words, FRAME, taken, drawn)
+            at = beside(x, y, words, frame, taken, drawn)
             taken.append(at.box)
             out.append(_name(at, words, ""))
     return "".join(out), taken
@@ -139,15 +174,9 @@ def _dark(colour: str) -> str:
     return "#" + "".join(f"{round(INK * int(colour[i:i + 2], 16)):02x}" for i in (1, 3, 5))
 
 
-def _held(x: float, y: float) -> tuple[float, float]:
-    """A pixel inside the frame, the nearest one."""
-    return min(max(x, LEFT), W - RIGHT), min(max(y, TOP), H - BOTTOM)
-
-
 def _mark(x: float, y: float, colour: str, mark: str) -> str:
     if not (math.isfinite(x) and math.isfinite(y)):
         return ""
-    x, y = _held(x, y)
     return {
         "cross": f'<path d="M{x - 5:.1f} {y - 5:.1f}l10 10m-10 0l10 -10" stroke="{colour}" stroke-width="2.6"/>',
         "circle": f'<circle cx="{x:.1f}" cy="{y:.1f}" r="5" fill="none" stroke="{colour}" stroke-width="2.2"/>',
@@ -221,7 +250,7 @@ def _blend(depth: float) -> str:
 
 
 def _map(figure: MapFigure, language: str) -> tuple[str, float]:
-    axes = _Axes(_span(figure.x), _span(figure.y), equal=False)
+    axes = _Axes(_span(figure.x), _span(figure.y), False, (wording(figure.x_label, language), wording(figure.y_label, language)))
     out = []
     dx, dy = (_step(v) for v in (figure.x, figure.y))
     for k, (_, role) in enumerate(figure.categories):
@@ -231,11 +260,11 @@ def _map(figure: MapFigure, language: str) -> tuple[str, float]:
             x1, y1 = axes.at(float(figure.x[j]) + dx / 2, float(figure.y[i]) - dy / 2)
             path.append(f"M{x0:.1f} {y0:.1f}H{x1:.1f}V{y1:.1f}H{x0:.1f}z")
         out.append(f'<path d="{"".join(path)}" fill="{COLOURS[role]}" fill-opacity="0.75"/>')
-    out.append(axes.draw(wording(figure.x_label, language), wording(figure.y_label, language)))
+    out.append(axes.draw())
     if figure.marked is not None:
-        out.append(_mark(*axes.at(*figure.marked), COLOURS["reference"], "circle"))
-    words, more = key([(name(language), COLOURS[role], "solid") for name, role in figure.categories], W, H, patches=True)
-    return "".join(out) + words, H + more
+        out.append(_mark(*axes.held(*figure.marked), COLOURS["reference"], "circle"))
+    words, more = key([(name(language), COLOURS[role], "solid") for name, role in figure.categories], W, axes.height, patches=True)
+    return "".join(out) + words, axes.height + more
 
 
 def _step(values: np.ndarray) -> float:

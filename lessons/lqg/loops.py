@@ -174,15 +174,18 @@ def schedule(case: Case, beta_q: float, beta_r: float, recovery: float, steps: i
     return kf.schedule(Belief(np.zeros(case.plant.n), first_belief(case)), steps)
 
 
-def trace(case: Case, setting: Setting, kick: float, recursive: bool) -> Trace:
-    """The run of a design: the continuous loop with the steady filter, or the sampled one with the recursive filter."""
+def trace(case: Case, setting: Setting, kick: float, recursive: bool, held: bool = True) -> Trace:
+    """The run of a design: the continuous loop with the steady filter, or the sampled one with the recursive filter.
+
+    Not `held`: the steady filter watches the plant that is left alone.
+    """
     steps = round(case.horizon / case.dt) + 1
     kicks = ((case.dt * round(kick / case.dt), case.model.kick),) if kick >= 0 else ()
     if not recursive:
         reg, est = gains(case, setting)
         p = case.plant
         real_plant = Plant(p.A, setting.gain * p.B, p.C, setting.gain * np.asarray(p.D))
-        run = simulate(Scenario(real_plant, reg.gain, est.gain, x0=case.model.x0, xhat0=case.model.guess, dt=case.dt,
+        run = simulate(Scenario(real_plant, reg.gain if held else None, est.gain, x0=case.model.x0, xhat0=case.model.guess, dt=case.dt,
                                 horizon=case.dt * (steps - 1), model=p, impulses=kicks))
         return _long_enough(Trace(run.t, run.x, run.xhat, run.u_applied), case.dt)
     f = setting.factors

@@ -35,7 +35,8 @@ from .loops import (
 from .robustness import Robustness, ideal, real
 
 STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
-STANDS = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
+STANDS, SLOW = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
+HELD = text("the controller keeps at rest what it believes")
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,14 +153,21 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
     metrics, poles = LaterMap(lambda: _metrics(study, reg, est)), {"regulator": reg.poles, "filter": est.poles}
     return Outcome(design, {"K": reg.gain, "L": est.gain}, LaterMap(lambda: {**poles, "loop": study.loop.poles}, poles), metrics,
                    LaterItems(lambda: _checks(study, metrics)), None, _boards(case, reg, est),
-                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u, note=_note(study.trace, design)),
+                   Stage(case.model.body, study.trace.t, study.trace.x, study.trace.xhat, study.trace.u, note=_note(study, design)),
                    LaterItems(lambda: _formulas(study, setting)), Later(lambda: _live(study)), study)
 
 
-def _note(run: Trace, design: Design) -> tuple[Text, ...]:
-    """That the ghost hardly moves, where it does not: the steady gain is made for what comes, not for a wrong start."""
-    still = np.all(np.ptp(run.xhat, axis=0) <= STILL * np.ptp(run.x, axis=0))
-    return STANDS if still and design["filter"] != RECURSIVE else ()
+def still(run: Trace) -> bool:
+    """Whether the estimate hardly moves beside the plant."""
+    return bool(np.all(np.ptp(run.xhat, axis=0) <= STILL * np.ptp(run.x, axis=0)))
+
+
+def _note(study: Study, design: Design) -> tuple[Text, ...]:
+    """That the ghost hardly moves, where it does not, and why: the controller acts on what is believed and holds it, if the same
+    filter moves where nobody controls; else the steady gain is made for what comes, not for a wrong start."""
+    if design["filter"] == RECURSIVE or not still(study.trace):
+        return ()
+    return STANDS, SLOW if still(trace(study.case, study.setting, design["kick"], False, held=False)) else HELD
 
 
 def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:

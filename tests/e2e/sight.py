@@ -27,6 +27,17 @@ MEASURE = """() => {
   }
   for (const e of document.querySelectorAll('.ol-question, .ol-note, .ol-caption, .mantine-Button-label, .ol-option'))
     if (seen(e) && e.clientWidth && e.scrollWidth > e.clientWidth + 1) out.cut.push(e.textContent.slice(0, 40));
+  for (const label of document.querySelectorAll('label')) for (const node of seen(label) ? label.childNodes : []) {
+    for (const {index, 0: word} of (node.nodeType === 3 ? node.textContent : '').matchAll(/[\\p{Script=Latin}\\p{Script=Greek}\\d]+/gu)) {
+      const range = document.createRange();
+      range.setStart(node, index);
+      range.setEnd(node, index + word.length);
+      const tops = [...range.getClientRects()].map(box => Math.round(box.top));
+      if (Math.max(...tops) - Math.min(...tops) > 4) out.cut.push(`${word} of ${label.textContent}`.slice(0, 40));
+    }
+  }
+  for (const field of document.querySelectorAll('.mantine-Select-input, .mantine-NumberInput-input'))
+    if (seen(field) && field.scrollWidth > field.clientWidth + 1) out.cut.push(`field: ${field.value}`);
   for (const drawn of document.querySelectorAll('.ol-figure svg, .u-over')) {
     if (!seen(drawn)) continue;
     const named = [...drawn.querySelectorAll('text, .ol-name:not([hidden])')].filter(t => t.textContent.trim());
@@ -77,6 +88,22 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
   if (charts.length > 1) out.push(`${charts.length} charts at once`);
   return out;
 }"""
+TABS = """() => {  // what is wrong with the row of the figures' tabs in large print
+  const out = [], row = document.querySelector('[data-dock-region=right] [role=tablist]');
+  const tabs = [...row?.children ?? []].filter(e => e.checkVisibility()), box = row?.getBoundingClientRect();
+  if (!tabs.length) return out;
+  if (new Set(tabs.map(e => Math.round(e.getBoundingClientRect().top))).size > 1) out.push('tabs in more than one row');
+  for (const words of tabs.map(e => e.lastElementChild))
+    if (words.scrollWidth > words.clientWidth + 1) out.push(`the tab ${words.textContent} is cut`);
+  const faded = name => 2 * row.hasAttribute(name) * parseFloat(getComputedStyle(document.documentElement).fontSize);
+  const chosen = tabs.find(e => e.ariaSelected === 'true'), at = chosen?.getBoundingClientRect();
+  if (!at || at.left < box.left + faded('data-before') - 1 || at.right > box.right - faded('data-after') + 1)
+    out.push(`the chosen tab ${chosen?.textContent} is not in view`);
+  const over = row.scrollWidth - row.clientWidth;
+  if (row.hasAttribute('data-before') !== row.scrollLeft > 1 || row.hasAttribute('data-after') !== row.scrollLeft < over - 1)
+    out.push('the row of tabs fades at an end where it does not go on, or does not where it does');
+  return out;
+}"""
 REACH = """() => {
   const view = document.querySelector('.ol-parts').closest('[data-scrollarea-viewport]');
   return view.scrollHeight / innerHeight;
@@ -115,7 +142,8 @@ def look(tab: Tab, large: bool = False) -> Sight:
             knob = tab.page.evaluate(KNOB)
         found.append(tab.page.evaluate(MEASURE))
     least = min(found, key=lambda it: it["words"])
-    hall = () if not large else (*tab.page.evaluate(HALL), *(f"little more than the title of {w}" for it in found for w in it["peeps"]),
+    hall = () if not large else (*tab.page.evaluate(HALL), *tab.page.evaluate(TABS),
+                                 *(f"little more than the title of {w}" for it in found for w in it["peeps"]),
                                  *(f"{it['empty']:.0%} of the figures' column empty" for it in found if it["empty"] > MOST_EMPTY))
     return Sight(knob, least["words"], round(size["height"] / least["words"], 1), least["smallest"],
                  tuple(w for it in found for w in it["cut"]), tuple(w for it in found for w in it["over"]),

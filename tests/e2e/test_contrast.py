@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+from PIL import Image
 from playwright.sync_api import Page
 from tab import Tab
 
@@ -74,3 +77,27 @@ def test_the_judge_of_contrast_knows_pale_from_dark(blank: Page) -> None:
       + '<p style="opacity:.5">faded</p><svg><text y="20" fill="#D55E00">orange</text></svg>'; }""")
     pale: dict[str, Any] = blank.evaluate(PALE, LEAST)
     assert sorted(key.split(" | ")[0] for key in pale) == ["faded", "orange", "pale"]
+
+
+ON_TITLE = """() => {  // the box of pixels in which the title of a board begins
+  const page = window.__viserMutable, held = page.nodeRefFromName['/board/observer'], node = 'current' in held ? held.current : held;
+  const view = page.canvas.getBoundingClientRect();
+  const at = z => node.localToWorld(node.position.clone().set(0, -0.06, z)).project(page.camera);
+  const [low, high] = [at(1.48), at(1.6)].map(({x, y}) => [view.x + (x + 1) / 2 * view.width, view.y + (1 - y) / 2 * view.height]);
+  return {x: low[0] - 40, y: high[1], width: 80, height: low[1] - high[1]};
+}"""
+
+
+def test_labels_of_the_stage_stand_on_the_ground_of_the_theme(walking: Tab, tmp_path: Path) -> None:
+    words = LESSONS["separation"].words["en"]
+    walking.open_lesson(words.title, words.question, (1366, 768))
+    walking.predict("skip")
+    for theme, dark in (("dark", True), ("light", False)):
+        walking.press(theme)
+        walking.picture(tmp_path / "page.png")
+        box = walking.page.evaluate(ON_TITLE)
+        with Image.open(tmp_path / "page.png") as seen:
+            grey = np.asarray(seen.convert("L").crop((box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"])), dtype=float)
+        ground, ink = np.median(grey), np.percentile(grey, 1 if not dark else 99)
+        assert (ground < 80) == dark and (ground > 200) != dark, f"{theme}: labels stand on a grey of {ground:.0f}"
+        assert abs(ink - ground) > 110, f"{theme}: letters of {ink:.0f} on {ground:.0f}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pytest
-from newcomer import WANTED, play
+from newcomer import WANTED, play, stands_still
 from tab import Tab, eventually
 
 from lessons import LESSONS
@@ -14,8 +14,14 @@ CLOCK = "() => Number(getComputedStyle(document.documentElement).getPropertyValu
 
 
 def test_the_first_drag_moves_the_ghost(new_tab: Callable[..., Tab]) -> None:
-    what, moved = play(new_tab(1366, 768, motion=True), LESSONS["error-dynamics"])
+    what, moved, _ = play(new_tab(1366, 768, motion=True), LESSONS["error-dynamics"])
     assert moved > WANTED, f"{what} moved the ghost by {moved:.0f} px"
+
+
+def test_the_first_drag_moves_the_plant_away_from_a_ghost_that_stands_still(new_tab: Callable[..., Tab]) -> None:
+    assert stands_still(LESSONS["lqg"])
+    what, _, against = play(new_tab(1366, 768, motion=True), LESSONS["lqg"])
+    assert against > WANTED, f"{what} moved the plant against its ghost by {against:.0f} px"
 
 
 def test_a_lesson_opens_in_motion_where_motion_is_welcome(new_tab: Callable[..., Tab]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from sight import look
+from sight import TABS, look
 from tab import Tab, eventually
 
 from app.view import phrases
@@ -16,6 +16,10 @@ BELOW_TOP = f"""words => {{
   const box = ({BOX})(words);
   return box ? Math.abs(box.getBoundingClientRect().top - box.closest('[data-scrollarea-viewport]').getBoundingClientRect().top) : 1e9;
 }}"""
+SLID = """() => {
+  const row = document.querySelector('[data-dock-region=right] [role=tablist]');
+  return [row.scrollLeft, row.scrollWidth - row.clientWidth];
+}"""
 FIGURES = "() => [...document.querySelectorAll('[data-dock-region=right] [data-dock-tab]')].findIndex(tab => tab.ariaSelected === 'true')"
 
 
@@ -53,6 +57,27 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
         assert seen.screens <= 2.0, "a part of the lesson takes more than one screen of scrolling"
     if large:
         tab.press("large print")
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_in_large_print_tabs_stand_in_one_row_that_shows_the_chosen_one(walking: Tab, language: str) -> None:
+    tab, words = walking, LESSONS["fault-diagnosis"].words
+    tab.open_lesson(words["en"].title, words["en"].question, (1920, 1080))
+    if tab.page.locator(".ol-option:enabled").count():
+        tab.predict("skip")
+    if language == "zh":
+        tab.press("中文")
+    tab.key("m")
+    heads = tab.page.locator("[data-dock-region=right] [data-dock-tab]")
+    assert heads.count() > 5
+    for k in (*range(heads.count()), 0):
+        heads.nth(k).click()
+        eventually(lambda: tab.page.evaluate(TABS), lambda faults: not faults, f"the row of tabs with {heads.nth(k).inner_text()} chosen")
+    tab.page.locator("[data-dock-region=right] [role=tablist]").hover()
+    before = tab.page.evaluate(SLID)
+    tab.page.mouse.wheel(0, 120)
+    eventually(lambda: tab.page.evaluate(SLID), lambda at: at[0] > before[0] or at[1] <= 1, "a wheel slides the row where it is too long")
+    tab.key("m")
 
 
 def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(walking: Tab) -> None:
