@@ -76,3 +76,11 @@ def test_what_cannot_be_met_is_said_and_not_drawn() -> None:
     assert met(lambda dial: 5 * np.sqrt(dial), 0.2) == pytest.approx(0.2**2 / 25, rel=3e-3)
     lost = LESSON.compute(LESSON.apply(LESSON.start(), {"v": 1e-18}))
     assert "no effort to meet" in said(lost)
+
+
+def test_no_controller_is_called_the_best_where_none_is_stable() -> None:
+    """The table of suppression once named the first of four unstable ones, at 0 dB like all of them."""
+    outcome = LESSON.compute(LESSON.apply(LESSON.start(), {"delay": 5.0, "v": 1e-15, "placement": 60.0}))
+    assert not any(s.stable for s in outcome.study.spectra[1:])
+    caption = next(f for f in LESSON.figures(outcome) if f.id == "suppression").caption("en")
+    assert caption == "Unstable in this world: SISO, LQE, recursive, decoupled."
