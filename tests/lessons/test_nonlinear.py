@@ -1,5 +1,7 @@
 """Nonlinear: three filters on one flow; both reduce to the Kalman filter, and NEES tells which deceives itself."""
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 from lesson_checks import by_knobs, carried
@@ -17,11 +19,19 @@ SEEDS = range(1, 7)
 LINEAR = {"hardening": 0.0, "weakening": 0.0}
 
 
+@lru_cache(maxsize=40)
 def many(**values) -> Study:
+    """Of a design of the platform, or of another case, the runs of the button; several laws are asked of one study."""
     design = LESSON.apply(LESSON.start(), {"case": PLATFORM, **values})
     *_, study = studies(design, MANY, case_of(design["case"]).full, 50)
     assert study is not None
     return study
+
+
+@pytest.fixture(scope="module", autouse=True)
+def forgotten():
+    yield
+    many.cache_clear()  # megabytes each
 
 
 def says(study: Study, name: str) -> str:
