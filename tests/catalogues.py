@@ -10,6 +10,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from babel.messages.extract import extract_from_file
+from syntax import nodes
 
 from app.export.spoken import comments_of
 
@@ -46,13 +47,13 @@ def comments() -> Iterator[tuple[str, str]]:
         for comment in comments_of(path.read_text(encoding="utf-8"), "%" if path.stem.startswith("matlab") else "#"):
             yield comment, path.name
     for path in (*WRITERS, *(ROOT / "lessons").glob("*/*.py")):
-        for comment in _noted(ast.parse(path.read_text(encoding="utf-8")), path in WRITERS):
+        for comment in _noted(nodes(path.read_text(encoding="utf-8")), path in WRITERS):
             yield comment, path.name
 
 
-def _noted(tree: ast.Module, writer: bool) -> Iterator[str]:
-    filled = {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
-    for node in ast.walk(tree):
+def _noted(all_nodes: tuple[ast.AST, ...], writer: bool) -> Iterator[str]:
+    filled = {id(part) for node in all_nodes if isinstance(node, ast.JoinedStr) for part in node.values}
+    for node in all_nodes:
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and len(node.args) > (at := NOTED.get(node.func.id, 99)):
             yield from (words for words in _written(node.args[at], filled) if not words.startswith(","))
         elif isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id == "UNSAID":
@@ -78,7 +79,7 @@ def unreadable() -> Iterator[str]:
     for path in SOURCES:
         if path.is_relative_to(ROOT / "app" / "text") or path.name == "errors.py":
             continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path.read_text(encoding="utf-8")):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in KEYWORDS and node.args:
                 place = 1 if node.func.id == "text_in" else 0
                 given = node.args[: place + 1]

@@ -23,6 +23,12 @@ def parsed(source: str) -> ast.Module:
     return ast.parse(source)
 
 
+@cache
+def nodes(source: str) -> tuple[ast.AST, ...]:
+    """Every node of it, for all rules that walk through it."""
+    return tuple(ast.walk(parsed(source)))
+
+
 @dataclass(frozen=True)
 class Module:
     """A file of Python as the rules see it."""
@@ -36,11 +42,20 @@ class Module:
         return parsed(self.source)
 
     @property
+    def nodes(self) -> tuple[ast.AST, ...]:
+        return nodes(self.source)
+
+    @property
     def package(self) -> bool:
         return self.path.name == "__init__.py"
 
     def imports(self) -> list[str]:
-        return list(imports(self.tree, self.name, self.package))
+        return list(_imported(self))
+
+
+@cache
+def _imported(module: Module) -> tuple[str, ...]:
+    return tuple(imports(module.tree, module.name, module.package))
 
 
 def name_of(path: Path) -> str:
@@ -99,7 +114,7 @@ def circles(graph: Mapping[str, Iterable[str]]) -> list[list[str]]:
 def private_uses(source: str) -> list[str]:
     """Private names of other objects: x._y for any x but self and cls, imports of a._b, getattr(x, "_y")."""
     out = []
-    for node in ast.walk(parsed(source)):
+    for node in nodes(source):
         if isinstance(node, ast.Attribute) and _private(node.attr):
             out += [] if _own(node.value) else [f"line {node.lineno}: .{node.attr}"]
         elif isinstance(node, ast.ImportFrom):

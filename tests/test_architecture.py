@@ -163,7 +163,7 @@ def test_private_names_of_viser_are_touched_in_quirks_alone() -> None:
 
 def test_every_script_that_is_called_by_name_is_there_and_each_that_is_there_is_called() -> None:
     """A file that is named as another one was, or anew, would break each page, and only where a browser looks."""
-    called = {node.args[place].value for m in modules("app.view") for node in ast.walk(m.tree) if isinstance(node, ast.Call)
+    called = {node.args[place].value for m in modules("app.view") for node in m.nodes if isinstance(node, ast.Call)
               for name, place in (("call", 0), ("run", 1)) if ast.unparse(node.func).split(".")[-1] == name
               and len(node.args) > place and isinstance(node.args[place], ast.Constant)}
     once = [ast.literal_eval(node.value) for m in modules("app.view.manners") for node in m.tree.body
@@ -173,7 +173,7 @@ def test_every_script_that_is_called_by_name_is_there_and_each_that_is_there_is_
 
 
 def test_no_star_imports() -> None:
-    assert violations((m, (f"line {node.lineno}" for node in ast.walk(m.tree) if isinstance(node, ast.ImportFrom)
+    assert violations((m, (f"line {node.lineno}" for node in m.nodes if isinstance(node, ast.ImportFrom)
                            and any(a.name == "*" for a in node.names))) for m in every_module()) == []
 
 
@@ -185,7 +185,7 @@ def test_nothing_waits_or_ends_by_a_clock_that_can_be_set() -> None:
 
 def test_no_mutable_globals() -> None:
     """Wrap a table in MappingProxyType, a sequence in a tuple, a set in a frozenset."""
-    assert violations((m, [*mutable_globals(m.source), *(f"line {n.lineno}: global" for n in ast.walk(m.tree)
+    assert violations((m, [*mutable_globals(m.source), *(f"line {n.lineno}: global" for n in m.nodes
                                                          if isinstance(n, ast.Global))])
                                                          for m in modules("app", "lessons")) == []
 

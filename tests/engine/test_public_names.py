@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from syntax import nodes
 
 import app.engine as engine
 
@@ -57,7 +58,7 @@ def test_outside_the_engine_names_come_from_the_flat_list_or_from_a_room():
     for path in [*(ROOT / "app").rglob("*.py"), *(ROOT / "lessons").rglob("*.py")]:
         if (ROOT / "app" / "engine") in path.parents:
             continue
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path.read_text(encoding="utf-8")):
             if isinstance(node, ast.ImportFrom):
                 after = (node.module or "").split("engine", 1)
                 if len(after) == 2 and after[0] in ("", "app.") and after[1].count(".") > 1:
