@@ -61,8 +61,8 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def bin(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The commands of an environment into which only the wheel and what it needs were installed."""
     place = tmp_path_factory.mktemp("environment")
-    told(sys.executable, "-m", "venv", place / "venv", cwd=place)
-    told(place / "venv" / "bin" / "python", "-m", "pip", "install", "--quiet", "--no-compile", wheel, cwd=place)
+    told(sys.executable, "-m", "venv", "--without-pip", place / "venv", cwd=place)
+    told(sys.executable, "-m", "pip", "--python", place / "venv" / "bin" / "python", "install", "--quiet", "--no-compile", wheel, cwd=place)
     return place / "venv" / "bin"
 
 
