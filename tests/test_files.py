@@ -35,6 +35,7 @@ def taken(lesson: str, language: str = "en") -> files.Taken:
     return files.Taken(own, outcome, tuple(own.figures(outcome)), write_token(own, Saved(own.start())), language)
 
 
+@pytest.mark.slow
 def test_every_kind_of_file_is_what_it_says_and_holds_its_token() -> None:
     """A zip holds every figure in every form, the run."""
     all_of_it = replace(taken("duality", "zh"), figures=taken("duality").figures[:1] + taken("duality").figures[4:5])

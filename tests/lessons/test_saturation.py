@@ -153,6 +153,7 @@ def test_numbers_in_the_text_are_those_of_the_maps(told_wish, told_truth, fast_o
     assert fast_observer.metrics["map_home"] == pytest.approx(0.39, abs=0.005)
 
 
+@pytest.mark.slow
 def test_with_a_true_estimate_the_observer_does_not_matter_and_otherwise_it_does(told_truth, fast_observer) -> None:
     one, other = told_truth.study.starts.values, fast_observer.study.starts.values
     middle = len(GRID) // 2
@@ -163,6 +164,7 @@ def test_with_a_true_estimate_the_observer_does_not_matter_and_otherwise_it_does
     assert comes_home(home) == (one[middle, int(np.flatnonzero(GRID == 6.0)[0])] == HOME)
 
 
+@pytest.mark.slow
 def test_a_clicked_start_runs_as_the_map_says(told_wish, told_truth) -> None:
     rng = np.random.default_rng(7)
     for outcome in (told_wish, told_truth):
@@ -191,6 +193,7 @@ def test_a_map_so_far_holds_only_final_verdicts(told_wish: Outcome) -> None:
     assert len(set(seen)) >= 4 and seen == sorted(seen) and seen[-1] == 1.0
 
 
+@pytest.mark.slow
 def test_the_map_goes_along_with_a_new_start_and_with_nothing_else(told_truth: Outcome) -> None:
     moved = LESSON.compute(design(fed="applied", angle0=-3.0, error0=1.0, kick=1.0))
     assert JOB.key(moved.design) == JOB.key(told_truth.design)
