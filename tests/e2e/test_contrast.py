@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import Page
-from tab import Tab
+from tab import Tab, eventually
 
 from lessons import LESSONS
 
@@ -91,13 +91,20 @@ ON_TITLE = """() => {  // the box of pixels in which the title of a board begins
 def test_labels_of_the_stage_stand_on_the_ground_of_the_theme(walking: Tab, tmp_path: Path) -> None:
     words = LESSONS["separation"].words["en"]
     walking.open_lesson(words.title, words.question, (1366, 768))
-    walking.predict("skip")
+    if walking.page.locator(".ol-option:enabled").count():
+        walking.predict("skip")
     for theme, dark in (("dark", True), ("light", False)):
         walking.press(theme)
-        walking.picture(tmp_path / "page.png")
-        box = walking.page.evaluate(ON_TITLE)
-        with Image.open(tmp_path / "page.png") as seen:
-            grey = np.asarray(seen.convert("L").crop((box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"])), dtype=float)
-        ground, ink = np.median(grey), np.percentile(grey, 1 if not dark else 99)
-        assert (ground < 80) == dark and (ground > 200) != dark, f"{theme}: labels stand on a grey of {ground:.0f}"
-        assert abs(ink - ground) > 110, f"{theme}: letters of {ink:.0f} on {ground:.0f}"
+
+        def seen(dark: bool = dark) -> tuple[float, float]:  # how light the ground of the title is, and its letters
+            walking.picture(tmp_path / "page.png")
+            box = walking.page.evaluate(ON_TITLE)
+            with Image.open(tmp_path / "page.png") as page:
+                title = page.crop((box["x"], box["y"], box["x"] + box["width"], box["y"] + box["height"]))
+            grey = np.asarray(title.convert("L"), dtype=float)
+            return float(np.median(grey)), float(np.percentile(grey, 99 if dark else 1))
+
+        def legible(light: tuple[float, float], dark: bool = dark) -> bool:
+            ground, ink = light
+            return (ground < 80 if dark else ground > 200) and abs(ink - ground) > 110
+        eventually(seen, legible, f"ground and letters of a label, which come after their board, {theme}")
