@@ -1,4 +1,4 @@
-"""Tasks: rare false alarms, a coil at half strength, a fault unseen, the loop that limps on, a slow drift, an innocent framed."""
+"""Tasks: rare false alarms, a weak coil alone and beside a liar, a fault unseen, the loop that limps on, a slow drift, one framed."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from app.text import text, text_in
 
 from .bank import DT, PLACES
 from .diagnosis import MEAN, forecast
+from .pair_reach import least_beside
 from .record import Study
 from .runs import OPEN, SWITCH
 from .study import hourly
@@ -18,6 +19,7 @@ from .study import hourly
 HOURLY, SOONEST, CALM = 1.0, 3.0, 1.5  # alarms an hour, s, mrad
 HALF, MOST = 0.5, 1.0  # share lost, N
 SLOW, OFTEN, DUE = 1.0, (0.9, 1.1), 2.06  # mm/s², alarms an hour, s
+LIAR, LONGEST = "VL", 80  # who lies besides, samples
 LIE, FRAMED, HUSHED = 3.0, "u3", 1.0  # mm/s, who is to be accused, per cent
 
 
@@ -85,6 +87,23 @@ def _ramp(o: Outcome[Study]) -> Verdict:
                                "and {soonest:.2f} s at most.", often=often, when=when, soonest=DUE))
 
 
+def _beside(o: Outcome[Study]) -> Verdict:
+    s, d = o.study, o.design
+    if d["place"] != "u1" or d["loss"] > 100 * HALF or d["place2"] != LIAR or s.case.force > MOST or s.case.loop != OPEN:
+        return Verdict(False, text("Let u1 lose at most {half:.0f} % and {liar} fail as well, with the loop open and a known force of at "
+                                   "most {most:.0f} N.", half=100 * HALF, liar=LIAR, most=MOST))
+    often, missing = hourly(s), s.case.force * d["loss"] / 100
+    least = float(least_beside(s.test, s.case.tone)[PLACES.index("u1"), PLACES.index(LIAR)])
+    said = text("{missing:.2f} N are missing, and beside {liar} u1 is seen from {least:.2f} N on", missing=missing, liar=LIAR, least=least)
+    if least > missing:
+        return Verdict(False, text("{said}: that is more.", said=said))
+    if often > HOURLY * (1 + 1e-9) or s.test.window > LONGEST:
+        return Verdict(False, text("{said}, with {often:.2g} false alarms an hour and a window of {window} samples; wanted are at most "
+                                   "{hourly:.0f} and {longest}.", said=said, often=often, window=s.test.window, hourly=HOURLY,
+                                   longest=LONGEST))
+    return Verdict(True, text("{said}, whatever {liar} does.", said=said, liar=LIAR))
+
+
 def _framed(o: Outcome[Study]) -> Verdict:
     s: Study = o.study
     lies = o.design["place"] == "HL" and o.design["kind"] == "bias" and o.design["bias"] >= LIE
@@ -115,4 +134,5 @@ TASKS = (
     pencil("swallowed", SWALLOWED),
     Task("ramp", _ramp, {"place": "HR", "kind": "drift", "drift": 1.0, "statistic": MEAN, "window": 64.0, "rate": 5e-5}),
     Task("framed", _framed, {"place2": "HR", "bias2": -3.0, "at2": 4.0}),
+    Task("beside", _beside, {"place": "u1", "loss": 50.0, "place2": LIAR, "loop": OPEN, "tone": 1.2, "window": 75.0, "rate": 5.9e-5}),
 )

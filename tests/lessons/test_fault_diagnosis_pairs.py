@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from app.engine.observers import needed_noncentrality
-from lessons.fault_diagnosis.bank import COUNT, PLACES, guard, model
+from lessons.fault_diagnosis.bank import COUNT, DT, PLACES, guard, model
 from lessons.fault_diagnosis.diagnosis import Rule
 from lessons.fault_diagnosis.lesson import LESSON
 from lessons.fault_diagnosis.pair_reach import least_beside
@@ -122,3 +122,25 @@ def test_the_least_faults_that_the_bank_of_pairs_sees_are_those_of_its_responses
     shown = LESSON.compute(LESSON.apply(LESSON.start(), {"place2": "VR"}))
     table = next(f for f in LESSON.figures(shown) if f.id == "least-pairs")
     assert "is seen beside" in table.caption("en") and "▶" in table.rows[1][3] and table.rows[1][4] == "∞" and "*" in table.rows[0][3]
+
+
+def test_the_experiment_that_finds_a_weak_coil_beside_a_liar_is_not_that_which_finds_it_alone() -> None:
+    """The numbers of the words; by the members' own residuals in the long run, half a newton is seen at 1.2 Hz and not at 1.4 Hz."""
+    task = next(t for t in LESSON.tasks if t.id == "beside")
+
+    def tried(**values: float | str) -> bool:
+        return task.check(LESSON.compute(LESSON.apply(LESSON.start(), {**task.solution, **values}))).solved
+    assert [tried(tone=f) for f in (1.16, 1.18, 1.22, 1.4, 1.46)] == [False, True, True, False, False]
+    assert tried(window=70.0, rate=5.5e-5) and not tried(window=85.0) and not tried(rate=7e-5) and not tried(window=60.0, rate=4.7e-5)
+    assert not tried(loss=60.0) and not tried(force=0.9) and not tried(place2="VR") and not tried(loop="blind")
+    rule, u1, VL = Rule(window=75, rate=5.9e-5), PLACES.index("u1"), PLACES.index("VL")
+    assert [least_beside(rule, f)[u1, k] for f in (1.2, 1.46) for k in (VL, u1)] == pytest.approx([0.48, 0.38, 0.85, 0.31], abs=0.005)
+    first = least_beside(Rule(), 0.5)
+    assert (first[u1, u1], first[u1, VL]) == pytest.approx((2.69, 16.3), abs=0.005) and round(first[u1, VL] / first[u1, u1]) == 6
+    assert 1e3 * first[1, [1, VL]] == pytest.approx([2.72, 2.53], abs=0.005) and first[1, 3] > 1.0
+    for tone, seen in ((1.2, True), (1.4, False)):
+        u = np.zeros((3000, 3))
+        u[:, 0] = 0.5 * np.sin(2 * np.pi * tone * DT * np.arange(len(u)))
+        rho = pair_bank().run(np.zeros((len(u), 4)), u, pair_bank().start(np.zeros(6)))[0][1500:]
+        weakest = min(float((rho[:, PAIRS.index((VL, k))] ** 2).sum(axis=1).mean()) * 75 for k in range(1, 7) if k != u1)
+        assert (weakest >= needed_noncentrality(2 * 75, 5.9e-5, 0.99)) == seen, tone
