@@ -131,11 +131,11 @@ def _input(outcome: Outcome[Study]) -> LineFigure:
 
 
 def _cost(outcome: Outcome[Study]) -> TableFigure:
-    c = outcome.study.cost
+    c, wrong = outcome.study.cost, outcome.study.setting.gain != 1.0
     unknown = c.total - c.known
     rows = (
         (text("x known: tr(S G W Gᵀ)"), words(c.known)),
-        (text("+ x only estimated"), words(unknown)),
+        (text("+ x only estimated, and m not 1") if wrong else text("+ x only estimated"), words(unknown)),
         (text("= this loop"), words(c.total, 4)),
         (text("of it E xᵀQx, E uᵀRu"), f"{words(c.state)}, {words(c.input)}"),
         (text("least for this noise"), words(c.least, 4)),
@@ -146,7 +146,9 @@ def _cost(outcome: Outcome[Study]) -> TableFigure:
     else:
         more = c.total / c.least if c.least > 0 else 1.0 if c.total == 0 else np.inf
         said = claim(text("No other controller is cheaper on average under this noise."), more, below=1 + 1e-6,
-                     otherwise=text("{total} times the least: the filter believes in another noise.", total=words(more)))
+                     otherwise=text(
+            "{total} times the least: the model has another gain than the inputs.", total=words(more)) if wrong else text(
+            "{total} times the least: the filter believes in another noise.", total=words(more)))
     return TableFigure("cost", text("average of xᵀQx + uᵀRu"), (text("part"), same("J")), rows,
                        said, COST_TAB)
 

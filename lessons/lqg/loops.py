@@ -87,9 +87,9 @@ def loop(case: Case, setting: Setting) -> NoisyLoop:
 # --- cost ------------------------------------------------------------------------------------------------------------
 @dataclass(frozen=True)
 class Cost:
-    """Averages of xᵀQx + uᵀRu. state + input = total of this loop; known: what a regulator knowing x pays; least: of
-    the best LQG for the true noise; idle: without control (∞ where there is none). sensors: rms of each input that the
-    sensors' noise causes, ground: that the disturbances cause."""
+    """Averages of xᵀQx + uᵀRu. state + input = total of this loop; known: what a regulator knowing x and the true gain pays; least:
+    of the best LQG for the true noise and the true gain; idle: without control (∞ where there is none). sensors: rms of each input
+    that the sensors' noise causes, ground: that the disturbances cause."""
 
     state: float
     input: float
@@ -109,12 +109,12 @@ class Cost:
 def cost(case: Case, setting: Setting) -> Cost:
     """The costs of a setting, ∞ where its loop is unstable."""
     f, z = setting.factors, loop(case, setting)
-    Q, R = f.alpha_q * case.Q, f.alpha_r * case.R
-    reg = regulator(case, f.alpha_q, f.alpha_r)
+    Q, R, asked_for = f.alpha_q * case.Q, f.alpha_r * case.R, f.alpha_r / setting.gain**2  # m u costs R/m² where u costs R
+    reg = regulator(case, f.alpha_q, asked_for)
     true = case.true_disturbance(f)
     known = float(np.trace(reg.solution @ case.G @ case.W @ case.G.T)) * true
     best = estimator(case, true, f.sensor, 0.0)
-    least = known + float(np.sum((reg.gain.T @ R @ reg.gain) * best.solution))
+    least = known + float(np.sum((reg.gain.T @ (asked_for * case.R) @ reg.gain) * best.solution))
     open_loop = case.open_loop
     idle = true * float(np.sum(Q * open_loop.covariance)) if open_loop.stable else np.inf
     if not z.stable:

@@ -247,8 +247,9 @@ def _boards(case: Case, reg: Optimal, est: Optimal) -> tuple[Board, Board]:
 
 def _formulas(s: Study, setting: Setting) -> tuple[Formula, ...]:
     f, c = setting.factors, s.cost
+    rest = r"\hat x \neq x" if setting.gain == 1.0 else r"\hat x \neq x,\ m \neq 1"
     split = (Formula("split", rf"J = \underbrace{{{number(c.known)}}}_{{\mathrm{{tr}}\,S G W G^{{\mathsf T}}}}"
-                     rf" + \underbrace{{{number(c.total - c.known)}}}_{{\hat x \neq x}}")
+                     rf" + \underbrace{{{number(c.total - c.known)}}}_{{{rest}}}")
              if np.isfinite(c.total) else Formula("split", r"J = \infty"))
     law = Formula("law", r"u = -K\hat x,\quad K = R^{-1}B^{\mathsf T}S,\quad L = P C^{\mathsf T}V^{-1}")
     if s.case.id != DOYLE:

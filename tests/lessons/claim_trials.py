@@ -22,7 +22,9 @@ from witnesses_of_sensors import WITNESSES as SENSORS
 from witnesses_of_the_arm import WITNESSES as ARM
 from witnesses_of_variances import WITNESSES as VARIANCES
 
+from app.engine import EngineError
 from app.lesson.claims import Claim, claims_in
+from app.lesson.knobs import KnobError
 from app.lesson.lesson import Design, Lesson, Outcome
 from app.text.numbers import has_powers
 from lessons.showdown.effort import equal_effort
@@ -66,17 +68,19 @@ def extremes(lesson: Lesson) -> list[Design]:
 
 
 def spoken(lesson: Lesson, design: Design) -> Iterator[tuple[Shown, object]]:
-    """All that the page says of a design, each sentence where it stands."""
+    """All that the page says of a design, each sentence where it stands; nothing where it refuses, at once or when it is looked at."""
     outcome = outcome_of(lesson, design)
     if outcome is None:
         return
-    if lesson.id in AFTERWARDS:
-        outcome = AFTERWARDS[lesson.id](lesson, outcome)
-    yield Shown(lesson, outcome, None), outcome.live
-    for note in outcome.formulas:
-        yield Shown(lesson, outcome, None), note.note
-    for figure in lesson.figures(outcome):
-        yield Shown(lesson, outcome, figure), figure.caption
+    try:
+        if lesson.id in AFTERWARDS:
+            outcome = AFTERWARDS[lesson.id](lesson, outcome)
+        alone = (outcome.live, *(formula.note for formula in outcome.formulas))
+        figures = tuple(lesson.figures(outcome))
+    except (EngineError, KnobError):
+        return
+    yield from ((Shown(lesson, outcome, None), said) for said in alone)
+    yield from ((Shown(lesson, outcome, figure), figure.caption) for figure in figures)
 
 
 def tried(lesson: Lesson, designs: Iterable[Design]) -> Trial:

@@ -5,6 +5,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from lesson_checks import carried
+from witnesses import Shown
+from witnesses_of_variances import least_cost
 
 from app.engine import EngineError, compensator, loop_margins, lqg, recover
 from app.engine.feedback import state_feedback_margins
@@ -132,6 +134,14 @@ def test_the_believed_noise_being_true_no_other_filter_is_cheaper() -> None:
     assert matched.metrics["J"] == pytest.approx(matched.metrics["J_least"], rel=1e-6)
     for beta in (1e2, 1e4):
         assert at(beta_r=beta, sensor=1e3).metrics["J"] > 1.01 * matched.metrics["J"]
+
+
+def test_a_controller_that_is_told_the_true_gain_is_the_least_in_cost() -> None:
+    for values in ({"beta_r": 1.0, "gain": 1.2}, {"beta_r": 1.0, "gain": 0.8}, {"case": "doyle", "gain": 1.03}):
+        o = at(**values)
+        least = least_cost(Shown(LESSON, o, None))
+        assert o.metrics["J_least"] == pytest.approx(least, rel=1e-5) and o.metrics["J"] > 1.001 * least > o.metrics["J_known"]
+        assert "another gain" in str(next(f for f in LESSON.figures(o) if f.id == "cost").caption)
 
 
 def test_the_recursive_filter_finds_the_state_long_before_the_steady_one() -> None:
