@@ -15,13 +15,14 @@ from unittest import mock
 
 import viser
 import websockets.asyncio.server
-from viser import _assignable_props_api, _messages, infra
+from viser import _assignable_props_api, _messages, _scene_api, infra
 
 from . import page, phrases
 from .bell import Bell
 from .handshake import LARGEST, Page, Reception, guarded
 from .kept import kept
 from .moves import Frame, wire
+from .packed import packed_once
 from .shell import NAME, SPOKEN, page_of_our_own, web_code
 
 SPARE = 10_000  # bytes of a message beside what it carries
@@ -30,6 +31,7 @@ OWN_DOORS = frozenset({"ViewerCameraMessage", "GuiUpdateMessage", "CommandTrigge
                        "SceneNodeClickMessage", "FileTransferStartUpload", "FileTransferPart"})
 HINTS = cache(get_type_hints)  # of a class, which viser finds out anew for each handle: a third of the price of a tab
 _assignable_props_api.AssignablePropsBase._prop_hints = property(lambda handle: HINTS(type(handle._impl.props)))  # type: ignore
+_scene_api._encode_image_binary = packed_once(_scene_api._encode_image_binary)
 MOVES = MappingProxyType({"SetPositionMessage": "position", "SetOrientationMessage": "wxyz", "SetSceneNodeVisibilityMessage": "visible"})
 
 
@@ -196,8 +198,7 @@ def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
 
 
 def pulse_once(client: viser.ClientHandle, ending: str, best: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
-    """Let the nodes whose name ends so, of them those that begin as in `best` if there are, swell in colour when a pointer first
-    comes over the stage: they can be dragged."""
+    """Let nodes whose name ends so, of them those that begin as in `best`, swell in colour when a pointer first comes over the stage."""
     run(client, "pulse", ending=ending, best=best, faint=faint, full=full, lasts=1e3 * seconds)
 
 
