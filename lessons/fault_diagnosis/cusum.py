@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtr, chdtri
 
 from .bank import guard
 from .diagnosis import Rule
@@ -34,7 +34,7 @@ def cusum(test: Rule, record: Record) -> Cusum:
     false alarms, N/α samples. Source: Page, Continuous inspection schemes (1954).
     """
     d, mean = guard().bank.dof, test.window / test.rate
-    slack = min(test.needed / (2 * test.window), (float(chi2.isf(1 / mean, d)) - d) / 2)  # never so much that one sample must do it all
+    slack = min(test.needed / (2 * test.window), (float(chdtri(d, 1 / mean)) - d) / 2)  # never so much that one sample must do it all
     h = threshold(d, slack, mean)
     total = np.cumsum(np.sum(np.asarray(record.residuals) ** 2, axis=2) - d - slack, axis=0)
     return Cusum((total - np.minimum(np.minimum.accumulate(total, axis=0), 0.0)) / h, slack, h, mean)
@@ -62,10 +62,10 @@ def run_length(dof: int, slack: float, h: float) -> float:
     edges = (np.arange(-CELLS, CELLS + 1)) * width
     middles = (np.arange(CELLS) + 0.5) * width
     starts = np.append(0.0, middles)
-    rise = chi2.cdf(np.append(edges, edges[-1] + width) + dof + slack - width / 2, dof)  # at multiples of a cell, for the middles
+    rise = chdtr(dof, np.maximum(np.append(edges, edges[-1] + width) + dof + slack - width / 2, 0.0))  # by cells, for the middles
     step = np.arange(CELLS)
     Q = np.zeros((CELLS + 1, CELLS + 1))
     Q[1:, 1:] = np.diff(rise)[CELLS + step[None, :] - step[:, None]]
-    Q[0, 1:] = np.diff(chi2.cdf(np.arange(CELLS + 1) * width + dof + slack, dof))
-    Q[:, 0] = chi2.cdf(dof + slack - starts, dof)
+    Q[0, 1:] = np.diff(chdtr(dof, np.maximum(np.arange(CELLS + 1) * width + dof + slack, 0.0)))
+    Q[:, 0] = chdtr(dof, np.maximum(dof + slack - starts, 0.0))
     return float(np.linalg.solve(np.eye(CELLS + 1) - Q, np.ones(CELLS + 1))[0])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.stats import chi2, ncx2
+from scipy.special import chdtri, chndtr
 
 from app.engine import chi2_band, innovation_test, nees, nis
 from app.engine.filters import InnovationTest, SquaredError, Track, with_coloured_noise
@@ -224,7 +224,7 @@ def expected(noise: str, q: float, r: float) -> Expected:
     return Expected(
         float(np.trace(np.linalg.solve(promised, seen))), chi2_band(4, count=SAMPLES, level=LEVEL),
         float(np.trace(np.linalg.solve(who.steady.filtered[:6, :6], error))), chi2_band(6, count=who.independent),
-        float(ncx2.sf(chi2.ppf(LEVEL, dof), dof, max(excess, 1e-9))), memory, float(seen[0, 0] / kf.R[0, 0]),
+        1.0 - float(chndtr(chdtri(dof, 1.0 - LEVEL), dof, max(excess, 1e-9))), memory, float(seen[0, 0] / kf.R[0, 0]),
         float(promised[0, 0] / kf.R[0, 0]))
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from .cases import Sensed
 
 KNOWN = 0.1  # a direction is known when its half axis has shrunk to a tenth
-REACH = tuple(float(np.sqrt(chi2.ppf(0.95, k))) for k in (1, 2, 3))  # σ that hold 95 % of 1, 2, 3 normal numbers
+REACH = tuple(float(np.sqrt(chdtri(k, 0.05))) for k in (1, 2, 3))  # σ that hold 95 % of 1, 2, 3 normal numbers
 
 
 @dataclass(frozen=True, eq=False)

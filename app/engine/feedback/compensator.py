@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import ss2tf
 
 from ..systems.arrays import frozen
 from ..systems.balance import balance
@@ -123,6 +122,8 @@ def to_tf(plant: Plant) -> TransferFunction:
     >>> to_tf(Plant([[0, 1], [-2, -3]], [[0], [1]], [[1, 0]])).den
     array([1., 3., 2.])
     """
+    from scipy.signal import ss2tf  # late: it brings all of scipy.stats, 0.6 s
+
     num = np.empty((plant.p, plant.m, plant.n + 1))
     den, own = np.ones(1), balance(plant.A, plant.B, plant.C, _through(plant))
     for j in range(plant.m):

@@ -8,7 +8,6 @@ from typing import TypeVar
 
 import numpy as np
 from scipy.linalg import block_diag
-from scipy.signal import lfilter
 
 from ..systems.errors import EngineError
 from ..systems.gates import GENERATOR, MOST_NUMBERS, RECORD, SERIES, count, gated, number, passed
@@ -82,6 +81,8 @@ class AdcNoise:
         """Independent noise for each channel, stationary from the start, (steps, channels); without quantisation."""
         if steps * channels > MOST_NUMBERS:
             raise EngineError("The run must have at least one sample and fit into memory; shorten it.")
+        from scipy.signal import lfilter  # late: it brings all of scipy.stats, 0.6 s
+
         noise = self.sigma * rng.standard_normal((steps, channels))
         a, each = self.relaxations
         for factor in a:

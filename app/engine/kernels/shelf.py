@@ -16,6 +16,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
+from importlib.metadata import version
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -149,16 +150,20 @@ def _compile_beside() -> None:
 
 
 def cache_folder() -> Path | None:
-    """Where compiled kernels of this very source are kept, made if it is not there; None where nothing can be kept."""
+    """Where compiled kernels of these very files are kept, made if it is not there; None where nothing can be kept.
+
+    Another copy of the lab, another Numba or a file written anew has a folder of its own: Numba takes nothing from the cache then.
+    """
     if sys.platform == "win32":
         home = Path(os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local")
     elif sys.platform == "darwin":
         home = Path.home() / "Library" / "Caches"
     else:
         home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    mark = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        mark.update(source.read_bytes())
+    here = Path(__file__).resolve().parent
+    mark = hashlib.sha256(f"{here} {version('numba')}".encode())
+    for source in sorted(here.glob("*.py")):
+        mark.update(f"{source.name} {source.stat().st_mtime_ns}".encode() + source.read_bytes())
     folder = home / "observer-lab" / f"kernels-{mark.hexdigest()[:16]}"
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import chndtr, chndtrinc
-from scipy.stats import binom, chi2
+from scipy.special import chdtri, chndtr, chndtrinc
 
 from ..systems.errors import EngineError, ShapeError, phrase
 
@@ -52,7 +51,7 @@ def residual_threshold(dof: float, false_alarm: float) -> float:
     Raises EngineError for a rate outside (0, 1) or no degree of freedom.
     """
     _check(dof, false_alarm, phrase("The false-alarm rate"))
-    return float(chi2.isf(false_alarm, dof))
+    return float(chdtri(dof, false_alarm))
 
 
 def alarm_probability(noncentrality: object, dof: float, false_alarm: float) -> np.ndarray:
@@ -89,6 +88,8 @@ def binomial_band(count: int, rate: float, *, level: float = 0.99) -> tuple[floa
         raise EngineError("A share needs at least one window.")
     _check(1, rate, phrase("The rate"))
     _check(1, level, phrase("The level"))
+    from scipy.stats import binom  # late: 0.6 s
+
     low, high = binom.ppf([(1 - level) / 2, (1 + level) / 2], count, rate)
     return float(low / count), float(high / count)
 

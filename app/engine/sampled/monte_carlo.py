@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from scipy.signal import get_window
 
 from ..kernels import in_shares, kernel
 from ..kernels.held import held_steps
@@ -174,7 +173,7 @@ def _entries(loop: SampledLoop, unit: float) -> np.ndarray:
 
 def _one(series: np.ndarray, dt: float, length: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Welch density (n_f, k), rms and peak of one run's signals (k, steps)."""
-    window = np.asarray(get_window("hann", length))
+    window = np.hanning(length + 1)[:-1]
     total, count = 0.0, 0
     for begin in range(0, series.shape[1] - length + 1, length // 2):
         part = series[:, begin:begin + length]
@@ -201,7 +200,7 @@ def welch_expectation(loop: SampledLoop, length: int) -> Spectrum:
     """
     if length < 2:
         raise EngineError("A segment must hold at least two samples.")
-    window = np.asarray(get_window("hann", length))
+    window = np.hanning(length + 1)[:-1]
     overlap = np.fft.irfft(np.abs(np.fft.rfft(window, 2 * length)) ** 2, 2 * length)[:length]
     rows = np.vstack([loop.outputs, loop.feedback])
     noise, direct = loop.reading, np.vstack([np.zeros((len(loop.outputs), len(loop.Y))), loop.T[-1]])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import signal
 from scipy.linalg import matrix_balance
 
 from .balance import balance
@@ -62,6 +61,8 @@ def psd(series: object, fs: float, *, segment: int | None = None, window: str = 
     if not 8 <= length <= len(data):
         raise EngineError("A segment must hold between 8 and {count} samples; it holds {length}.",
                           count=len(data), length=length)
+    from scipy import signal  # late: it brings all of scipy.stats, 0.6 s
+
     frequency, density = signal.welch(data, fs, window=window, nperseg=length, detrend="constant",
                                       scaling="density", axis=0)
     return Spectrum(frequency, density)

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -229,3 +232,18 @@ def test_compiled_kernels_say_what_the_plain_ways_say(monkeypatch: pytest.Monkey
     prepare_kernels().join()
     assert set(SHELF.made) == set(SIGNATURES)
     assert not differing(800, SHELF.made)
+
+
+def test_a_cache_is_only_called_complete_for_the_files_that_the_compiler_would_take_from_it(tmp_path, monkeypatch) -> None:
+    """It asks for the place and the time of each file, not only for what stands in it."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    here = shelf.cache_folder()
+    assert here is not None and here == shelf.cache_folder()
+    copy = tmp_path / "copy"
+    shutil.copytree(Path(shelf.__file__).parent, copy)
+    monkeypatch.setattr(shelf, "__file__", str(copy / "shelf.py"))
+    moved = shelf.cache_folder()
+    os.utime(copy / "small.py", (1, 1))
+    touched = shelf.cache_folder()
+    monkeypatch.setattr(shelf, "version", lambda name: "another")
+    assert len({here, moved, touched, shelf.cache_folder()}) == 4
