@@ -13,7 +13,7 @@ from app.text import same, text
 
 from ..toolkit.figures import TIME_TAB, rate_of_error, settled_words, state_figures
 from .notes import notes_figures
-from .study import NOTHING, Setting, Study, left_alone
+from .study import Setting, Study, left_alone
 
 ERROR_TAB = text("Error")
 
@@ -68,7 +68,7 @@ def _components(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) ->
 
 
 def _proof(here: Setting, outcome: Outcome[Study], run: Run, quiet: Run) -> TableFigure:
-    if outcome.metrics["state_moved"] <= NOTHING:
+    if outcome.metrics["state_moved"] == 0:
         said = text("no input acts, so nothing parts.")
     elif left_alone(outcome.metrics):
         said = text("the outputs part, the errors do not.")

@@ -23,8 +23,7 @@ from .knobs import DT, HORIZON, MODEL, NUMBERS, POLES, PRINTED
 from .notes import PLANT, PRINTED_GAIN, poles_of, printed_model
 
 HOLD = 20  # steps for which a random force is held
-ROUNDING = 1e-9  # an error moved by less than this share of the state is moved by rounding alone
-NOTHING = 1e-12  # a state moved by less has not been pushed at all
+ROUNDING = 1e-9  # an error moved by less than this share of the largest state is moved by rounding alone, in whatever units
 PRINTED_MODEL = printed_model()
 
 
@@ -117,7 +116,7 @@ def _metrics(run: Run, quiet: Run) -> dict[str, float]:
     settled = settle_time(run.t, size)
     return {
         "error_moved": float(np.max(np.abs(run.e[:count] - quiet.e[:count]))),
-        "state_moved": float(np.max(np.abs(run.x[:count] - quiet.x[:count]))),
+        "state_moved": float(np.max(np.abs(run.x[:count] - quiet.x[:count]))) if np.any(run.u_applied) else 0.0,
         "largest": float(max(np.max(np.abs(run.x)), np.max(np.abs(run.xhat)))),
         "final_error": float(np.max(size[-max(len(size) // 10, 1):])), "largest_error": float(np.max(size)),
         "settled_after": run.scenario.horizon + run.scenario.dt if settled is None else settled}
@@ -146,7 +145,7 @@ def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -
 
 
 def _live(m: dict[str, float]) -> Text:
-    if m["state_moved"] <= NOTHING:
+    if m["state_moved"] == 0:
         return text("No input acts: plant and error are left to themselves.")
     moved = f"{m['state_moved']:.2g}"
     driven = text("The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the "
@@ -155,9 +154,9 @@ def _live(m: dict[str, float]) -> Text:
     alone = text("The input moves the state by up to {moved} and the error by {error_moved:.0e}: rounding, nothing "
                  "else.",
                  moved=moved, error_moved=m["error_moved"])
-    return claim(driven, m["error_moved"], above=ROUNDING * max(1.0, m["largest"]), otherwise=alone)
+    return claim(driven, m["error_moved"], above=ROUNDING * m["largest"], otherwise=alone)
 
 
 def left_alone(m: Mapping[str, float]) -> bool:
     """Whether the force moves the error by rounding alone."""
-    return m["error_moved"] <= ROUNDING * max(1.0, m["largest"])
+    return m["error_moved"] <= ROUNDING * m["largest"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.engine.structure import Mode
+from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
 from app.text import same, text
@@ -18,6 +19,7 @@ from .sweep import LOWEST, Sweep, decades
 
 MATRIX_TAB, CLOUD_TAB, MODES_TAB = text("Matrix"), text("Ellipsoid"), text("Modes")
 CIRCLE = np.linspace(0.0, 2 * np.pi, 73)
+DUST = 10 * float(np.finfo(float).eps)  # times n and the largest: a smaller singular value has no right digit
 HIDDEN = -10.0  # decades: distances at or below are rounding
 SHARES = (0.0, 0.04, 0.15, 0.4, 1.0)  # of the run: when the ellipse is drawn
 MOST_STATES = 8  # rows of the table of states
@@ -50,9 +52,10 @@ def _sizes(found: Study, rtol: float) -> PlaneFigure:
                    for k, d in enumerate(levels))
     line = Curve(text("tolerance τ"), np.full(2, np.log10(rtol)), "reference", "dash", 1.6, np.array([0.5, n + 0.5]))
     lost = len(levels) - built.rank
-    caption = (text("{lost} of {count} count as zero; the smallest is {levels:.1g} times the largest.",
-                    lost=lost, count=len(levels), levels=10 ** levels[-1])
-               if built.sizes[0] > 0 else text("No sensor is on: O is zero."))
+    told = claim(text("{lost} of {count} count as zero; the smallest is {levels:.1g} times the largest.",
+                      lost=lost, count=len(levels), levels=10 ** levels[-1]), float(10 ** levels[-1]), above=DUST * n,
+                 otherwise=text("{lost} of {count} count as zero; the smallest is lost in rounding.", lost=lost, count=len(levels)))
+    caption = told if built.sizes[0] > 0 else text("No sensor is on: O is zero.")
     return PlaneFigure(
         "sizes", text("singular values of O, σ/σ₁"), (line,), points, "k", "σ/σ₁",
         (0.5, n + 0.5), (LOWEST - 0.5, 0.5), tab=MATRIX_TAB, caption=caption, powers="y")
@@ -177,7 +180,10 @@ def _criteria(found: Study, chosen: str) -> TableFigure:
     table = tuple((text("▶ {sentence}", sentence=c.text) if c.id == chosen else c.text,
                    c.number, MUTE if c.says is None else YES if c.says else NO) for c in found.criteria)
     pick = next(c for c in found.criteria if c.id == chosen)
-    caption = (text("C e^(At) is {number}: it has no determinant, whatever the plant.", number=pick.number) if pick.id == DET else
+    plant = found.sensed.plant
+    caption = (text("C e^(At) is {number} here and has a determinant; a plant may be observable although it is zero.", number=pick.number)
+               if pick.id == DET and plant.p == plant.n else
+               text("C e^(At) is {number}: it has no determinant, whatever the plant.", number=pick.number) if pick.id == DET else
                text("{number} is below rounding: in double precision this sentence cannot tell.",
                     number=pick.number) if pick.says is None else
                text("The chosen sentence rests on {number} and says {says}.",

@@ -108,7 +108,8 @@ def compute(here: Setting, design: Design) -> Outcome[Study]:
          "compensator": loop.compensator_poles},
         metrics, checks, run, pole_boards(model, design, loop.controller_poles, loop.observer_poles,
                                           belief.A - L @ belief.C),
-        stage(model, run), LaterItems(lambda: _formulas(K, L)), Later(lambda: _live(study, metrics["separation_meter"])), study)
+        stage(model, run), LaterItems(lambda: _formulas(K, L, believed_right(truth, belief))),
+        Later(lambda: _live(study, metrics["separation_meter"])), study)
 
 
 def _dies_down(run: Run) -> bool:
@@ -117,10 +118,17 @@ def _dies_down(run: Run) -> bool:
     return run.diverged_at is None and float(size[-max(len(size) // 10, 1):].max()) <= SETTLED * float(size.max())
 
 
-def _formulas(K: np.ndarray, L: np.ndarray) -> tuple[Formula, ...]:
+def believed_right(truth: Plant, belief: Plant) -> bool:
+    """Whether the observer copies the plant as it is."""
+    return all(np.array_equal(getattr(truth, name), getattr(belief, name)) for name in "ABC")
+
+
+def _formulas(K: np.ndarray, L: np.ndarray, right: bool) -> tuple[Formula, ...]:
+    below = r"0 & A-LC" if right else r"\Delta A-\Delta B\,K & \hat A-LC+\Delta B\,K"
+    loop = (r"\frac{d}{dt}\begin{bmatrix} x \\ e \end{bmatrix} = \begin{bmatrix} A-BK & BK \\ " + below +
+            r" \end{bmatrix} \begin{bmatrix} x \\ e \end{bmatrix}")
     return (
-        Formula("loop", r"\frac{d}{dt}\begin{bmatrix} x \\ e \end{bmatrix} = \begin{bmatrix} A-BK & BK \\ 0 & A-LC "
-                        r"\end{bmatrix} \begin{bmatrix} x \\ e \end{bmatrix}"),
+        Formula("loop", loop, NO_WORDS if right else text("ΔA = A − Â and ΔB = B − B̂: what the plant has and the observer does not know.")),
         Formula("K", gain_words("K", K)),
         Formula("L", gain_words(r"L^{\mathsf T}", L.T)),
     )

@@ -123,7 +123,7 @@ def _boards(model: Model, design: Design, poles: np.ndarray, L: np.ndarray) -> t
 
 def _live(m: dict[str, float]) -> Text:
     ours, theirs = m["slowest_observer"], m["slowest_copy"]
-    doubt = (text("The observer's error grows.") if m["slowest_observer"] >= 0 else NO_WORDS)
+    doubt = (text("The observer does not forget every wrong start.") if m["slowest_observer"] >= 0 else NO_WORDS)
     return joined(text("Slowest modes of the error: copy {theirs:+.3g}, observer {ours:+.3g} per second.",
                        theirs=theirs, ours=ours), doubt)
 
@@ -197,8 +197,8 @@ def _plane(model: Model, outcome: Outcome[OwnStudy]) -> PlaneFigure:
     stable = np.all(np.real(outcome.study.poles) < 0, axis=1)
     trusts = np.linspace(0.0, MOST_TRUST, len(stable))
     shaky = np.flatnonzero(~stable)
-    need = (text("Every trust up to 2 is forgiven here.") if not len(shaky) else
-            text("No trust up to 2 makes every mode stable.") if len(shaky) == len(stable) else
+    need = (text("All trusts tried, up to 2, make every mode stable.") if not len(shaky) else
+            text("No trust tried, up to 2, makes every mode stable.") if len(shaky) == len(stable) else
             text("Of the trusts tried, those from {trusts:.2g} to {trusts2:.2g} are not all stable.",
                  trusts=trusts[shaky[0]], trusts2=trusts[shaky[-1]]))
     high = max(window.re_high, 0.3 * -window.re_low)

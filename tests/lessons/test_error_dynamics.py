@@ -8,8 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import expm, matrix
 
+from app.engine import Plant
 from app.lesson.figures import columns
 from app.lesson.knobs import KnobError
+from app.plants.own import own_model
 from lessons.error_dynamics.knobs import DT, HORIZON
 from lessons.error_dynamics.lesson import LESSON
 from lessons.error_dynamics.notes import PLANT, PRINTED_MATRIX, notes_figures, printed_model, taken_at_its_word
@@ -148,3 +150,12 @@ def test_the_numbers_in_the_text_are_the_engines(language):
 def test_a_hand_beyond_the_limits_is_refused_with_a_sentence():
     with pytest.raises(KnobError, match="values within −2 … 2"):
         outcome(input="hand", hand=((1.0, 5.0),))
+
+
+@pytest.mark.parametrize("unit", [1e-9, 1.0, 1e9])
+def test_an_input_acts_in_whatever_units_the_plant_is_written(unit):
+    plant = Plant(np.array([[0.0, 1.0], [-1.0, -0.5]]), np.array([[0.0], [unit**2]]), np.array([[1.0, 0.0]]))
+    own = LESSON.adapt(LESSON, own_model(plant))
+    found = own.compute(own.apply(own.start(), {"amplitude": own.knob("amplitude").high * 1e-13}))
+    assert "rounding, nothing else" in str(found.live) and found.checks[0].holds
+    assert "the outputs part" in str(next(f for f in own.figures(found) if f.id == "proof").caption)

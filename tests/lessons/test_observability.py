@@ -11,6 +11,7 @@ from scipy.linalg import expm
 from app.engine import Plant, observability, observer_gain
 from app.lesson.figures import PlaneFigure
 from app.lesson.lesson import Stage
+from app.plants.own import own_model
 from lessons.observability.cases import CASES, READING, sensed
 from lessons.observability.criteria import DET, GRAMIAN, PBH, RANK
 from lessons.observability.knowledge import KNOWN, learn
@@ -261,6 +262,19 @@ def test_an_eigenvalue_below_rounding_is_not_called_zero(count):
     s = o.study.sensed
     assert ("below rounding" in words) == (s.heard[-1, 0] <= s.dust)
     assert "smallest 0. W" not in words and "not heard at all" not in next(f for f in LESSON.figures(o) if f.id == "halves").caption("en")
+
+
+def test_a_singular_value_without_a_right_digit_is_not_given_as_a_number():
+    for values, said in (({"plant": "many", "rows_many": 20}, "lost in rounding"),
+                         ({"plant": "pair", "gap": 1e-8, "rows_two": 2}, "10⁻⁹ times")):
+        assert said in str(next(f for f in LESSON.figures(outcome(**values)) if f.id == "sizes").caption)
+
+
+def test_a_plant_whose_states_are_all_measured_is_not_said_to_have_no_determinant():
+    own = LESSON.adapt(LESSON, own_model(Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.eye(2))))
+    found = own.compute(own.start())
+    said = str(next(f for f in own.figures(found) if f.id == "criteria").caption)
+    assert "2×2 here and has a determinant" in said
 
 
 def test_a_rank_cut_by_a_coarse_tolerance_is_not_called_rounding():

@@ -112,3 +112,13 @@ def test_no_switching_of_a_stiff_loop_is_missed_between_two_instants() -> None:
     for before, after, noise in zip(states[20:32], states[21:33], v[20:], strict=False):
         peer = solve_ivp(slope, (0, s.dt), before, "LSODA", rtol=1e-10, atol=1e-14, max_step=s.dt / 100, args=(noise,)).y[:, -1]
         assert np.abs(after - peer).max() < 1e-9 * np.abs(states).max()
+
+
+@pytest.mark.parametrize("moved", [{}, {"stiffness_error": 13.0}])
+def test_the_formula_of_the_loop_is_that_of_its_matrix(moved: dict[str, float]) -> None:
+    o = LESSON.compute(LESSON.apply(LESSON.start(), moved))
+    loop, K, L, n = o.study.loop.A_xe, o.gains["K"], o.gains["L"], 6
+    right, truth, model = not moved, o.run.scenario.plant, o.run.scenario.model
+    missing = (truth.A - model.A) - (truth.B - model.B) @ K
+    assert ("0 & A-LC" in o.formulas[0].latex) == right == (not missing.any())
+    assert np.allclose(loop[n:, :n], missing, atol=1e-9) and np.allclose(loop[n:, n:], model.A - L @ model.C + (truth.B - model.B) @ K)

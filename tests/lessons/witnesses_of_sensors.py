@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import mpmath
 import numpy as np
-from witnesses import Shown, Witness
+from witnesses import Shown, Witness, near, value
 
 from app.text import Text
 
@@ -35,7 +36,21 @@ def _leaves_a_trace(all_of_them: bool) -> Witness:
     return witness
 
 
+def _smallest(shown: Shown, words: Text) -> None:
+    """The least singular value of O over its largest, by the eigenvalues of OᵀO or OOᵀ in ninety digits."""
+    plant, rows = shown.outcome.study.sensed.plant, shown.outcome.study.rebuilt.rows
+    with mpmath.workdps(90):
+        A, C = mpmath.matrix(plant.A), mpmath.matrix(plant.C)
+        blocks = [C]
+        for _ in range(rows - 1):
+            blocks.append(blocks[-1] * A)
+        O = mpmath.matrix([[b[i, j] for j in range(plant.n)] for b in blocks for i in range(plant.p)])
+        sizes = mpmath.eigsy(O.T * O if O.rows >= O.cols else O * O.T, eigvals_only=True)
+        near(value(words, "levels"), float(mpmath.sqrt(abs(sizes[0]) / sizes[len(sizes) - 1])), 0.2)
+
+
 WITNESSES: Mapping[str, Witness] = {
+    "{lost} of {count} count as zero; the smallest is {levels:.1g} times the largest.": _smallest,
     "The trace has gone flat: as far as the sensor can tell, all is at rest.": _flat,
     "No mode is hidden: every distance is well above zero.": _none_hidden,
     "Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.": _leaves_a_trace(False),
