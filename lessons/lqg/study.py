@@ -36,7 +36,6 @@ from .robustness import Robustness, ideal, real
 
 STILL = 0.05  # of the plant's motion: a ghost that moves less hardly moves
 STANDS, SLOW = text("the ghost hardly moves:"), text("a steady gain corrects a wrong start only slowly")
-HELD = text("the controller keeps at rest what it believes")
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,17 +156,18 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
                    LaterItems(lambda: _formulas(study, setting)), Later(lambda: _live(study)), study)
 
 
-def still(run: Trace) -> bool:
-    """Whether the estimate hardly moves beside the plant."""
-    return bool(np.all(np.ptp(run.xhat, axis=0) <= STILL * np.ptp(run.x, axis=0)))
+def moved(run: Trace) -> float:
+    """How far the estimate moves, in the state in which it moves most, as a share of the plant's motion."""
+    return float(np.max(np.ptp(run.xhat, axis=0) / np.maximum(np.ptp(run.x, axis=0), 1e-300), where=np.ptp(run.xhat, axis=0) > 0, initial=0.0))
 
 
 def _note(study: Study, design: Design) -> tuple[Text, ...]:
-    """That the ghost hardly moves, where it does not, and why: the controller acts on what is believed and holds it, if the same
-    filter moves where nobody controls; else the steady gain is made for what comes, not for a wrong start."""
-    if design["filter"] == RECURSIVE or not still(study.trace):
+    """That the ghost hardly moves, where it does not, and what the same filter does where nobody controls: how far it would go; if
+    no farther, the steady gain is made for what comes, not for a wrong start."""
+    if design["filter"] == RECURSIVE or moved(study.trace) > STILL:
         return ()
-    return STANDS, SLOW if still(trace(study.case, study.setting, design["kick"], False, held=False)) else HELD
+    alone = moved(trace(study.case, study.setting, design["kick"], False, held=False))
+    return STANDS, SLOW if alone <= STILL else text("without control it would go {share:.0f} % as far as the plant", share=100 * alone)
 
 
 def _gained(case: Case, true: float, density: np.ndarray) -> tuple[np.ndarray | None, np.ndarray]:
