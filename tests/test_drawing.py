@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.lesson.figures import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point
+from app.lesson.figures import Curve, LineFigure, MapFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
 from app.text import same, squared, symbol, text
@@ -212,6 +212,12 @@ def test_a_slider_in_decades_has_a_mark_at_each_and_says_its_ends() -> None:
                                              (1.5e6, "1.5·10⁶"), (1e-12, "10⁻¹²"), (2.34e-5, "2.34·10⁻⁵")])
 def test_a_number_far_from_one_is_written_with_its_power_of_ten(value: float, said: str) -> None:
     assert in_tens(value) == said
+
+
+# --- tables ----------------------------------------------------------------------------------------------------------
+def test_a_mark_and_its_word_stand_in_one_line_and_numbers_of_one_cell_part_behind_their_dot() -> None:
+    drawn = draw(TableFigure("t", same("t"), (same("question"), same("verdict")), (("● yes", "0.007\u00a0·\u00a0>12"),)), "en")
+    assert '<td class="ol-tied">● yes</td>' in drawn and "<td>0.007\u00a0·<wbr>\u00a0&gt;12</td>" in drawn
 
 
 # --- axes of charts --------------------------------------------------------------------------------------------------

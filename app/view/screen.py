@@ -81,7 +81,7 @@ class Screen(Browser):
             self._panel = Panel(gui, picture, self._post)
             quirks.run(self._client, "fields", fields=self._panel.fields)
             quirks.run(self._client, "fill", large=picture.state.lecture)
-            quirks.run(self._client, "tabrow", large=picture.state.lecture)
+            quirks.run(self._client, "tabrow")
             self._right_panel(picture)
             self._transport = Transport(gui, picture, self._post)
             self._mark = Mark(gui, self._post)

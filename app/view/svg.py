@@ -20,6 +20,8 @@ FRAME = Box(LEFT, TOP, W - RIGHT, H - BOTTOM)
 # of the names of axes: the height of a line in the tallest fonts, what of it rises above the foot of letters, px to the numbers
 ROW, RISE, CLEAR = 1.45 * LARGE, 1.16 * LARGE, 8.0
 AWAY = 5.0  # px from the numbers to the frame
+TIED = 4.0  # letters: so little in a cell of a table stands in one line
+BETWEEN = "\N{NO-BREAK SPACE}·\N{NO-BREAK SPACE}"  # between the numbers of a cell, which part in large print alone, where they must
 MOST_NAMES, INK = 4, 0.66  # names of curves that stand beside them, more stand in a key; how much of a curve's colour is its name's
 TALLEST_CELL, ROOM_FOR_ENTRY, SMALLEST = 48, 38, 7.5  # of a matrix: height and width of cells, font size of names, in px
 
@@ -277,9 +279,14 @@ def _span(values: np.ndarray) -> tuple[float, float]:
 
 
 def _table(figure: TableFigure, language: str) -> str:
-    def cell(value: object) -> str:
-        return html.escape(with_minus(value if isinstance(value, str) else value(language)))  # type: ignore[operator]
-    head = "".join(f"<th>{cell(c)}</th>" for c in figure.columns)
-    body = "".join("<tr>" + "".join(f"<td>{cell(v)}</td>" for v in row) + "</tr>" for row in figure.rows)
+    def said(value: object) -> str:
+        return with_minus(value if isinstance(value, str) else value(language))  # type: ignore[operator]
+
+    def cell(value: object, kind: str) -> str:
+        words = said(value)
+        tied = ' class="ol-tied"' if width(words, 1.0) <= TIED else ""
+        return f"<{kind}{tied}>{html.escape(words).replace(BETWEEN, BETWEEN[:-1] + '<wbr>' + BETWEEN[-1])}</{kind}>"
+    head = "".join(cell(c, "th") for c in figure.columns)
+    body = "".join("<tr>" + "".join(cell(v, "td") for v in row) + "</tr>" for row in figure.rows)
     return (f'<div class="ol-figure" data-figure="{figure.id}"><table class="ol-table"><caption>'
             f"{html.escape(figure.title(language))}</caption><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>")

@@ -46,7 +46,7 @@ def pages(tab: Tab, lessons: list[str], languages: list[str], large: bool) -> It
                 tab.predict(phrases.SKIP(language))
             tab.answered(rests=True)
             tab.close_any_notices()
-            yield lesson, language, look(tab, large)
+            yield lesson, language, look(tab, large, every=True)
 
 
 def sheet(pictures: list[Path]) -> Image.Image:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 from tab import Tab
 
+AGAIN = 4  # times that a page with faults is looked at
 MOST_EMPTY = 0.4  # of the figures' column in large print, where there is more to show
 PHONE = 576  # px of width below which viser lays a sheet over the stage
 PARTS = ("predict", "knobs", "curves", "why", "tasks")
@@ -84,7 +86,10 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
   const own = e => heads.filter(each => each.parentElement.contains(e)).at(-1) === head;
   const knobs = [...folder.querySelectorAll('label')].filter(e => seen(e) && e.textContent && own(e)).map(e => e.textContent);
   if (knobs.length < 1 || knobs.length > 3) out.push(`knobs: ${knobs}`);
-  const charts = [...document.querySelectorAll('[data-dock-region=right] .uplot')].filter(e => seen(e) && y(e) < innerHeight - 4);
+  const charts = [...document.querySelectorAll('[data-dock-region=right] .uplot')].filter(e => {
+    const view = e.closest('[data-scrollarea-viewport]').getBoundingClientRect();
+    return seen(e) && y(e) < view.bottom - 4 && e.getBoundingClientRect().bottom > view.top + 4;
+  });
   if (charts.length > 1) out.push(`${charts.length} charts at once`);
   return out;
 }"""
@@ -125,13 +130,34 @@ class Sight(NamedTuple):
     hall: tuple[str, ...] = ()
 
 
-def look(tab: Tab, large: bool = False) -> Sight:
-    """Measure the page as it stands, in large print or not; on a phone part by part."""
+def leaves(tab: Tab) -> Iterator[str]:
+    """The tabs of the figures on the right, each brought to the front and then the first again; the names of those after the first."""
+    heads = tab.page.locator("[data-dock-region=right] [data-dock-tab]")
+    for k in (*range(1, heads.count()), 0):
+        heads.nth(k).click()
+        tab.answered(rests=True)
+        if k:
+            yield heads.nth(k).inner_text()
+
+
+def _measured(tab: Tab, large: bool) -> tuple[dict[str, Any], list[str]]:
+    """What is seen now, and what a hall misses; looked at again where something is wrong, as charts may still be growing."""
+    seen, faults = {}, list[str]()
+    for _ in range(AGAIN):
+        seen, faults = tab.page.evaluate(MEASURE), tab.page.evaluate(HALL) if large else []
+        if not large or not (faults or seen["peeps"] or seen["cut"]):
+            break
+        tab.answered(rests=True)
+    return seen, faults
+
+
+def look(tab: Tab, large: bool = False, every: bool = False) -> Sight:
+    """Measure the page as it stands, in large print or not; on a phone part by part, elsewhere with `every` tab of the figures."""
     size = tab.page.viewport_size
     assert size is not None
     parts: tuple[str, ...] = PARTS if size["width"] < PHONE else ("",)
     found: list[dict[str, Any]] = []
-    knob, screens = "", 0.0
+    knob, screens, further = "", 0.0, list[str]()
     for part in parts:
         if part:
             tab.page.locator(f".ol-parts [data-part={part}]").click()
@@ -140,9 +166,15 @@ def look(tab: Tab, large: bool = False) -> Sight:
                 screens = max(screens, tab.page.evaluate(REACH))
         if part in ("", "knobs"):
             knob = tab.page.evaluate(KNOB)
-        found.append(tab.page.evaluate(MEASURE))
+        seen, faults = _measured(tab, large)
+        found.append(seen)
+        further += faults
+        for name in leaves(tab) if every and not part else ():
+            seen, faults = _measured(tab, large)
+            found.append({**seen, **{kind: [f"{name}: {words}" for words in seen[kind]] for kind in ("cut", "over", "peeps")}})
+            further += [f"{name}: {fault}" for fault in faults]
     least = min(found, key=lambda it: it["words"])
-    hall = () if not large else (*tab.page.evaluate(HALL), *tab.page.evaluate(TABS),
+    hall = () if not large else (*further, *tab.page.evaluate(TABS),
                                  *(f"little more than the title of {w}" for it in found for w in it["peeps"]),
                                  *(f"{it['empty']:.0%} of the figures' column empty" for it in found if it["empty"] > MOST_EMPTY))
     return Sight(knob, least["words"], round(size["height"] / least["words"], 1), least["smallest"],

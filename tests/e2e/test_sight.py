@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from sight import TABS, look
+from sight import MEASURE, TABS, look
 from tab import Tab, eventually
 
 from app.view import phrases
@@ -59,9 +59,9 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
         tab.press("large print")
 
 
-@pytest.mark.parametrize("language", ["en", "zh"])
-def test_in_large_print_tabs_stand_in_one_row_that_shows_the_chosen_one(walking: Tab, language: str) -> None:
-    tab, words = walking, LESSONS["fault-diagnosis"].words
+@pytest.mark.parametrize("name, language", [("showdown", "en"), ("fault-diagnosis", "zh")])
+def test_tabs_stand_in_one_row_that_shows_the_chosen_one_and_no_figure_is_cut(walking: Tab, name: str, language: str) -> None:
+    tab, words = walking, LESSONS[name].words
     tab.open_lesson(words["en"].title, words["en"].question, (1920, 1080))
     if tab.page.locator(".ol-option:enabled").count():
         tab.predict("skip")
@@ -72,12 +72,16 @@ def test_in_large_print_tabs_stand_in_one_row_that_shows_the_chosen_one(walking:
     assert heads.count() > 5
     for k in (*range(heads.count()), 0):
         heads.nth(k).click()
-        eventually(lambda: tab.page.evaluate(TABS), lambda faults: not faults, f"the row of tabs with {heads.nth(k).inner_text()} chosen")
+        eventually(lambda: (*tab.page.evaluate(TABS), *tab.page.evaluate(MEASURE)["cut"]), lambda faults: not faults,
+                   f"the row of tabs and their figures with {heads.nth(k).inner_text()} chosen")
     tab.page.locator("[data-dock-region=right] [role=tablist]").hover()
     before = tab.page.evaluate(SLID)
     tab.page.mouse.wheel(0, 120)
     eventually(lambda: tab.page.evaluate(SLID), lambda at: at[0] > before[0] or at[1] <= 1, "a wheel slides the row where it is too long")
     tab.key("m")
+    tab.page.set_viewport_size({"width": 1366, "height": 768})
+    heads.last.click()
+    eventually(lambda: tab.page.evaluate(TABS), lambda faults: not faults, "the row of tabs in normal print")
 
 
 def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(walking: Tab) -> None:

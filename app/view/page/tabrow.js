@@ -1,17 +1,16 @@
-// In large print the figures' tabs stand in one row, which a wheel or a finger slides: the chosen one comes to its middle, and an edge
+// The figures' tabs stand in one row, which a wheel or a finger slides: the chosen one comes to its middle, and an edge
 // beyond which there are more fades.
-({large}) => {
+() => {
   const lab = window.observerLabTabRow ??= {chosen: new WeakMap(), tabs: new WeakSet()};
-  lab.large = large;
   const calm = matchMedia('(prefers-reduced-motion: reduce)');
   const fade = row => {
-    const over = lab.large ? row.scrollWidth - row.clientWidth : 0;
+    const over = row.scrollWidth - row.clientWidth;
     row.toggleAttribute('data-before', over > 1 && row.scrollLeft > 1);
     row.toggleAttribute('data-after', over > 1 && row.scrollLeft < over - 1);
   };
   const centre = (row, behavior) => {
     const tab = lab.chosen.get(row)?.getBoundingClientRect(), room = row.getBoundingClientRect();
-    if (lab.large && tab) row.scrollBy({left: (tab.left + tab.right - room.left - room.right) / 2, behavior});
+    if (tab) row.scrollBy({left: (tab.left + tab.right - room.left - room.right) / 2, behavior});
     fade(row);
   };
   lab.look = () => {
@@ -20,7 +19,7 @@
       if (first) {
         row.addEventListener('scroll', () => fade(row), {passive: true});
         row.addEventListener('wheel', event => {
-          if (!lab.large || row.scrollWidth <= row.clientWidth) return;
+          if (row.scrollWidth <= row.clientWidth) return;
           event.preventDefault();
           row.scrollBy({left: event.deltaX || event.deltaY, behavior: 'instant'});
         }, {passive: false});
