@@ -158,7 +158,7 @@ def compute_for(cases: tuple[Case, ...], design: Design) -> Outcome[Study]:
 
 def moved(run: Trace) -> float:
     """How far the estimate moves, in the state in which it moves most, as a share of the plant's motion."""
-    return float(np.max(np.ptp(run.xhat, axis=0) / np.maximum(np.ptp(run.x, axis=0), 1e-300), where=np.ptp(run.xhat, axis=0) > 0, initial=0.0))
+    return float(np.max(np.ptp(run.xhat, axis=0) / np.maximum(np.ptp(run.x, axis=0), 1e-300)))
 
 
 def _note(study: Study, design: Design) -> tuple[Text, ...]:
