@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
+from laws import each
 from lesson_checks import (
     CJK,
     MATH,
@@ -20,6 +22,7 @@ from lesson_checks import (
     without_math,
 )
 
+import app
 from app.engine import EngineError
 from app.lesson.figures import LineFigure, PlaneFigure, TableFigure, tabs
 from app.lesson.lesson import Lesson
@@ -27,6 +30,7 @@ from app.lesson.prose import Asked, Prose
 from app.text import Text, languages
 from app.view import phrases
 from app.view.prose import mathml
+from lessons import folder
 
 MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step, in English and in Chinese
 MOST_REVEALED = 80  # words of the reveal
@@ -196,3 +200,25 @@ def test_live_formulas_are_drawn_for_every_design_that_the_tasks_lead_to(lesson:
             check_mathml(mathml(formula.latex, True), formula.id)
             for language in languages():
                 check_markdown(formula.note(language), formula.id)
+
+
+TERMS = {
+    "virtual-sensor": ("state observer", "Luenberger observer", "peaking"), "error-dynamics": ("error dynamics", "pole placement"),
+    "observability": ("observable",), "separation": ("separation principle",), "duality": ("duality",),
+    "hidden-modes": ("detectable", "stabilizable"), "saturation": ("windup",), "noise": ("covariance",), "kalman": ("innovation",),
+    "lqg": ("loop transfer recovery",)}
+
+
+def test_one_thing_has_one_chinese_word() -> None:
+    """Each line of the list holds a word that is not used, and the one that is."""
+    others = [line.split()[0] for line in Path(__file__).with_name("other_words.txt").read_text("utf-8").splitlines()]
+    files = sorted((Path(app.__file__).parent / "locale" / "zh").iterdir())
+    assert len(others) > 5 and [(file.name, word) for file in files for word in others if word in file.read_text("utf-8")] == []
+
+
+@each("id", TERMS)
+def test_a_lesson_names_its_english_terms_once(id: str) -> None:
+    chinese = (Path(app.__file__).parent / "locale" / "zh" / f"{id}.md").read_text("utf-8")
+    english = (folder(id) / "en.md").read_text("utf-8").lower()
+    for term in TERMS[id]:
+        assert chinese.count(f"\uff08{term}\uff09") == 1 and term.lower() in english, term
