@@ -103,6 +103,8 @@ def _spectrum_words(outcome: Outcome[Study], i: int) -> Text:
     drop, low = s.suppression[i], s.low[i]
     under = (text("amplified {low} dB", low=level(-low)) if low < -0.1 else
              text("lowered {low} dB", low=level(low)) if low > 0.1 else text("nothing gained"))
+    if drop < 0:
+        return text("Peak raised by {drop} dB; at {low:.2g} Hz {under}.", drop=level(-drop), low=s.case.low, under=under)
     return text("Peak lowered by {drop} dB; at {low:.2g} Hz {under}.",
                 drop=level(drop), low=s.case.low, under=under)
 
@@ -147,7 +149,7 @@ def _cost(outcome: Outcome[Study]) -> TableFigure:
         more = c.total / c.least if c.least > 0 else 1.0 if c.total == 0 else np.inf
         said = claim(text("No other controller is cheaper on average under this noise."), more, below=1 + 1e-6,
                      otherwise=text(
-            "{total} times the least: the model has another gain than the inputs.", total=words(more)) if wrong else text(
+            "{total} times the least: the inputs' gain, or the noise, is not what the model says.", total=words(more)) if wrong else text(
             "{total} times the least: the filter believes in another noise.", total=words(more)))
     return TableFigure("cost", text("average of xᵀQx + uᵀRu"), (text("part"), same("J")), rows,
                        said, COST_TAB)

@@ -141,7 +141,7 @@ def test_a_controller_that_is_told_the_true_gain_is_the_least_in_cost() -> None:
         o = at(**values)
         least = least_cost(Shown(LESSON, o, None))
         assert o.metrics["J_least"] == pytest.approx(least, rel=1e-5) and o.metrics["J"] > 1.001 * least > o.metrics["J_known"]
-        assert "another gain" in str(next(f for f in LESSON.figures(o) if f.id == "cost").caption)
+        assert "not what the model says" in str(next(f for f in LESSON.figures(o) if f.id == "cost").caption)
 
 
 def test_the_recursive_filter_finds_the_state_long_before_the_steady_one() -> None:
@@ -254,3 +254,9 @@ def test_only_one_rule_of_tuning_is_turned_round() -> None:
     o = at(rule="beta-q")
     assert o.metrics["process_more"] > 1 and o.metrics["process_input"] == pytest.approx(3.2, abs=0.1)
     assert at(rule="beta-r").metrics["sensor_more"] < 1
+
+
+def test_a_peak_that_has_grown_is_not_said_to_be_lowered_by_less_than_nothing() -> None:
+    o = at(sensor=1e12)
+    for figure, drop in zip(LESSON.figures(o), o.study.suppression, strict=False):
+        assert ("raised" in str(figure.caption)) == (drop < 0) and "−" not in str(figure.caption).split(";")[0]
