@@ -62,7 +62,7 @@ KNOBS = (
     Choice("ground", "", text("ground motion"), default=WHITE, group=WORLD,
            options=((WHITE, text("white, 1 µm/√Hz")), (FALLING, text("falling as "
                                                                                                    "1/f²"))),
-           hint=text("White as in the report's design, or falling, which meets its open-loop peaks.")),
+           hint=text("White as in the report's design, or falling, which meets two of its three peaks without control.")),
     Number("noise", r"\sigma_v", text("sensor noise"), "m/s/√Hz", low=1e-12, high=1e-6, default=1e-9, scale="log",
            group=WORLD, hint=text("One-sided amplitude density of each of the four sensors.")),
     *run_knobs(HORIZON),

@@ -8,7 +8,7 @@ from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.text import text
 
-from .loops import BEST, NONE, POLES, SHAPED
+from .loops import BEST, NONE, POLES, SHAPED, WHITE
 from .study import Study
 
 AS_WELL = (93.0, 94.0)  # dB: the published C_v gives 93.5
@@ -23,6 +23,8 @@ def _constant(outcome: Outcome[Study]) -> Verdict:
     got = m["vertical"]
     if d["vertical"] != SHAPED:
         return Verdict(False, text("Shape the vertical controller yourself."))
+    if d["ground"] != WHITE:
+        return Verdict(False, text("Take the white ground; on the falling one the published C_v gives less."))
     if not AS_WELL[0] <= got <= AS_WELL[1]:
         return Verdict(False, text("The vertical peak comes down by {got:.1f} dB; the published C_v gives 93.5 dB.",
                                    got=got))

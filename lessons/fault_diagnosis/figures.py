@@ -151,7 +151,7 @@ def _across(s: Study) -> LineFigure:
 def _forces(s: Study) -> LineFigure:
     looks: tuple[tuple[str, Dash], ...] = (("force", "solid"), ("disturbance", "dash"), ("second", "dot"))
     curves = tuple(Curve(same(COILS[j]), s.record.applied[:, j], *looks[j]) for j in range(3))
-    said = (text("Open loop: the coils only do what the known force asks.") if s.case.loop == OPEN else
+    said = (text("Open loop: nothing but the known force is asked of the coils.") if s.case.loop == OPEN else
             _acted(s) if s.case.loop == SWITCH else
             text("The loop keeps believing all four sensors."))
     return LineFigure("forces", text("forces delivered"), T, curves, "u [N]", window=(-1.0, 1.0), caption=said,

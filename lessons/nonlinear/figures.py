@@ -143,7 +143,7 @@ def _law(outcome: Outcome[Study]) -> PlaneFigure:
         at = 1 + d["hardening"] * (1e-3 * sigma / LENGTH)**2
         return _plane("law", text("pull of a vertical spring"), "e [mm]", "N", e, 1e-3 * k.kz * e * bend,
                       1e-3 * k.kz * e, sigma,
-                      text("Stretched by the start's σ of {sigma:.2g} mm the spring is {at:.2f} times as stiff as "
+                      text("Stretched by the start's σ of {sigma:.2g} mm the spring pulls {at:.2f} times as hard as "
                            "the line says.",
                            sigma=sigma, at=at), (-25.0, 25.0))
     if s.case.id == PENDULUM:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from attack import random_designs
-from claim_trials import TABLES, WITNESSES, extremes, tried
+from claim_trials import TABLES, WITNESSES, aimed, extremes, tried
 from hypothesis import given
 from hypothesis import strategies as st
 from lesson_checks import CJK, every_lesson
@@ -23,7 +23,8 @@ SAID, ELSE = text("It dies out."), text("It grows.")
 def test_no_claim_lies(lesson: Lesson) -> None:
     ends = extremes(lesson)
     pick = np.random.default_rng(lesson.number).permutation(len(ends))[:4]
-    found = tried(lesson, [ends[0], *(ends[k] for k in pick), *random_designs(lesson, 4, lesson.number)])
+    found = tried(lesson, [ends[0], *(ends[k] for k in pick), *random_designs(lesson, 4, lesson.number),
+                           *aimed(lesson, 12, lesson.number)])
     assert not found.lies, "\n".join(f"{said}: {'; '.join(where)}" for said, where in found.lies.items())
     assert not found.mixed, "\n".join(found.mixed)
 

@@ -286,3 +286,12 @@ def test_every_spectrum_has_the_reports_number_beside_ours() -> None:
         said = {f.id: f.caption("en") for f in LESSON.figures(outcome(**values))}
         for name, printed in (("vertical", "90 to 100"), ("rotation", "20 to 30"), ("horizontal", "40")):
             assert f"the report prints {printed} dB" in said[f"spectrum-{name}"]
+
+
+def test_what_the_printed_cv_gives_is_said_of_the_white_ground_alone() -> None:
+    """93.5 dB there and 47 dB on the falling one: no verdict compares the two."""
+    task, start = next(t for t in LESSON.tasks if t.id == "constant"), LESSON.start()
+    printed = [LESSON.compute(LESSON.apply(start, {"ground": ground})).metrics["vertical"] for ground in ("white", "falling")]
+    assert printed == pytest.approx([93.5, 47.0], abs=0.05)
+    verdict = task.check(LESSON.compute(LESSON.apply(start, {**task.solution, "ground": "falling"})))
+    assert not verdict.solved and "93.5" not in verdict.text("en")

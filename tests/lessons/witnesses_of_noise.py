@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 
 import mpmath
@@ -193,7 +194,58 @@ def _near_the_bound(shown: Shown, words: Text) -> None:
     assert value(words, "left") >= 100 * (1 - 1 / times) - 1, f"{times:.3g} times the bound"
 
 
+def _nees(shown: Shown, words: Text) -> None:
+    """The runs once more: of each filter the squared errors by its own covariance, their mean over runs and samples, by state."""
+    d, s, rng = shown.outcome.design, shown.outcome.study, np.random.default_rng([int(shown["seed"]), 14])
+    if s.fallen or any(s.lost.values()):
+        return
+    _, e = experiment_of(d, s.runs, len(s.t), rng)
+    run, said = list(simulate_filters(e, rng)), str(dict(words.values)["each"])
+    for name in e.filters:
+        squares = []
+        for k in run:
+            belief = k.corrections[name].beliefs
+            away, unit = (k.x - belief.mean).T, np.sqrt(np.einsum("...ii->...i", belief.covariance))
+            scaled = np.broadcast_to(belief.covariance / unit[..., :, None] / unit[..., None, :], (s.runs, len(k.x), len(k.x)))
+            squares.append(np.einsum("ni,ni->n", away / unit, np.linalg.solve(scaled, (away / unit)[..., None])[..., 0]))
+        true = float(np.mean(squares)) / s.x.shape[1]
+        if true < 1e6:
+            near(_number(said, name.upper()), true, 0.02)
+
+
+def _number(said: str, name: str) -> float:
+    """The number behind a name in a list."""
+    found = re.search(rf"{name} ([\d.]+)(?:\s*[·×]\s*10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+))?", said)
+    assert found, f"no number of {name} in {said}"
+    return float(found[1]) * 10.0 ** int((found[2] or "0").translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")))
+
+
+def _as_printed_in_algorithm_3(shown: Shown, words: Text) -> None:
+    """Slopes by a complex step, and the covariances of both gains written out: Q is left out of the gain of Algorithm 3 alone."""
+    d, case = shown.outcome.design, shown.outcome.study.case
+    plain = shown.lesson.apply(d, {"hardening": 0.0, "weakening": 0.0, "kick": -1.0})
+    _, e = experiment_of(plain, 1, 2, np.random.default_rng(0))
+    rest, none = case.guess[:, None], np.zeros((len(e.inputs.T), 1))
+    A, C = (slopes(lambda x, u, f=f: f(x, u), rest, none)[1][0] for f in (e.flow, e.output))
+    right = real = believed = np.diag(case.spread**2)
+    for k in range(24):
+        Q, move = (e.Q, A) if k else (0 * e.Q, np.eye(len(A)))
+        carried = move @ believed @ move.T
+        right, real = (move @ P @ move.T + Q for P in (right, real))
+        S = C @ carried @ C.T + e.R
+        M, best = carried @ C.T @ np.linalg.inv(S), right @ C.T @ np.linalg.inv(C @ right @ C.T + e.R)
+        keep = np.eye(len(A)) - M @ C
+        right, real, believed = right - best @ C @ right, keep @ real @ keep.T + M @ e.R @ M.T, carried + Q - M @ C @ carried
+    k = case.state
+    for name, P in (("more", believed), ("worse", real)):
+        true = 100 * (float(np.sqrt(P[k, k] / right[k, k])) - 1)
+        assert true > -1e-6 and abs(value(words, name) - true) < 0.01 * true + 0.06, f"{name}: says {value(words, name):.3g}, is {true:.3g}"
+
+
 WITNESSES: Mapping[str, Witness] = {
+    "NEES per state over {runs} runs (1 expected): {each}. The {who} is {words}.": _nees,
+    "On the plant made linear: Algorithm 3 believes a σ {more:.1f} % above the Kalman filter's and really errs {worse:.1f} % more.":
+        _as_printed_in_algorithm_3,
     "As far as {runs} runs tell, no filter could err {left:.2g} % less than the {who}.": _near_the_bound,
     "Within 1 % after {after:.2f} s. No reading has any part in this.": _within_a_percent,
     "No test flags this filter.": _right_about_itself,
