@@ -18,6 +18,7 @@ from app.lesson.figures import MapFigure
 from app.lesson.lesson import Board, Lesson
 from app.view.boards import FRAME, HEIGHT, WIDTH
 from app.view.lettering import Box, width
+from app.view.letters import ROW, staggered
 from app.view.mapboard import NEARER, place, written
 from app.view.naming import NEAR, REACH, Place, free_place, leader, pole_name
 from app.view.stage import CAMERAS, FACTORS_AT, SIGHT, factors, letters, retreat
@@ -153,3 +154,12 @@ def test_words_on_a_map_cover_no_other_words_empty_or_computed() -> None:
         assert outcome.stage is not None
         maps[lesson.id] = next(f for f in lesson.figures(outcome) if isinstance(f, MapFigure)), outcome.stage.body
     holds_for_all(itertools.product(maps, WINDOWS, ("en", "zh"), (True, False)), law, lambda *case: str(case))
+
+
+@pytest.mark.parametrize("em", SIZES)
+@given(names=st.lists(st.text("侧滑角速度 aω", min_size=1, max_size=14), min_size=1, max_size=10))
+def test_names_below_a_row_of_tubes_hang_in_rows_where_they_would_meet(em: float, names: list[str]) -> None:
+    placed = staggered([(words, (0.42 * k, 0.0, 0.13)) for k, words in enumerate(names)], em)
+    boxes = [Box(x - em * width(words, 1.0) / 2, -z, x + em * width(words, 1.0) / 2, ROW * em - z) for words, (x, _, z) in placed]
+    assert not any(a.meets(b) for a, b in itertools.combinations(boxes, 2))
+    assert [words for words, _ in placed] == names and placed[0][1] == (0.0, 0.0, 0.13)

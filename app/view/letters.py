@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from types import MappingProxyType
 from typing import Any
 
 import viser
 
+from ..plants.body import Vector
 from . import quirks
+from .lettering import Box, width
 
 Size = float | Callable[[float], float]
+ROW, APART = 1.3, 0.3  # letters: from one row of names to the next, and between two names of a row
 UNSEEN = 0.03  # of the size of letters: a change that nobody sees
 INK = MappingProxyType({False: ("#000000", "#ffffff"), True: ("#e9ecf1", "#1d2127")})  # of labels and of their ground, by day and by night
 
@@ -52,6 +55,19 @@ class Letters:
         for label, size in self._written.values():
             label.font_scene_height = _height(size, em)
         return True
+
+
+def staggered(names: Sequence[tuple[str, Vector]], em: float) -> tuple[tuple[str, Vector], ...]:
+    """Names that hang from places of the scene, in letters of a size: one that would lie on another hangs rows lower."""
+    taken, out = list[Box](), list[tuple[str, Vector]]()
+    for words, (x, y, z) in names:
+        half = em * (width(words, 1.0) + APART) / 2
+        low = z
+        while any(Box(x - half, -low, x + half, ROW * em - low).meets(other) for other in taken):
+            low -= ROW * em * 1.001
+        taken.append(Box(x - half, -low, x + half, ROW * em - low))
+        out.append((words, (x, y, low)))
+    return tuple(out)
 
 
 def _height(size: Size, em: float) -> float:

@@ -18,7 +18,7 @@ from ..text import wording
 from . import phrases, quirks
 from .ground import lines, shade
 from .lettering import folded
-from .letters import Letters, ink_labels
+from .letters import Letters, ink_labels, staggered
 from .moves import Frame, Value, changed, flat
 from .pinghosts import PinGhosts
 from .solids import Solids, rgb
@@ -87,7 +87,7 @@ class StageView:
         self._solid, self._ghost = self._parts()
         self._clouds: list[viser.IcosphereHandle] = []
         self._names: list[viser.LabelHandle] = []
-        self._note: list[viser.LabelHandle] = []
+        self._note, self._called = list[viser.LabelHandle](), list[tuple[str, Vector]]()
         self._letters = Letters(self._scene, 1.0)
         self._pins = PinGhosts(self._scene, self._letters)
         self._errors: ErrorLines | None = None
@@ -179,7 +179,7 @@ class StageView:
         self.forget()
         self.built = object()
         self._solid, self._ghost = self._parts()
-        self._clouds, self._names, self._note = [], [], []
+        self._clouds, self._names, self._note, self._called = [], [], [], []
         self._stage, self._body = stage, stage.body if stage is not None else None
         self._letters = Letters(self._scene, em)
         self._pins = PinGhosts(self._scene, self._letters)
@@ -201,12 +201,15 @@ class StageView:
         said = factors(body, language)
         self._letters.write("/factor", said, FACTORS_AT[self._charted], "bottom-right", visible=bool(said))
         self._say(stage, language)
-        self._names = [self._letters.write(f"/name/{i}", wording(words, language), place, "top-center")
-                       for i, (words, place) in enumerate(body.labels)]
+        self._called = [(wording(words, language), place) for words, place in body.labels]
+        self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(staggered(self._called, em))]
 
     def fit(self, em: float) -> bool:
         """Write in letters as large as the window asks for; whether that changed anything."""
-        return self._letters.resize(em)
+        if resized := self._letters.resize(em):
+            for label, (_, place) in zip(self._names, staggered(self._called, em), strict=True):
+                label.position = place
+        return resized
 
     def _say(self, stage: Stage, language: str) -> None:
         """What would surprise in this run, in lines in front of the plant."""

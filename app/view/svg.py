@@ -207,7 +207,7 @@ def _matrix(figure: MatrixFigure, language: str) -> tuple[str, float]:
             out.append(f'<rect x="{x:.1f}" y="{y:.1f}" width="{wide:.1f}" height="{high:.1f}" fill="{_blend(depth)}" '
                        f'stroke="#e8ebf0"><title>{m[i, j]:.4g}</title></rect>')
             if wide >= ROOM_FOR_ENTRY:
-                entry = f"{m[i, j] if depth else 0.0:.3g}".replace("-", "−")
+                entry = with_minus(f"{m[i, j] if depth else 0.0:.3g}")
                 ink = "#fff" if depth > 0.6 else "#1c2430" if depth else "#5a616c"
                 out.append(f'<text x="{x + wide / 2:.1f}" y="{y + high / 2 + 4:.1f}" text-anchor="middle" '
                            f'{_sized(entry, wide - 4)} fill="{ink}">{entry}</text>')
