@@ -25,6 +25,9 @@ from .knobs import DT, HORIZON, IM_HIGH, MODEL, PLANT, POLES, RE_HIGH, RE_LOW, S
 
 SPEEDS = np.logspace(-0.5, 2.5, 61)  # rad/s
 
+GAIN = 2.0  # so that noise and its estimate are seen to move
+BODY = replace(MODEL.body, gain=GAIN)
+
 
 @dataclass(frozen=True, eq=False)
 class Ray:
@@ -131,7 +134,7 @@ def _boards(poles: tuple[complex, ...], kalman: Optimal, error: np.ndarray) -> t
 
 
 def _stage(run: Run, study: Study) -> Stage:
-    return Stage(MODEL.body, run.t, run.x, run.xhat, run.u_applied, 3 * STAGE * np.sqrt(np.maximum(study.grown[:, 0, 0], 0.0)))
+    return Stage(BODY, run.t, run.x, run.xhat, run.u_applied, 3 * STAGE * GAIN * np.sqrt(np.maximum(study.grown[:, 0, 0], 0.0)))
 
 
 def _formulas(L: np.ndarray, study: Study) -> tuple[Formula, ...]:
