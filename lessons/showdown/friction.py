@@ -6,13 +6,17 @@ Three guides: at the left and the right vertical spring and at the horizontal on
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from app.engine import sampled_loop
+from app.engine.kernels import given, kernel
+from app.engine.kernels.rubbed import rubbed_steps
 from app.engine.sampled import SampledLoop
+from app.engine.sampled.stepping import padded
 from app.lesson.lesson import Design
 
 from .players import DT, Player
@@ -66,8 +70,11 @@ def rub(loop: SampledLoop, at: Guides, most: float, start: np.ndarray, jumps: np
     """States w (n_t, N) of the loop and the forces (n_t, 3) in N that led to them, ended early where the run leaves every bound."""
     limit, G, f = loop.hardware.limit, (at.rows @ at.push).tolist(), [0.0] * GUIDES
     w, forces = np.zeros((len(v), loop.n)), np.zeros((len(v), GUIDES))
-    w[0], closed = start, loop.closed()
+    w[0], closed, quick = start, loop.closed(), kernel(rubbed_steps) if most else None
     F, F_m, F_s, Y, U, T = loop.F[-1], loop.F_m[-1], loop.F_s[-1], loop.Y, loop.U[-1], loop.T[-1]
+    if quick is not None:
+        last = _rubbed(quick, loop, at, most, w, forces, jumps, v)
+        return w[:last], forces[:last]
     driven = jumps + v @ loop.noise_in.T
     for k in range(len(v) - 1):
         if np.isinf(limit):
@@ -82,6 +89,17 @@ def rub(loop: SampledLoop, at: Guides, most: float, start: np.ndarray, jumps: np
             return w[:k + 1], forces[:k + 1]
         w[k + 1], forces[k + 1] = after, f
     return w, forces
+
+
+def _rubbed(quick: Callable[..., int], loop: SampledLoop, at: Guides, most: float, w: np.ndarray, forces: np.ndarray, jumps: np.ndarray,
+            v: np.ndarray) -> int:
+    """`rub` by its kernel, from w[0] on; the samples that it fills."""
+    clips = bool(np.isfinite(loop.hardware.limit))
+    step = loop.F[-1] + loop.F_m[-1] @ loop.Y if clips else loop.closed()
+    driven = jumps + v @ (loop.F_m[-1] if clips else loop.noise_in).T
+    asked, direct = (loop.feedback, v @ loop.T[-1].T) if clips else (np.empty((0, loop.n)), np.empty((len(v), 0)))
+    return quick(w, forces, padded(given(step.T)), given(driven), given(asked), given(direct), given(loop.F_s[-1]), loop.hardware.limit,
+                 given(at.rows), given(at.push), given(at.rows @ at.push), most, SWEEPS, EXACT * most, FAR)
 
 
 def noise(loop: SampledLoop, steps: int, seed: int) -> tuple[np.ndarray, np.ndarray]:

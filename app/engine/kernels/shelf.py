@@ -1,6 +1,6 @@
 """Which kernels are compiled, and how they come to be: in the background, once for each machine and version.
 
-A kernel is a plain function of arrays and numbers. Numba, where it is installed, compiles it for one signature (float64,
+A kernel is a plain function of arrays and numbers. Numba, where it is installed, compiles it for one signature (float64 or complex128,
 C-contiguous, writable) and keeps the result in the user's cache; until then, or without Numba, `kernel` says None and the
 caller goes its plain way, which gives the same to rounding.
 """
@@ -23,13 +23,14 @@ from typing import Any
 
 import numpy as np
 
-from . import bounds, clipped, exits, geared, held, recursion, small, tape, watched
+from . import bounds, clipped, exits, geared, held, recursion, rubbed, small, spectra, tape, watched
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
 log = logging.getLogger(__name__)
 Kernel = Callable[..., int]
 _1, _2, _3, _4, _5 = ("f8[" + ":," * d + "::1]" for d in range(5))
+_C3 = "c16[:,:,::1]"
 _TAPES = f"i8[:,::1],{_1},i8[::1],i8[:,::1],{_1},i8[::1]"
 _STEPS = f"b1[:,::1],{_2},{_2},i8,{_3},{_3},{_3},{_3})"
 SIGNATURES = MappingProxyType({
@@ -41,6 +42,8 @@ SIGNATURES = MappingProxyType({
     geared.contact_steps: f"i8({_2},i8[::1],{_2},{_3},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_1},{_1},"
                             f"{_1},{_1},{_1},{_1},i8[::1],f8,i8,f8,i8,i8)",
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
+    rubbed.rubbed_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_2},f8,i8,f8,f8)",
+    spectra.density_steps: f"i8({_C3},{_C3},{_C3},{_2},{_2})",
     watched.watched_steps: f"i8({_TAPES},{_1},{_2},{_2},{_1},{_2},{_2},{_1},{_1},{_3},{_3},{_2},{_2},{_1},{_2},{_2},{_3},{_3},{_2},{_3},"
                            f"i8[::1],f8,{_3},{_4},{_3},{_5},{_4},b1[:,:,::1],{_3},{_3},{_3},{_4},{_3},{_5},{_4},{_3},{_5},{_3},{_5})",
     bounds.slope_steps: f"i8({_TAPES},f8,i8,{_2},{_2},{_3},{_3})",
@@ -101,9 +104,9 @@ def ready() -> bool:
     return bool(SHELF.made)
 
 
-def given(array: np.ndarray) -> np.ndarray:
-    """An array as the signatures want it: float64, C-contiguous, writable; itself if it is so, else a copy."""
-    return np.require(array, float, ["C", "W"])
+def given(array: np.ndarray, kind: type = float) -> np.ndarray:
+    """An array as the signatures want it: float64 (or complex128), C-contiguous, writable; itself if it is so, else a copy."""
+    return np.require(array, kind, ["C", "W"])
 
 
 def prepare_kernels() -> threading.Thread:

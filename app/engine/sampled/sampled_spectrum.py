@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..kernels import given, kernel
+from ..kernels.spectra import density_steps
 from ..systems.spectrum import frequency_response
 from .sampled_loop import SampledLoop
 
@@ -54,6 +56,9 @@ def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:
     K = frequency_response(closed, enter, loop.U[last][:, own], loop.T[last], 2 * np.pi * f, dt=loop.dt) \
         if own.stop > own.start else np.broadcast_to(loop.T[last].astype(complex), (len(f), m, p))
     P, G = mechanics.force, mechanics.ground
+    found = _quick(loop, mechanics, K)
+    if found is not None:
+        return found
     S = np.linalg.solve(np.eye(m) - K @ P[:, :p], K)  # from readings' noise to u
     from_ground = S @ G[:, :p]
     outputs = np.concatenate([G[:, p:] + P[:, p:] @ from_ground, from_ground], axis=1)
@@ -64,6 +69,23 @@ def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:
     else:
         noise = (sensors.real**2 + sensors.imag**2) @ np.diag(spread)
     if loop.hardware.walk > 0:
-        slow = loop.hardware.walk**2 * loop.dt / np.abs(np.exp(2j * np.pi * f * loop.dt) - 1) ** 2
-        noise = noise + slow[:, None] * (sensors.real**2 + sensors.imag**2).sum(axis=2)
+        noise = noise + _walked(loop, f)[:, None] * (sensors.real**2 + sensors.imag**2).sum(axis=2)
     return 2 * loop.dt * ((outputs.real**2 + outputs.imag**2).sum(axis=2) + noise)
+
+
+def _walked(loop: SampledLoop, f: np.ndarray) -> np.ndarray:
+    """What a walking bias adds to the variance of each reading at each frequency (n_f,)."""
+    return loop.hardware.walk**2 * loop.dt / np.abs(np.exp(2j * np.pi * f * loop.dt) - 1) ** 2
+
+
+def _quick(loop: SampledLoop, mechanics: MechanicsResponse, K: np.ndarray) -> np.ndarray | None:
+    """`loop_density` by its kernel; None where that is not ready, cannot be solved, or the readings' noises are not independent."""
+    quick, spread, f = kernel(density_steps), loop.reading, mechanics.frequency
+    if quick is None or np.any(spread - np.diag(np.diag(spread))):
+        return None
+    reading = np.tile(np.diag(spread), (len(f), 1))
+    if loop.hardware.walk > 0:
+        reading += _walked(loop, f)[:, None]
+    found = np.empty((len(f), len(loop.outputs) + len(loop.feedback)))
+    done = quick(*(given(each, complex) for each in (K, mechanics.force, mechanics.ground)), reading, found)
+    return 2 * loop.dt * found if done == len(f) else None

@@ -42,10 +42,11 @@ from app.engine.filters import (
 from app.engine.kernels import SHELF, prepare_kernels, shelf
 from app.engine.kernels.shelf import SIGNATURES
 from app.engine.kernels.tape import recorded
-from app.engine.sampled import Hardware, SampledLoop, sampled_controller, simulate_trials
+from app.engine.sampled import Hardware, SampledLoop, loop_density, mechanics_response, sampled_controller, simulate_trials
 from app.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
 from app.engine.systems import NonlinearPlant
 from app.plants import cart_pendulum, falling_body, nonlinear_platform
+from lessons.showdown.friction import Guides, rub
 
 Parts = dict[str, np.ndarray]
 
@@ -99,6 +100,21 @@ def sampled(steps: int, **hardware: float) -> SampledLoop:
 def trial(steps: int, **hardware: float) -> Parts:
     found = simulate_trial(sampled(steps, **hardware), steps, seed=1, kicks=((steps // 3, [1.0, 0.0]),))
     return {"w": found.w, "applied": found.applied}
+
+
+def rubbing(steps: int, **hardware: float) -> Parts:
+    """Three guides of which one rubs against both states' sum."""
+    held, rng = sampled(steps, **hardware), np.random.default_rng(5)
+    rows = np.zeros((3, held.n))
+    rows[:, held.x] = [[1, 0], [0, 1], [1, 1]]
+    w, f = rub(held, Guides(rows, 0.01 * rows.T), 2.0, np.eye(held.n)[held.x.start], 0.1 * rng.standard_normal((steps, held.n)),
+               1e-3 * rng.standard_normal((steps, 1)))
+    return {"w": w, "f": f}
+
+
+def density(**hardware: float) -> Parts:
+    held = sampled(10, **hardware)
+    return {"density": loop_density(held, mechanics_response(held, [0.1, 1.0, 20.0]))}
 
 
 def trials(steps: int, runs: int, **hardware: float) -> Parts:
@@ -160,6 +176,8 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
     for hardware in ({"limit": 0.3}, {"step": 1e-3}, {"limit": 0.3, "step": 1e-3, "delay": 0.013}, {"limit": 1e-3, "walk": 0.1}):
         yield f"trial {hardware}", partial(trial, steps, **hardware)
         yield f"trials {hardware}", partial(trials, steps, 3, **hardware)
+        yield f"density {hardware}", partial(density, **hardware)
+        yield f"rubbing {hardware}", partial(rubbing, steps, **hardware)
     once = Plant([[0, 1], [-30, -0.1]], [[0], [1]], [[1, 0]])
     arm = Scenario(once, [[40.0, 9.0]], [[30.0], [200.0]], x0=[0.3, 0.0], horizon=horizon, dt=0.01, reference=[2.0])
     for clip, gear in (({}, {"gap": 0.05}), (KICKED, {"gap": 0.02, "step": 1e-3, "sensor": "outer"}),
