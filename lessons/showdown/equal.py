@@ -13,6 +13,7 @@ from .effort import Equal
 from .players import LQE, NAMES, ORDER, SHORT, SISO
 from .scores import HEADS, NOT_YET, SPLIT, cells
 from .study import Study
+from .world import loop_of
 
 EFFORT_TAB = text("Equal effort")
 WIDE = 3.0  # standard deviations that a coil's limit should leave
@@ -23,7 +24,7 @@ def equal(outcome: Outcome[Study]) -> tuple[TableFigure, ...]:
     """Each controller as bold as it takes to tell its coils as much as the full LQG does: how much moves, and what is taken out."""
     m = outcome.study
     found = None if m.trials is None else m.trials.equal
-    waiting = (NOT_YET if m.spectra[ORDER.index(LQE)].stable else
+    waiting = (NOT_YET if loop_of(m.world, m.five[ORDER.index(LQE)]).stable else
                text("The full LQG is unstable in this world: there is no effort to meet."))
     rows = tuple((SHORT[i], *(("–", "–") if found is None else _row(found, i - 1))) for i in range(1, 5))
     taken = tuple((NAMES[i], *(("–",) * 3 if found is None or np.isnan(found.dials[i - 1]) else

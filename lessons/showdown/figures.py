@@ -16,6 +16,7 @@ from .equal import EFFORT_TAB, equal
 from .players import NAMES, ORDER, SHORT, gain_gap
 from .scores import SCORE_TAB, TRIAL_TAB, friction, scored, times, tried
 from .study import Study
+from .world import loop_of
 
 CHANNEL_TAB, SENSOR_TAB, INPUT_TAB = text("Channels"), text("Sensors"), text("Inputs")
 TIME_TAB, RUN_TAB = text("Test"), text("Stage")
@@ -172,7 +173,8 @@ RUNAWAY = text("This loop is unstable: its run is held where it leaves every bou
 
 
 def _held(outcome: Outcome[Study]) -> bool:
-    return outcome.study.spectra[ORDER.index(outcome.design["play"])].stable
+    m = outcome.study
+    return loop_of(m.world, m.five[ORDER.index(outcome.design["play"])]).stable
 
 
 def _stage_velocity(outcome: Outcome[Study]) -> LineFigure:

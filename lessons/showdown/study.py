@@ -27,6 +27,7 @@ from .world import (
     analyse,
     band_rms,
     grid,
+    loop_of,
     measures,
     respond,
     shake,
@@ -92,6 +93,11 @@ class Study:
     def spectra(self) -> tuple[Analysis, ...]:
         """Of each player, by transfer function."""
         return tuple(analyse(self.world, player) for player in self.five)
+
+    @cached_property
+    def stable(self) -> tuple[bool, ...]:
+        """Whether each player's loop is."""
+        return tuple(loop_of(self.world, player).stable for player in self.five)
 
     @cached_property
     def filters_apart(self) -> float | None:
@@ -182,7 +188,7 @@ def _metrics(m: Study) -> dict[str, float]:
 
 def _checks(m: Study, metrics: Mapping[str, float]) -> tuple[Check, ...]:
     apart, worst = metrics.get("filters_apart_db", 99.0), metrics[f"{LQE}_worst_db"]
-    unstable = [player.name for player, s in zip(m.five, m.spectra, strict=True) if not s.stable]
+    unstable = [player.name for player, s in zip(m.five, m.stable, strict=True) if not s]
     return (
         Check("coincide", text("steady and recursive LQG within 0.5 dB, 0.1–10 Hz"),
               apart < 0.5, apart),
@@ -203,7 +209,7 @@ def _formulas(design: Design, m: Study) -> tuple[Formula, ...]:
 
 
 def _live(m: Study) -> Text:
-    unstable = [name for name, s in zip(SHORT, m.spectra, strict=True) if not s.stable]
+    unstable = [name for name, s in zip(SHORT, m.stable, strict=True) if not s]
     if unstable:
         return text("Unstable in this world: {names}.", names=listed(unstable))
     best = [_best(m.rms[1:, j]) for j in range(3)]

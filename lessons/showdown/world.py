@@ -115,6 +115,12 @@ def grid(parameters: platform.Parameters) -> np.ndarray:
 
 
 @lru_cache(maxsize=64)
+def _shared(world: World) -> World:
+    """What of the world all densities have in common."""
+    return replace(world, sensor=SILENT, hardware=replace(world.hardware, limit=np.inf, step=0.0, walk=0.0))
+
+
+@lru_cache(maxsize=64)
 def _mechanics(world: World) -> MechanicsResponse:
     """What all players share: the responses of deck, drivers, delay and ground. `world` without sensor noise and limit."""
     return mechanics_response(loop_of(world, players(SILENT, OWN)[0]), grid(world.parameters))
@@ -124,17 +130,21 @@ def _mechanics(world: World) -> MechanicsResponse:
 def analyse(world: World, player: Player) -> Analysis:
     """The player's densities on the world's grid, by transfer function; zero where the loop is not stable."""
     loop = loop_of(world, player)
-    shared = replace(world, sensor=SILENT, hardware=replace(world.hardware, limit=np.inf, step=0.0, walk=0.0))
     if not loop.stable:
         return Analysis(False, np.zeros((len(grid(world.parameters)), OUTPUTS + 3)))
     units = np.array([1e12] * OUTPUTS + [1.0] * 3)
-    return Analysis(True, units * loop_density(loop, _mechanics(shared)))
+    return Analysis(True, units * loop_density(loop, _mechanics(_shared(world))))
 
 
 def band_rms(f: np.ndarray, density: np.ndarray, low: float, high: float) -> np.ndarray:
     """Root of the area under densities (n_f, k) between two frequencies."""
     inside = (f >= low) & (f <= high)
     return np.sqrt(np.trapezoid(density[inside], f[inside], axis=0))
+
+
+def _unrounded(loop: SampledLoop) -> SampledLoop:
+    """The loop with an ideal converter; itself if it has one."""
+    return replace(loop, hardware=replace(loop.hardware, step=0.0)) if loop.hardware.step else loop
 
 
 @lru_cache(maxsize=256)
@@ -146,7 +156,7 @@ def respond(world: World, player: Player, step: bool) -> Response | None:
     loop = loop_of(world, player)
     if not loop.stable:
         return None
-    quiet = replace(loop, hardware=replace(loop.hardware, step=0.0))
+    quiet = _unrounded(loop)
     w0, head = np.zeros(loop.n), [np.zeros((0, loop.n))]
     if not step:
         w0[loop.x] += PUSH
@@ -210,7 +220,7 @@ def shake(world: World, player: Player, seed: int, step: bool, kick: float) -> t
     Rounding is left to the Monte-Carlo here; `kick` is the time of one more touch, or −1.
     """
     loop = loop_of(world, player)
-    quiet = replace(loop, hardware=replace(loop.hardware, step=0.0))
+    quiet = _unrounded(loop)
     ground = np.zeros((RUN, 2))
     kicks = [] if step else [(TOUCH, PUSH)]
     if step:
@@ -222,4 +232,4 @@ def shake(world: World, player: Player, seed: int, step: bool, kick: float) -> t
     x[:len(run.x)], u[:len(run.x)] = run.x, run.applied
     x[len(run.x):], u[len(run.x):] = run.x[-1], run.applied[-1]
     t = DT * np.arange(RUN)
-    return t[::4], np.clip(x, -1.0, 1.0)[::4], np.clip(u, -100.0, 100.0)[::4]
+    return t[::4], np.clip(x[::4], -1.0, 1.0), np.clip(u[::4], -100.0, 100.0)

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..systems.arrays import frozen
+from ..systems.arrays import as_covariance, frozen
 from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant
@@ -23,6 +23,16 @@ Packed = tuple[bytes, tuple[int, ...]] | None
 def packed(M: np.ndarray | None) -> Packed:
     """A matrix as a key of what is kept."""
     return None if M is None else (np.ascontiguousarray(M).tobytes(), M.shape)
+
+
+def covariance(value: object, name: str, size: int) -> np.ndarray:
+    """`as_covariance`, which has judged most arrays before."""
+    return _judged(packed(value), name, size) if type(value) is np.ndarray and value.dtype == float else as_covariance(value, name, size)
+
+
+@lru_cache(maxsize=32)
+def _judged(value: Packed, name: str, size: int) -> np.ndarray:
+    return as_covariance(_unpacked(value), name, size)
 
 
 def _unpacked(packed: Packed) -> np.ndarray | None:
@@ -114,6 +124,21 @@ class _Mechanics:
         Q = step_covariance(self.A[after, after], self.intensity[after, after], dt)
         thin = thin_root(Q)
         return np.vstack([np.zeros((self.first, thin.shape[1])), thin])
+
+
+@lru_cache(maxsize=32)
+def sensor_root(V: Packed, dt: float) -> np.ndarray:
+    """A root (p×p) of the covariance V/dt of a sample's noise of intensity V (p×p), packed."""
+    covariance = _unpacked(V)
+    assert covariance is not None
+    root = thin_root(covariance / dt)
+    return frozen(np.hstack([root, np.zeros((len(root), len(root) - root.shape[1]))]))
+
+
+@lru_cache(maxsize=32)
+def without_converter(hardware: Hardware) -> Hardware:
+    """What of the hardware is continuous: the driver and the delay."""
+    return Hardware(bandwidth=hardware.bandwidth, order=hardware.order, delay=hardware.delay)
 
 
 def thin_root(Q: np.ndarray) -> np.ndarray:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
+from ..systems.arrays import frozen
 from ..systems.errors import EngineError, ShapeError, phrase
 from ..systems.plant import as_matrix
 from ..systems.scan import affine_scan
@@ -17,6 +19,7 @@ __all__ = ["ResponseMeasures", "Trial", "response_measures", "simulate_trial"]
 MOST_NUMBERS = 40_000_000  # state numbers in one run
 AHEAD = 256  # samples of the first block
 SHORT = 160  # a block that ends sooner is followed by BURST samples one by one, which takes less time
+KEPT = 4000  # samples of a run whose draws are kept for the next with its seed
 BURST = 128  # twice as many each time, until a block of four times SHORT is met
 
 
@@ -104,13 +107,14 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
     """What jumps onto w at the end of each sample (n_t, N), and the noise of each reading (n_t, p)."""
     push, v = np.zeros((steps, loop.n)), np.zeros((steps, len(loop.Y)))
     if seed is not None:
-        for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
         walks = len(loop.Y) if loop.hardware.walk > 0 else 0
         ground = loop.jump[:, :loop.jump.shape[1] - walks]
-        push = for_ground.standard_normal((steps, ground.shape[1])) @ ground.T
+        draw = _kept_draws if steps <= KEPT else _draws
+        for_ground, for_v, for_bias = draw(seed, steps, ground.shape[1], len(loop.Y), walks)
+        push = for_ground @ ground.T
         if walks:
-            push += for_bias.standard_normal((steps, walks)) @ loop.jump[:, ground.shape[1]:].T
-        v = for_v.standard_normal(v.shape) @ loop.sensor.T
+            push += for_bias @ loop.jump[:, ground.shape[1]:].T
+        v = for_v @ loop.sensor.T
     if loop.hardware.ramp:
         push[:, loop.bias] += loop.hardware.ramp * loop.dt
     if disturbance is not None:
@@ -125,6 +129,15 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
         if k > 0:
             push[k - 1, loop.x] += jump
     return push, v
+
+
+def _draws(seed: int, steps: int, *columns: int) -> tuple[np.ndarray, ...]:
+    """Normal numbers (steps, columns) for the ground, the sensors and the bias."""
+    return tuple(frozen(rng.standard_normal((steps, wide))) for rng, wide in
+                 zip(np.random.default_rng(seed).spawn(3), columns, strict=True))
+
+
+_kept_draws = lru_cache(maxsize=4)(_draws)  # of the seed that a hand leaves alone while it moves what they drive
 
 
 def _seen(loop: SampledLoop, w: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
