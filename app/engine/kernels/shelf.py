@@ -104,7 +104,7 @@ def ready() -> bool:
     return bool(SHELF.made)
 
 
-def given(array: np.ndarray, kind: type = float) -> np.ndarray:
+def given(array: np.ndarray, *, kind: type = float) -> np.ndarray:
     """An array as the signatures want it: float64 (or complex128), C-contiguous, writable; itself if it is so, else a copy."""
     return np.require(array, kind, ["C", "W"])
 

@@ -87,5 +87,5 @@ def _quick(loop: SampledLoop, mechanics: MechanicsResponse, K: np.ndarray) -> np
     if loop.hardware.walk > 0:
         reading += _walked(loop, f)[:, None]
     found = np.empty((len(f), len(loop.outputs) + len(loop.feedback)))
-    done = quick(*(given(each, complex) for each in (K, mechanics.force, mechanics.ground)), reading, found)
+    done = quick(*(given(each, kind=complex) for each in (K, mechanics.force, mechanics.ground)), reading, found)
     return 2 * loop.dt * found if done == len(f) else None
