@@ -13,10 +13,8 @@ from functools import lru_cache
 import numpy as np
 
 from app.engine import sampled_loop
-from app.engine.kernels import given, kernel
-from app.engine.kernels.rubbed import rubbed_steps
+from app.engine.kernels import given, kernel, rubbed_steps
 from app.engine.sampled import SampledLoop
-from app.engine.sampled.stepping import padded
 from app.lesson.lesson import Design
 
 from .players import DT, Player
@@ -98,7 +96,7 @@ def _rubbed(quick: Callable[..., int], loop: SampledLoop, at: Guides, most: floa
     step = loop.F[-1] + loop.F_m[-1] @ loop.Y if clips else loop.closed()
     driven = jumps + v @ (loop.F_m[-1] if clips else loop.noise_in).T
     asked, direct = (loop.feedback, v @ loop.T[-1].T) if clips else (np.empty((0, loop.n)), np.empty((len(v), 0)))
-    return quick(w, forces, padded(given(step.T)), given(driven), given(asked), given(direct), given(loop.F_s[-1]), loop.hardware.limit,
+    return quick(w, forces, given(step.T), given(driven), given(asked), given(direct), given(loop.F_s[-1]), loop.hardware.limit,
                  given(at.rows), given(at.push), given(at.rows @ at.push), most, SWEEPS, EXACT * most, FAR)
 
 

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from . import bounds, clipped, exits, geared, held, recursion, rubbed, small, spectra, tape, watched
+from . import bounds, clipped, exits, geared, held, recursion, rubbed, small, spectra, tape, waiting, watched
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
@@ -44,6 +44,7 @@ SIGNATURES = MappingProxyType({
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
     rubbed.rubbed_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_2},f8,i8,f8,f8)",
     spectra.density_steps: f"i8({_C3},{_C3},{_C3},{_2},{_2})",
+    waiting.waiting_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_1},{_3})",
     watched.watched_steps: f"i8({_TAPES},{_1},{_2},{_2},{_1},{_2},{_2},{_1},{_1},{_3},{_3},{_2},{_2},{_1},{_2},{_2},{_3},{_3},{_2},{_3},"
                            f"i8[::1],f8,{_3},{_4},{_3},{_5},{_4},b1[:,:,::1],{_3},{_3},{_3},{_4},{_3},{_5},{_4},{_3},{_5},{_3},{_5})",
     bounds.slope_steps: f"i8({_TAPES},f8,i8,{_2},{_2},{_3},{_3})",

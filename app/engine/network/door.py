@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 from ..systems.gates import SHARE, WHOLE, array, choice, count, covariance, gated, instance, matrix, optional
 from ..systems.plant import Plant
-from . import intermittent, network_loop, networked, packets
+from . import intermittent, network_loop, networked, packets, waiting
 
 _PLANT = instance(Plant)
 _MODEL = MappingProxyType({"A": matrix(), "C": matrix(), "Q": covariance(), "R": covariance()})
@@ -21,9 +21,9 @@ lossy_growth = gated(A=matrix(), C=matrix(), loss=SHARE, steps=count(1, 100_000)
 mare = gated(**_MODEL, loss=SHARE)(intermittent.mare)
 mean_bounds = gated(**_START, loss=array(), steps=count(0, 100_000))(intermittent.mean_bounds)
 mean_lower_limit = gated(A=matrix("n n"), Q=covariance("n"), loss=SHARE)(intermittent.mean_lower_limit)
-measured = gated(P=array("… n n"), C=matrix("p n"), R=matrix("p p"))(intermittent.measured)
+measured = gated(P=array("… n n"), C=matrix("p n"), R=matrix("p p"))(waiting.measured)
 riccati_step = gated(P=array("… n n"), A=matrix("n n"), C=matrix("p n"), Q=matrix("n n"), R=matrix("p p"), heard=array())(
-    intermittent.riccati_step)
+    waiting.riccati_step)
 spectral_radius = gated(matrix=matrix("n n"))(intermittent.spectral_radius)
 delayed_loop = gated(plant=_PLANT, K=matrix(), M=matrix(), delay=count(0, 1000), told=choice("asked", "applied"), ahead=count(0, 1000))(
     network_loop.delayed_loop)

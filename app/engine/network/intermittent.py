@@ -21,9 +21,10 @@ from ..systems.gates import SHARE, gated
 from ..systems.lyapunov import settled_covariance
 from ..systems.noise import root
 from ..systems.plant import as_matrix
+from .waiting import measured, riccati_path, riccati_step
 
 __all__ = ["CriticalLoss", "critical_loss", "intermittent_covariances", "intermittent_steps", "lossy_growth", "mare",
-           "mean_bounds", "mean_lower_limit", "measured", "riccati_step", "spectral_radius"]
+           "mean_bounds", "mean_lower_limit", "spectral_radius"]
 
 RANK = 1e-9  # relative singular value below which a sensor counts as blind
 SETTLED = 1e-13
@@ -55,33 +56,7 @@ class CriticalLoss:
         return True if loss < edge or edge >= 1 else None if self.critical is None and loss <= self.lost else False
 
 
-# --- one step --------------------------------------------------------------------------------------------------------
-def measured(P: np.ndarray, C: np.ndarray, R: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Covariances after a measurement in Joseph's form (…, n, n), and the filter gains M = P Cᵀ(C P Cᵀ + R)⁻¹ (…, n, p)."""
-    CP = C @ P
-    S = CP @ C.T + R
-    try:
-        if len(C) == 1 and not S.all():
-            raise np.linalg.LinAlgError
-        M = np.swapaxes(CP / S if len(C) == 1 else np.linalg.solve(S, CP), -1, -2)
-    except np.linalg.LinAlgError:
-        raise EngineError("The covariance S of the innovation is singular: give every sensor some noise R.") from None
-    keep = np.eye(P.shape[-1]) - M @ C
-    return keep @ P @ np.swapaxes(keep, -1, -2) + M @ R @ np.swapaxes(M, -1, -2), M
-
-
-def riccati_step(P: np.ndarray, A: np.ndarray, C: np.ndarray, Q: np.ndarray, R: np.ndarray, heard: object) -> np.ndarray:
-    """P⁺ = A ((1 − h) P + h P|y) Aᵀ + Q for covariances P (…, n, n), P|y being that after the measurement.
-
-    `heard` h (…): 1 where the measurement arrived, 0 where it was lost. In between it is the modified Riccati operator
-    g_h(P) of Sinopoli et al., which bounds the mean from above.
-    """
-    h = np.asarray(heard, dtype=float)[..., None, None]
-    mixed = P + h * (measured(P, C, R)[0] - P)
-    moved = A @ mixed @ A.T
-    return symmetric(moved) + Q
-
-
+# --- along a record --------------------------------------------------------------------------------------------------
 def intermittent_steps(A: object, C: object, Q: object, R: object, P0: object, heard: object) -> Iterator[np.ndarray]:
     """P[k|k−1] for k = 0 … N, each (…, n, n), of records `heard` (…, N; bool) that share one start P0 (n×n).
 
@@ -120,10 +95,10 @@ def mean_bounds(A: object, C: object, Q: object, R: object, P0: object, loss: ob
     start = np.broadcast_to(as_covariance(P0, "P0", len(A)), (*p.shape, *A.shape))
     lower, upper = np.empty((2, *p.shape, steps + 1, *A.shape))
     lower[..., 0, :, :] = S = start
-    upper[..., 0, :, :] = V = start
     for k in range(steps):
         lower[..., k + 1, :, :] = S = p[..., None, None] * (A @ S @ A.T) + Q
-        upper[..., k + 1, :, :] = V = riccati_step(V, A, C, Q, R, 1 - p)
+    for at in np.ndindex(p.shape):
+        upper[at] = riccati_path(start[at], A, C, Q, R, np.full(steps, 1 - p[at]))
     return lower, upper
 
 

@@ -15,8 +15,8 @@ from ..systems.errors import EngineError, ShapeError
 from ..systems.gates import SEED, choice, count, covariance, instance, matrix, optional, passed
 from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
-from .intermittent import measured, riccati_step
 from .packets import LOST, Link, age_of
+from .waiting import measured, riccati_path
 
 __all__ = ["NetworkRun", "NetworkScenario", "network_meter", "promised_error", "simulate_network"]
 
@@ -218,10 +218,7 @@ def _plan(s: NetworkScenario, sensed: np.ndarray, order: str) -> FilterPlan:
         there = sensed[np.maximum(source, 0)]
         heard = (source >= 0) & (there >= 0) & (there <= k[:, None])
         inside = sensed >= 0
-    final, P = np.empty((N, *A.shape)), s.P0
-    for j in range(N):  # what is known once every packet that comes has come
-        final[j] = P
-        P = riccati_step(P, A, C, Q, R, inside[j])
+    final = riccati_path(s.P0, A, C, Q, R, inside[:-1])  # what is known once every packet that comes has come
     P = final[np.maximum(k - window, 0)]
     gains = np.empty((N, window + 1, *C.T.shape))
     for i in range(window + 1):

@@ -42,6 +42,7 @@ from app.engine.filters import (
 from app.engine.kernels import SHELF, prepare_kernels, shelf
 from app.engine.kernels.shelf import SIGNATURES
 from app.engine.kernels.tape import recorded
+from app.engine.network import Link, NetworkScenario, mean_bounds, simulate_network
 from app.engine.sampled import Hardware, SampledLoop, loop_density, mechanics_response, sampled_controller, simulate_trials
 from app.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
 from app.engine.systems import NonlinearPlant
@@ -117,6 +118,15 @@ def density(**hardware: float) -> Parts:
     return {"density": loop_density(held, mechanics_response(held, [0.1, 1.0, 20.0]))}
 
 
+def lossy(steps: int) -> Parts:
+    """A loop over packets, some of which are late, and bounds of the mean over three losses."""
+    plant = Plant([[1.1, 0.2], [0.0, 0.9]], [[0], [1]], [[1, 0], [0, 1]], dt=1.0)
+    eye, late = np.eye(2), Link(0.3, 0, 2)
+    found = simulate_network(NetworkScenario(plant, [[0.5, 0.4]], eye, eye, eye, [1.0, 0.0], steps, late))
+    lower, upper = mean_bounds(plant.A, plant.C[:1], eye, eye[:1, :1], eye, [0.1, 0.5, 0.6], 24)
+    return {"x": found.x, "P": found.P, "lower": lower, "upper": upper}
+
+
 def trials(steps: int, runs: int, **hardware: float) -> Parts:
     *_, (_, found) = simulate_trials(sampled(steps, **hardware), runs, steps / 100, 1, segment=8)
     return {"density": found.density, "rms": found.rms, "peak": found.peak, "clipped": found.clipped}
@@ -178,6 +188,7 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
         yield f"trials {hardware}", partial(trials, steps, 3, **hardware)
         yield f"density {hardware}", partial(density, **hardware)
         yield f"rubbing {hardware}", partial(rubbing, steps, **hardware)
+    yield "lossy", partial(lossy, steps)
     once = Plant([[0, 1], [-30, -0.1]], [[0], [1]], [[1, 0]])
     arm = Scenario(once, [[40.0, 9.0]], [[30.0], [200.0]], x0=[0.3, 0.0], horizon=horizon, dt=0.01, reference=[2.0])
     for clip, gear in (({}, {"gap": 0.05}), (KICKED, {"gap": 0.02, "step": 1e-3, "sensor": "outer"}),
