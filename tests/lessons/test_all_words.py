@@ -206,7 +206,12 @@ TERMS = {
     "virtual-sensor": ("state observer", "Luenberger observer", "peaking"), "error-dynamics": ("error dynamics", "pole placement"),
     "observability": ("observable",), "separation": ("separation principle",), "duality": ("duality",),
     "hidden-modes": ("detectable", "stabilizable"), "saturation": ("windup",), "noise": ("covariance",), "kalman": ("innovation",),
-    "lqg": ("loop transfer recovery",)}
+    "lqg": ("loop transfer recovery",), "decoupling": ("decoupling", "Diophantine equation"),
+    "weak-states": ("Hankel singular value", "Gramian"), "showdown": ("crossover",),
+    "nonlinear": ("extended Kalman filter", "unscented Kalman filter", "consistent"),
+    "robust-observer": ("functional observer", "Sylvester equation"), "bilinear-observer": ("bilinear",),
+    "fault-diagnosis": ("residual", "CUSUM"), "network": ("critical loss",), "sandbox": ("disk margin",),
+    "arm": ("disturbance state", "backlash")}
 
 
 def test_one_thing_has_one_chinese_word() -> None:
