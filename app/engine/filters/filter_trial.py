@@ -11,6 +11,7 @@ from ..design.optimal import DiscreteFilter
 from ..design.starting import starting_feedback
 from ..simulation.scenario import Run, Scenario
 from ..simulation.simulate import simulate
+from ..systems.noise import root
 from ..systems.plant import Plant, as_matrix
 from .belief import Belief
 from .kalman import KalmanFilter
@@ -66,8 +67,7 @@ def simulate_filter(plant: Plant, G: object, W: object, V: object, step: float, 
     doubting = KalmanFilter(truth.A, truth.B, truth.C, believed[0] * truth.Q, believed[1] * truth.R, truth.D, truth.dt)
     P0 = SPREAD * truth.steady.solution
     P0 = P0 + 1e-12 * np.trace(P0) * np.eye(plant.n)
-    values, axes = np.linalg.eigh(P0)
-    x0 = axes @ (np.sqrt(np.maximum(values, 0.0)) * np.random.default_rng([seed, 11]).standard_normal(plant.n))
+    x0 = root(P0) @ np.random.default_rng([seed, 11]).standard_normal(plant.n)
     kicks = () if kick is None else ((step * np.ceil(kick[0] / step - 1e-9), kick[1]),)
     run = simulate(Scenario(held, K, truth.steady.gain, x0=x0, xhat0=np.zeros(plant.n), horizon=samples * step, dt=step,
                             W=truth.Q, G=np.eye(plant.n), V=truth.R, seed=seed, impulses=kicks))

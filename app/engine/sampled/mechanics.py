@@ -16,7 +16,6 @@ from .hardware import Hardware, coil_driver
 
 __all__: list[str] = []
 
-THIN = 1e-28  # share of a covariance below which its directions are left out
 Packed = tuple[bytes, tuple[int, ...]] | None
 
 
@@ -142,11 +141,17 @@ def without_converter(hardware: Hardware) -> Hardware:
 
 
 def thin_root(Q: np.ndarray) -> np.ndarray:
-    """R (N×r) with R Rᵀ = Q to rounding and no more columns than it takes, for covariances of unequal units."""
-    if not len(Q):
-        return np.zeros((0, 0))
+    """R (N×r) with R Rᵀ = Q to rounding and no more columns than it takes, for covariances of unequal units.
+
+    By Cholesky's steps, each from the first state that keeps at least half of the largest variance left: eigenvectors would do,
+    but their signs are another processor's own, and a seed is to mean the same noise everywhere.
+    """
     spread = np.sqrt(np.maximum(np.diag(Q), 0.0))
     divisor = np.where(spread > 0, spread, 1.0)
-    values, vectors = np.linalg.eigh(Q / np.outer(divisor, divisor))
-    keep = values > max(THIN, 4e-16 * len(Q)) * max(values[-1], 0.0)
-    return spread[:, None] * vectors[:, keep] * np.sqrt(values[keep])
+    left = Q / np.outer(divisor, divisor)
+    columns, least = list[np.ndarray](), 4e-16 * len(Q)
+    while len(columns) < len(Q) and (most := np.diag(left).max()) > least:
+        first = int(np.argmax(np.diag(left) > 0.5 * most))
+        columns.append(left[:, first] / np.sqrt(left[first, first]))
+        left = left - np.outer(columns[-1], columns[-1])
+    return spread[:, None] * np.array(columns).reshape(-1, len(Q)).T

@@ -149,6 +149,8 @@ def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     value."""
     Rc, Ro = _factors(plant)
     U, sigma, Vt = np.linalg.svd(Ro.T @ Rc)
+    sign = _signs((Ro @ U).T, plant.B)
+    U, Vt = U * sign, Vt * sign[:, None]
     bound = 10 * plant.n * _EPS * (np.linalg.norm(Ro, 2) * np.linalg.norm(Rc, 2) if plant.n else 0.0)
     real = int(np.count_nonzero(sigma > bound))
     if order > real:
@@ -157,6 +159,15 @@ def _balance(plant: Plant, order: int) -> tuple[np.ndarray, np.ndarray, np.ndarr
     root = np.sqrt(sigma[:order])
     dust = 40 * plant.n * _EPS * float(np.linalg.norm(np.abs(Ro).T @ np.abs(Rc)))
     return sigma, Rc @ Vt[:order].T / root, (Ro @ U[:, :order] / root).T, dust
+
+
+def _signs(rows: np.ndarray, B: np.ndarray) -> np.ndarray:
+    """Signs (n,) by which the first input that clearly moves a balanced state moves it upwards: they are free, and else each
+    processor's own."""
+    moved = rows @ B
+    clear = np.abs(moved) > 0.01 * (np.abs(rows) @ np.abs(B))
+    first = np.take_along_axis(moved, clear.argmax(axis=1)[:, None], axis=1)[:, 0] if B.shape[1] else np.zeros(len(rows))
+    return np.where(clear.any(axis=1) & (first < 0), -1.0, 1.0)
 
 
 def balanced_truncation(plant: Plant, order: int) -> Truncation:
