@@ -8,7 +8,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from app.engine import controllability, observability
+from app.engine.structure import controllability_matrix, observability_matrix
 from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants.platform import Parameters, in_time_units
@@ -41,7 +41,7 @@ class Ranks:
 def ranks(s: System, clock: float) -> Ranks:
     """Singular values with time in units of `clock` seconds; metres, radians and newtons stay."""
     counted = in_time_units(s.plant, clock)
-    return Ranks(clock, controllability(counted).singular_values, observability(counted).singular_values)
+    return Ranks(clock, *(np.linalg.svd(M, compute_uv=False) for M in (controllability_matrix(counted), observability_matrix(counted))))
 
 
 def _count(values: np.ndarray, tolerance: float, measure: str) -> int:

@@ -70,7 +70,7 @@ def structure(plant: Plant) -> dict[str, dict[str, Any]]:
     response = np.array([[[2, 0.5j], [0.3, 1 + 1j]]] * 3)
     square = Plant(np.diag([-1.0, -2.0]), I2, [[1, 0.2], [0.1, 1]])
     names = ("controllability", "observability", "kalman_decomposition")
-    alone = ("coprime_factors", "gramians", "hankel_singular_values", "split_stable")
+    alone = ("controllability_matrix", "coprime_factors", "gramians", "hankel_singular_values", "observability_matrix", "split_stable")
     return {
         **{name: {"plant": plant, "rtol": 1e-10} for name in names},
         **{name: {"plant": plant} for name in alone},

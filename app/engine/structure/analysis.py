@@ -14,7 +14,7 @@ from ..systems.plant import Plant
 from ..systems.pole_sets import match_poles
 from .decomposition import balanced_staircase
 
-__all__ = ["Controllability", "Mode", "Observability", "controllability", "observability"]
+__all__ = ["Controllability", "Mode", "Observability", "controllability", "controllability_matrix", "observability", "observability_matrix"]
 
 
 SURE = 1e-12  # of the largest pole: what rounding may move another by before it is asked what A has in truth
@@ -152,6 +152,26 @@ def _powers(A: np.ndarray, C: np.ndarray) -> np.ndarray:
 
 def _with_values(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return frozen(matrix), frozen(np.linalg.svd(matrix, compute_uv=False))
+
+
+def observability_matrix(plant: Plant) -> np.ndarray:
+    """O = [C; CA; …; CAⁿ⁻¹] (pn×n) alone, without a look at any pole; raises EngineError when a power of A overflows.
+
+    >>> observability_matrix(Plant(np.diag([-1, -2]), np.ones((2, 1)), [[1, 0]]))
+    array([[ 1.,  0.],
+           [-1.,  0.]])
+    """
+    return frozen(_powers(plant.A, plant.C))
+
+
+def controllability_matrix(plant: Plant) -> np.ndarray:
+    """[B, AB, …, Aⁿ⁻¹B] (n×nm) alone, without a look at any pole; raises EngineError when a power of A overflows.
+
+    >>> controllability_matrix(Plant(np.diag([-1, -2]), np.ones((2, 1)), np.eye(2)))
+    array([[ 1., -1.],
+           [ 1., -2.]])
+    """
+    return frozen(_powers(plant.A.T, plant.B.T).T)
 
 
 def observability(plant: Plant, *, rtol: float | None = None) -> Observability:

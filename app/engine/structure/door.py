@@ -15,6 +15,8 @@ _PLANT, _RTOL = instance(Plant), number()
 _HORIZON, _CHANNELS = number(0, 1e9), pair(count(-1000), count(-1000))
 _RESPONSE = array("… k k", imaginary=True)
 
+controllability_matrix = gated(plant=_PLANT)(analysis.controllability_matrix)
+observability_matrix = gated(plant=_PLANT)(analysis.observability_matrix)
 controllability = gated(plant=_PLANT, rtol=_RTOL)(analysis.controllability)
 observability = gated(plant=_PLANT, rtol=_RTOL)(analysis.observability)
 kalman_decomposition = gated(plant=_PLANT, rtol=_RTOL)(decomposition.kalman_decomposition)
