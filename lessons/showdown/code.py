@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.engine.sampled import SampledLoop, trial_draws
 from app.lesson.code import Code, Given, Shown
 from app.lesson.lesson import Outcome
 from app.plants.platform_channels import T_u, T_y
@@ -88,14 +89,14 @@ def code(outcome: Outcome[Study]) -> Code:
         Given("kick_at", kick, "the sample of one more touch, -1: never"), Given("play", d["play"], "who is on the stage"),
         Given("seed", int(d["seed"])),
     ), tuple(shown), UNSAID + ("" if held else ", and the run on the stage, whose loop is unstable and magnifies rounding"),
-                _normal(int(d["seed"]), loop.jump[:, :_ways(loop.jump, loop.mechanics)].shape[1], hardware.walk > 0))
+                _normal(loop, int(d["seed"])))
 
 
-def _normal(seed: int, ways: int, walks: bool) -> tuple[Given, ...]:
+def _normal(loop: SampledLoop, seed: int) -> tuple[Given, ...]:
     """The normal numbers of the run on the stage."""
-    for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
-    walked = (Given("normal_walk", for_bias.standard_normal((RUN, 4)) if walks else np.zeros((0, 4)), "of the walking zeros"),)
-    return (Given("normal_ground", for_ground.standard_normal((RUN, ways))), Given("normal_v", for_v.standard_normal((RUN, 4))), *walked)
+    ground, sensors, walk = trial_draws(loop, RUN, seed)
+    return (Given("normal_ground", ground), Given("normal_v", sensors),
+            Given("normal_walk", walk if walk.shape[1] else np.zeros((0, 4)), "of the walking zeros"))
 
 
 def _ways(jump: np.ndarray, part: slice) -> int:

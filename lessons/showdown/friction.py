@@ -14,7 +14,7 @@ import numpy as np
 
 from app.engine import sampled_loop
 from app.engine.kernels import given, kernel, rubbed_steps
-from app.engine.sampled import SampledLoop
+from app.engine.sampled import SampledLoop, trial_draws
 from app.lesson.lesson import Design
 
 from .players import DT, Player
@@ -102,13 +102,8 @@ def _rubbed(quick: Callable[..., int], loop: SampledLoop, at: Guides, most: floa
 
 def noise(loop: SampledLoop, steps: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
     """What the ground does to w over each sample (n_t, N), and what the sensors add (n_t, p): the draws of `simulate_trial`."""
-    for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
-    walks = len(loop.Y) if loop.hardware.walk > 0 else 0
-    jump = loop.jump[:, :loop.jump.shape[1] - walks]
-    jumps = for_ground.standard_normal((steps, jump.shape[1])) @ jump.T
-    if walks:
-        jumps += for_bias.standard_normal((steps, walks)) @ loop.jump[:, jump.shape[1]:].T
-    return jumps, for_v.standard_normal((steps, len(loop.Y))) @ loop.sensor.T
+    from_ground, from_sensors, from_bias = trial_draws(loop, steps, seed)
+    return np.hstack([from_ground, from_bias]) @ loop.jump.T, from_sensors @ loop.sensor.T
 
 
 def friction_of(design: Design) -> float:

@@ -15,7 +15,7 @@ from app.plants import platform
 from app.text import text
 
 from .effort import equal_effort
-from .friction import friction_of, isolation
+from .friction import friction_of, isolation, noise
 from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
 from .study import TOLERANCE, Study, Trials
 from .world import BAND, World, band_rms, grid, loop_of
@@ -85,9 +85,7 @@ def _learning(world: World, five: tuple[Player, ...], v: float, seed: int) -> It
     loop, design = loop_of(world, five[ORDER.index(RECURSIVE)]), sampled_design(v)
     kf, K, own, n = design.filter, design.K, loop.control, loop.n
     rounding, limit = loop.hardware.step, loop.hardware.limit
-    for_jumps, for_v = np.random.default_rng(seed).spawn(2)
-    jumps = (for_jumps.standard_normal((LEARNING, loop.jump.shape[1])) @ loop.jump.T)[:, :, None]
-    noise = (for_v.standard_normal((LEARNING, 4)) @ loop.sensor.T)[:, :, None]
+    jumps, slips = (drawn[:, :, None] for drawn in noise(loop, LEARNING, seed))
     step, settled = np.hstack([loop.F[-1], loop.F_m[-1], loop.F_s[-1]]), np.hstack([loop.U[-1], loop.T[-1]])
     closed, C, Y = kf.A - kf.B @ K, kf.C, loop.Y
     belief, both = first_belief(v), np.zeros((step.shape[1], 2))  # learning beside settled: states, readings, what coils are told
@@ -100,7 +98,7 @@ def _learning(world: World, five: tuple[Player, ...], v: float, seed: int) -> It
             gains, belief = schedule.gains[schedule.index], Belief(belief.mean, schedule.prior[schedule.index[PART]])
         np.matmul(outputs, w, out=seen[k])
         np.matmul(Y, w, out=m)
-        m += noise[k]
+        m += slips[k]
         if rounding:
             m[:] = rounding * np.rint(m / rounding)
         believed = w[own, 0]

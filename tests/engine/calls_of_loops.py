@@ -103,6 +103,7 @@ def sampled(plant: Plant) -> dict[str, dict[str, Any]]:
                            "kicks": ((2, [1.0, 0.0]),)},
         "simulate_trials": {"loop": loop, "runs": 2, "seconds": 4.0, "seed": 1, "segment": 16, "together": 2},
         "thin_root": {"Q": I2},
+        "trial_draws": {"loop": loop, "steps": 5, "seed": 1},
         "welch_expectation": {"loop": loop, "length": 16},
         "SampledLoop.closed": {"self": loop, "k": 0},
         **of(designed, "SampledLqg", controller_with={"M": designed.filter.steady.filter_gain}, schedule={"P0": I2, "steps": 5},

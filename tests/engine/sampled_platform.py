@@ -81,12 +81,10 @@ def by_definition(hardware: Hardware, steps: int, seed: int | None, ground: np.n
     loop = loop_of(hardware)
     jumps, v = np.zeros((steps, loop.n)), np.zeros((steps, 4))
     if seed is not None:
-        for_ground, for_v, for_bias = np.random.default_rng(seed).spawn(3)
-        draws = [for_ground.standard_normal((steps, 8))]
-        if hardware.walk:
-            draws.append(for_bias.standard_normal((steps, 4)))
-        jumps = np.hstack(draws) @ loop.jump.T
-        v = for_v.standard_normal((steps, 4)) @ loop.sensor.T
+        for_ground, for_v, for_bias = ([way.standard_normal(steps) for way in rng.spawn(wide)]
+                                       for rng, wide in zip(np.random.default_rng(seed).spawn(3), (8, 4, 4), strict=True))
+        jumps = np.array(for_ground + (for_bias if hardware.walk else [])).T @ loop.jump.T
+        v = np.array(for_v).T @ loop.sensor.T
     z, c, bias, queue = np.zeros(N), np.zeros(CONTROLLER.n), np.zeros(4), [np.zeros(3)] * (whole + 1)
     states, readings, commands = np.empty((steps, n)), np.empty((steps, 4)), np.empty((steps, 3))
     for k in range(steps):

@@ -113,7 +113,7 @@ PRINTED: tuple[tuple[str, dict[str, Any] | None, str, str], ...] = (
     ("fault-diagnosis", {}, "delay", "0.46"), ("fault-diagnosis", {"window": 100}, "delay", "0.58"),
     ("network", {}, "loop_radius", "0.41"), ("network", None, "loop_radius", "0.95"), ("network", {"delay": 2}, "loop_radius", "1.14"),
     ("network", {"delay": 1, "told": "ahead"}, "loop_radius", "0.41"),
-    ("sandbox", {}, "nis_mean", "1.66"), ("sandbox", None, "nis_mean", "0.41"), ("sandbox", {"belief": 0.001}, "nis_mean", "9.2"),
+    ("sandbox", {}, "nis_mean", "1.66"), ("sandbox", None, "nis_mean", "0.41"), ("sandbox", {"belief": 0.001}, "nis_mean", "9.1"),
     ("arm", None, "load_belief", "1.50"), ("arm", None, "angle_error", "7.1"), ("arm", None, "found_after", "0.42"),
     ("arm", {"load_state": False}, "angle_error", "15.5"), ("arm", {"load_state": False}, "angle_belief", "3.0"),
 )

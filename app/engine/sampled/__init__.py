@@ -14,6 +14,7 @@ from .door import (
     simulate_trial,
     simulate_trials,
     thin_root,
+    trial_draws,
     welch_expectation,
 )
 from .hardware import Hardware
@@ -45,5 +46,6 @@ __all__ = [
     "simulate_trial",
     "simulate_trials",
     "thin_root",
+    "trial_draws",
     "welch_expectation",
 ]

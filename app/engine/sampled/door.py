@@ -48,5 +48,6 @@ simulate_trial = gated(loop=_LOOP, steps=_STEPS, seed=SEED, start=matrix(), dist
 simulate_trials = gated(loop=_LOOP, runs=count(1, 100_000), seconds=SECONDS, seed=SEED, segment=_STEPS, together=count(1, 100_000))(
     monte_carlo.simulate_trials)
 response_measures = gated(t=array(), y=array(), u=array(), band=number(0), final=FINITE)(trial.response_measures)
+trial_draws = gated(loop=_LOOP, steps=_STEPS, seed=SEED)(trial.trial_draws)
 thin_root = gated(Q=matrix("n n"))(_thin_root)
 welch_expectation = gated(loop=_LOOP, length=count(2, 1_000_000))(monte_carlo.welch_expectation)

@@ -14,7 +14,7 @@ from ..systems.scan import affine_scan
 from .sampled_loop import SampledLoop
 from .stepping import DIVERGED, held, rounding, stepping
 
-__all__ = ["ResponseMeasures", "Trial", "response_measures", "simulate_trial"]
+__all__ = ["ResponseMeasures", "Trial", "response_measures", "simulate_trial", "trial_draws"]
 
 MOST_NUMBERS = 40_000_000  # state numbers in one run
 AHEAD = 256  # samples of the first block
@@ -107,14 +107,12 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
     """What jumps onto w at the end of each sample (n_t, N), and the noise of each reading (n_t, p)."""
     push, v = np.zeros((steps, loop.n)), np.zeros((steps, len(loop.Y)))
     if seed is not None:
-        walks = len(loop.Y) if loop.hardware.walk > 0 else 0
-        ground = loop.jump[:, :loop.jump.shape[1] - walks]
-        draw = _kept_draws if steps <= KEPT else _draws
-        for_ground, for_v, for_bias = draw(seed, steps, ground.shape[1], len(loop.Y), walks)
-        push = for_ground @ ground.T
-        if walks:
-            push += for_bias @ loop.jump[:, ground.shape[1]:].T
-        v = for_v @ loop.sensor.T
+        from_ground, from_sensors, from_bias = trial_draws(loop, steps, seed)
+        ways = from_ground.shape[1]
+        push = from_ground @ loop.jump[:, :ways].T
+        if from_bias.shape[1]:
+            push += from_bias @ loop.jump[:, ways:].T
+        v = from_sensors @ loop.sensor.T
     if loop.hardware.ramp:
         push[:, loop.bias] += loop.hardware.ramp * loop.dt
     if disturbance is not None:
@@ -131,10 +129,28 @@ def _forcing(loop: SampledLoop, steps: int, seed: int | None, disturbance: objec
     return push, v
 
 
+def trial_draws(loop: SampledLoop, steps: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The normal numbers of `simulate_trial`: (steps, ways) that `jump` brings in from the ground, (steps, p) of the sensors, and
+    (steps, p) of biases that walk, else (steps, 0).
+
+    Each column has a generator of its own: a longer run begins as a shorter one, and where rounding gives `jump` one way more on
+    another machine the others stay what they are.
+
+    >>> from app.engine import compensator, sampled_loop
+    >>> from app.engine.sampled import sampled_controller
+    >>> loop = sampled_loop(P := Plant([[0]], [[1]], [[1]]), sampled_controller(compensator(P, [[1]], [[3]]), 0.1), [0], V=[[1]])
+    >>> [draws.shape for draws in trial_draws(loop, 5, 0)]
+    [(5, 0), (5, 1), (5, 0)]
+    """
+    p = len(loop.Y)
+    walks = p if loop.hardware.walk > 0 else 0
+    ground, sensors, bias = (_kept_draws if steps <= KEPT else _draws)(seed, steps, loop.jump.shape[1] - walks, p, walks)
+    return ground, sensors, bias
+
+
 def _draws(seed: int, steps: int, *columns: int) -> tuple[np.ndarray, ...]:
-    """Normal numbers (steps, columns) for the ground, the sensors and the bias."""
-    return tuple(frozen(rng.standard_normal((steps, wide))) for rng, wide in
-                 zip(np.random.default_rng(seed).spawn(3), columns, strict=True))
+    return tuple(frozen(np.array([way.standard_normal(steps) for way in rng.spawn(wide)]).reshape(wide, steps).T)
+                 for rng, wide in zip(np.random.default_rng(seed).spawn(3), columns, strict=True))
 
 
 _kept_draws = lru_cache(maxsize=4)(_draws)  # of the seed that a hand leaves alone while it moves what they drive
