@@ -165,18 +165,24 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
 
 
 @pytest.fixture(scope="module")
-def walk(browser: Browser, server: str) -> Iterator[list[Tab]]:
-    """The tab of a file's walk through the lessons; empty before the first test and after one that failed."""
+def walk(browser: Browser, server: str, spare: list[Tab]) -> Iterator[list[Tab]]:
+    """The tab of a file's walk through the lessons; empty before the first test and after one that failed. It may be a spare one."""
     tabs: list[Tab] = []
     yield tabs
     for tab in tabs:
-        tab.page.context.close()
+        if spare:
+            tab.page.context.close()
+        else:
+            spare.append(tab)
 
 
 @pytest.fixture
-def walking(walk: list[Tab], browser: Browser, server: str, request: pytest.FixtureRequest) -> Iterator[Tab]:
+def walking(walk: list[Tab], browser: Browser, server: str, spare: list[Tab], request: pytest.FixtureRequest) -> Iterator[Tab]:
     """One tab that goes from test to test, as a person goes from lesson to lesson; a new one after a test that failed."""
-    if not walk:
+    if not walk and spare:
+        walk.append(spare.pop())
+        walk[0].begin_anew(900, 560)
+    elif not walk:
         context = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce")
         walk.append(Tab(context.new_page(), server, drawn=False))
     tab = walk[0]

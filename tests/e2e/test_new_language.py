@@ -60,7 +60,7 @@ CUT = """() => {
   return cut;
 }"""
 WORD = re.compile(r"[^\W\d_]{3,}")
-OPENED = ("separation", "sandbox", "kalman")
+OPENED = ("separation", "sandbox")
 
 
 def english(shown: list[str]) -> set[str]:

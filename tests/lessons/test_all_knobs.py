@@ -92,7 +92,8 @@ def test_any_valid_design_gives_a_finite_picture_or_one_sentence(lesson: Lesson,
 
 @pytest.mark.slow
 @every_lesson
-def test_a_change_of_one_knob_from_the_start_is_never_worse_than_a_sentence(lesson: Lesson) -> None:
+def test_a_change_of_one_knob_from_the_start_is_never_worse_than_a_sentence_and_keeps_the_figures_ids(lesson: Lesson) -> None:
+    ids = {figure.id for figure in shown(lesson.start())[1]}
     for knob in lesson.knobs:
         values = others(knob, lesson.start())
         for value in values[-VALUES:] if isinstance(knob, Number) else values:
@@ -102,6 +103,7 @@ def test_a_change_of_one_knob_from_the_start_is_never_worse_than_a_sentence(less
                 assert str(problem).strip()
                 continue
             check_figures(figures)
+            assert {figure.id for figure in figures} == ids, (knob.name, value)
 
 
 @each("lesson", LESSONS.values())

@@ -125,7 +125,7 @@ def test_a_nearly_dependent_output_comes_last_in_its_chain():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "n", "p"), [(0, 4, 2), (1, 3, 1), (2, 5, 3)])
+@pytest.mark.parametrize(("seed", "n", "p"), [(1, 3, 1), (2, 5, 3)])
 def test_several_wanted_rows(seed, n, p):
     plant, K = plant_of(seed, n, p), np.random.default_rng(seed + 1).standard_normal((2, n))
     found = rlo(plant, K, region=Region(-8, -0.4))
