@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -19,25 +20,44 @@ def gains(design: Design, plant: Plant, model: Model | None = None) -> tuple[np.
     """K and L of a design: by poles, or by LQR and LQE from the weights. `model` where the plant is a person's own."""
     if by_hand(design):
         return feedback(plant, design["controller_poles"], model), injection(plant, design["observer_poles"], model)
-    Q, R = design["q"] * plant.C.T @ plant.C, design["r"] * np.eye(plant.m)
-    W, V = design["w"] * np.eye(plant.m), design["v"] * np.eye(plant.p)
-    if plant.dt:
-        return dlqr(plant.A, plant.B, Q, R).gain, dlqe(plant.A, plant.B, plant.C, W, V).gain
-    return lqr(plant.A, plant.B, Q, R).gain, lqe(plant.A, plant.B, plant.C, W, V).gain
+    return _regulated(plant, design["q"], design["r"]), _filtered(plant, design["w"], design["v"])
 
 
 def feedback(plant: Plant, poles: Sequence[complex], model: Model | None = None) -> np.ndarray:
     """K (m×n) for poles: placed, or for a person's own plant its starting gain with the poles of the board moved."""
     if model is None or model.controller is None:
-        return place(plant.A, plant.B, poles).gain
+        return _placed(plant, tuple(poles))
     return shift_poles(plant.A, plant.B, model.controller.gain, model.controller_poles, poles)
 
 
 def injection(plant: Plant, poles: Sequence[complex], model: Model | None = None) -> np.ndarray:
     """L (n×p) for poles, as `feedback`."""
     if model is None or model.observer is None:
-        return observer_gain(plant.A, plant.C, poles).gain
+        return _injected(plant, tuple(poles))
     return shift_observer(plant.A, plant.C, model.observer.gain, model.observer_poles, poles)
+
+
+@lru_cache(maxsize=32)
+def _placed(plant: Plant, poles: tuple[complex, ...]) -> np.ndarray:
+    """K by its poles, which most knobs leave where they are."""
+    return place(plant.A, plant.B, poles).gain
+
+
+@lru_cache(maxsize=32)
+def _injected(plant: Plant, poles: tuple[complex, ...]) -> np.ndarray:
+    return observer_gain(plant.A, plant.C, poles).gain
+
+
+@lru_cache(maxsize=32)
+def _regulated(plant: Plant, q: float, r: float) -> np.ndarray:
+    """K by LQR: q of the outputs' squares, r of the inputs'."""
+    return (dlqr if plant.dt else lqr)(plant.A, plant.B, q * plant.C.T @ plant.C, r * np.eye(plant.m)).gain
+
+
+@lru_cache(maxsize=32)
+def _filtered(plant: Plant, w: float, v: float) -> np.ndarray:
+    """L by LQE: w at each input, v at each output."""
+    return (dlqe if plant.dt else lqe)(plant.A, plant.B, plant.C, w * np.eye(plant.m), v * np.eye(plant.p)).gain
 
 
 def sped(plant: Plant, percent: float) -> Plant:

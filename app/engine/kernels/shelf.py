@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from . import bounds, clipped, exits, geared, held, recursion, rubbed, small, spectra, tape, waiting, watched
+from . import bounds, clipped, exits, geared, held, late, recursion, rubbed, small, spectra, tape, waiting, watched
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
@@ -42,6 +42,7 @@ SIGNATURES = MappingProxyType({
     geared.contact_steps: f"i8({_2},i8[::1],{_2},{_3},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_1},{_1},"
                             f"{_1},{_1},{_1},{_1},i8[::1],f8,i8,f8,i8,i8)",
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
+    late.late_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},{_2},{_1},{_1},f8,i8,f8,i8,i8)",
     rubbed.rubbed_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_2},f8,i8,f8,f8)",
     spectra.density_steps: f"i8({_C3},{_C3},{_C3},{_2},{_2})",
     waiting.waiting_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_1},{_3})",

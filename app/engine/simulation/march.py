@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..kernels import given, kernel
+from ..kernels.late import late_steps
 from ..systems.scan import affine_scan, held_scan, step_matrices
 from .disturbance import Disturbances
 from .loop import Loop, ramped
@@ -82,16 +84,26 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
     """
     steps, m, lag, N, h = s.n_t - 1, s.plant.m, s.lag, len(d.z0), s.dt
     wide = ramped(loop)
-    limits = (s.u_min, s.u_max) if s.fed == "applied" else (np.full(m, -np.inf), np.full(m, np.inf))
-    runner = Runner(Switcher(wide, *limits, h))
     modal, free = s.limited and s.fed == "applied", np.ones(m, dtype=bool)
+    limits = (s.u_min, s.u_max) if modal else (np.full(m, -np.inf), np.full(m, np.inf))
+    runner = Runner(Switcher(wide, *limits, h)) if modal or d.kicks else None
     Phi, Phi1 = step_matrices(wide.closed(free), h)
     push = wide.forcing(free, np.zeros(m), r[:-1], d.v[:-1]) @ Phi1.T
     begin, end = np.zeros((steps + 1 + lag, m)), np.zeros((steps + 1 + lag, m))
     jumps = np.zeros((steps, N)) if d.jumps is None else d.jumps
     states = np.empty((steps + 1, N))
     states[0] = d.z0
-    for k in range(0, steps, lag):
+    quick = None if modal else kernel(late_steps)
+    k, kicked = 0, sorted({j - j % lag for j in d.kicks})
+    while k < steps:
+        if quick is not None and k not in kicked:
+            stop = min([j for j in kicked if j > k], default=steps)
+            got = quick(states, begin, end, given(Phi[:N].T), given(push[:, :N]), given(jumps), given(loop.F), given(r), given(s.u_min),
+                        given(s.u_max), h, lag, bound, k, stop)
+            if got < stop:
+                return states[:got + 1], begin
+            k = stop
+            continue
         stop = min(k + lag, steps)
         ramp = np.hstack([begin[k:stop + 1], (end[k:stop + 1] - begin[k:stop + 1]) / h])
         left = np.hstack([end[k:stop], ramp[:-1, m:]])
@@ -99,7 +111,7 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
         start = np.concatenate([states[k], ramp[0]])
         inside = {j - k: [(t, np.pad(jump, (0, 2 * m))) for t, jump in kicks]
                   for j, kicks in d.kicks.items() if k <= j < stop}
-        if modal or inside:
+        if runner is not None and (modal or inside):
             path = runner.run(start, r[k:stop], d.v[k:stop], extra, inside, bound)
         else:
             path = cut(affine_scan(Phi, push[k:stop] + extra, start, stop - k), bound)
@@ -111,4 +123,5 @@ def delayed(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: floa
         u_end = (path[1:] - extra) @ wide.F.T + r[k:stop]
         begin[k + lag:stop + lag] = np.clip(u_begin, s.u_min, s.u_max)
         end[k + lag:stop + lag] = np.clip(u_end, s.u_min, s.u_max)
+        k = stop
     return states, begin

@@ -181,6 +181,8 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
     reference = {"reference": np.outer(np.sin(np.arange(steps + 1) / 9), [1.0, 0.3])}
     for more in ({}, {"fed": "commanded"}, NOISE, KICKED, {**NOISE, **KICKED}, reference, {"delay": 0.03}):
         yield f"run {[*more]}", partial(run, loop(horizon, **more))
+    for more in ({}, NOISE, KICKED, {**NOISE, **KICKED, **reference}, {"u_min": None, "u_max": None}):
+        yield f"late {[*more]}", partial(run, replace(loop(horizon, fed="commanded", delay=0.03), **more))
     for more in ({}, NOISE, KICKED):
         yield f"together {[*more]}", partial(together, loop(horizon / 4, **more), 4, steps // 8)
     for hardware in ({"limit": 0.3}, {"step": 1e-3}, {"limit": 0.3, "step": 1e-3, "delay": 0.013}, {"limit": 1e-3, "walk": 0.1}):
@@ -206,6 +208,7 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
     yield "stiff", partial(run, stiff)
     fleeing = Scenario(FALLING, [[5.0, 4.0]], [[12.0], [37.0]], x0=[1.2, 0], horizon=30.0, dt=0.25, u_min=-1, u_max=1)
     yield "fleeing", partial(run, fleeing)
+    yield "late and fleeing", partial(run, replace(fleeing, u_min=None, u_max=None, dt=0.05, delay=1.0))
 
 
 def differing(steps: int, kernels: dict) -> list[str]:
