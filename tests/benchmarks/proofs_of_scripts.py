@@ -99,6 +99,8 @@ def scripts(lesson: Lesson, count: int, language: str, spoken: str = "en") -> It
             yield design, SCRIPTS[language][0](lesson, outcome, "1.x", spoken)
         except ScriptError as problem:
             print(f"    {problem}")
+        except (EngineError, KnobError):  # what refuses when it is looked at
+            continue
 
 
 def judged(texts: list[str], folder: Path, language: str) -> list[str]:

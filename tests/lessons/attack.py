@@ -14,7 +14,7 @@ import numpy as np
 
 from app.engine import EngineError
 from app.lesson.knobs import Choice, Knob, KnobError, Number, Poles, Switch, Track
-from app.lesson.lesson import Design, Lesson, Outcome
+from app.lesson.lesson import Design, Lesson, Outcome, Task
 
 RANDOM = 200  # designs of a lesson in the whole attack
 Move = tuple[str, Any]
@@ -98,8 +98,15 @@ def outcome_of(lesson: Lesson, design: Design) -> Outcome | None:
 
 
 def solved(lesson: Lesson, outcome: Outcome) -> list[str]:
-    """The tasks that this outcome solves."""
-    return [task.id for task in lesson.tasks if task.judge(outcome).solved]
+    """The tasks that this outcome solves; none that refuses in a sentence when it is looked at."""
+    return [task.id for task in lesson.tasks if _solves(task, outcome)]
+
+
+def _solves(task: Task[Any], outcome: Outcome) -> bool:
+    try:
+        return task.judge(outcome).solved
+    except (EngineError, KnobError):
+        return False
 
 
 def attack(lesson: Lesson) -> Iterator[str]:
