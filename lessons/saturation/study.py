@@ -9,7 +9,7 @@ from math import degrees, radians
 import numpy as np
 
 from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
-from app.engine.simulation import Run, separation_meter
+from app.engine.simulation import Run, separation_meter, simulate_until
 from app.lesson.claims import claim
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.text import Text, joined, text
@@ -27,7 +27,7 @@ ANGLE = 1  # index of the angle in the state
 NEAR = 0.05  # ‖x‖ at the horizon below which a start has come home (m, rad, m/s, rad/s)
 FAR = 20.0  # ‖x‖ beyond which it has not, whatever comes
 FALLEN = radians(45.0)  # where the linear pole counts as fallen
-PARTS = (0.5, 0.5, 1.0, 2.0, 4.0)  # s; a lost run is not followed past the part in which the pole falls
+ENDS = (0.5, 1.0, 2.0, 4.0)  # s; a lost run is not followed past the first of them after the pole has fallen
 SERIES = ("x", "xhat", "e", "u_asked", "u_applied", "y", "yhat", "w", "v")
 GRID = np.linspace(-20.0, 20.0, 41)  # degrees: angle across, error of its estimate upwards
 UNKNOWN, HOME, LOST, HOPELESS = -1, 0, 1, 2
@@ -173,23 +173,8 @@ def _live(design: Design, metrics: Mapping[str, float], stopped: float | None) -
 
 
 def march(scenario: Scenario) -> Run:
-    """The run of a scenario, part by part, ending early with the part in which the pole falls."""
-    parts: list[Run] = []
-    begin, x, xhat = 0.0, scenario.x0, scenario.xhat0
-    for length in PARTS:
-        end = begin + length
-        kicks = tuple((t - begin, jump) for t, jump in scenario.impulses
-                      if begin <= t < end or end >= scenario.horizon <= t)
-        part = simulate(replace(scenario, x0=x, xhat0=xhat, horizon=length, impulses=kicks))
-        parts.append(part)
-        begin, x, xhat = end, part.x[-1], part.xhat[-1]
-        if part.diverged_at is not None or np.abs(part.x[:, ANGLE]).max() > FALLEN:
-            break
-    series = {name: np.concatenate([*(getattr(p, name)[:-1] for p in parts[:-1]), getattr(parts[-1], name)])
-              for name in SERIES}
-    count = len(series["x"])
-    return Run(scenario, scenario.t[:count], **series, saturated=any(p.saturated for p in parts),
-               diverged_at=None if count == scenario.n_t else scenario.dt * count)
+    """The run of a scenario, ending early with the part in which the pole falls."""
+    return simulate_until(scenario, ENDS, lambda x: bool(np.abs(x[:, ANGLE]).max() > FALLEN))
 
 
 def comes_home(run: Run) -> bool:

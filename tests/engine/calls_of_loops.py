@@ -70,6 +70,7 @@ def simulation(plant: Plant) -> dict[str, dict[str, Any]]:
         "simulate_recovery": {"scenario": scenario, "x_index": 0, "x_values": [-1, 1], "e_index": 1, "e_values": [0, 1],
                               "threshold": 0.1, "bound": 100.0, "slice_seconds": 0.01},
         "simulate_starts": {"scenario": scenario, "starts": np.ones((3, 4))},
+        "simulate_until": {"scenario": scenario, "looks": [0.1], "enough": lambda x: bool(abs(x).max() > 1e3)},
         "starts_of": {"s": scenario, "x_index": 0, "x_values": np.ones(2), "e_index": 1, "e_values": np.ones(3)},
         "Run.index": {"self": run, "time": 0.1},
     }

@@ -154,4 +154,4 @@ def thin_root(Q: np.ndarray) -> np.ndarray:
         first = int(np.argmax(np.diag(left) > 0.5 * most))
         columns.append(left[:, first] / np.sqrt(left[first, first]))
         left = left - np.outer(columns[-1], columns[-1])
-    return spread[:, None] * np.array(columns).reshape(-1, len(Q)).T
+    return spread[:, None] * np.array(columns).reshape(len(columns), len(Q)).T

@@ -9,6 +9,7 @@ from .door import (
     simulate_geared,
     simulate_recovery,
     simulate_starts,
+    simulate_until,
     starts_of,
 )
 from .geared import Gear, GearedRun
@@ -29,5 +30,6 @@ __all__ = [
     "simulate_geared",
     "simulate_recovery",
     "simulate_starts",
+    "simulate_until",
     "starts_of",
 ]

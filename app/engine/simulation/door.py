@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from types import MappingProxyType
 
-from ..systems.gates import SECONDS, SERIES, array, count, gated, instance, matrix, number, optional
+from ..systems.gates import FUNCTION, SECONDS, SERIES, array, count, gated, instance, matrix, number, optional
 from ..systems.plant import Plant
 from . import batch, geared, loop, recovery
 from .geared import Gear
@@ -13,6 +13,7 @@ from .simulate import autonomous_error as _autonomous_error
 from .simulate import disturbances_of as _disturbances_of
 from .simulate import separation_meter as _separation_meter
 from .simulate import simulate as _simulate
+from .simulate import simulate_until as _simulate_until
 
 _SCENARIO, _RUN = instance(Scenario), instance(Run)
 _SIZE = number(above=0, high=1e100)
@@ -20,6 +21,7 @@ _GRID = MappingProxyType({"x_index": count(-1000), "x_values": SERIES, "e_index"
 
 simulate = gated(scenario=_SCENARIO)(_simulate)
 disturbances_of = gated(scenario=_SCENARIO)(_disturbances_of)
+simulate_until = gated(scenario=_SCENARIO, looks=SERIES, enough=FUNCTION)(_simulate_until)
 simulate_geared = gated(scenario=_SCENARIO, gear=instance(Gear))(geared.simulate_geared)
 autonomous_error = gated(run=_RUN)(_autonomous_error)
 separation_meter = gated(run=_RUN)(_separation_meter)

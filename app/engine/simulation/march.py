@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+
 import numpy as np
 
 from ..kernels import given, kernel
@@ -34,6 +36,22 @@ def plain(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, bound: float)
     if inputs:
         push = np.hstack(inputs) @ np.hstack(ways).T + (0.0 if push is None else push)
     return cut(affine_scan(Phi, with_kicks(push, d, M, s), d.z0, s.n_t - 1), bound)
+
+
+def in_parts(s: Scenario, loop: Loop, d: Disturbances, r: np.ndarray, ends: Iterable[int], diverged: float) -> Iterator[np.ndarray]:
+    """The states of a continuous loop with limits and without delay, part by part, each from the last of the one before.
+
+    A part that passes `diverged` times its start (or 1) ends there, and is the last.
+    """
+    runner, k, start = Runner(Switcher(loop, s.u_min, s.u_max, s.dt)), 0, d.z0
+    for end in ends:
+        kicks = {j - k: kicks for j, kicks in d.kicks.items() if k <= j < end}
+        states = runner.run(start, r[k:end], d.v[k:end], None if d.jumps is None else d.jumps[k:end], kicks,
+                            diverged * max(1.0, float(np.max(np.abs(start)))))
+        yield states
+        if len(states) <= end - k:
+            return
+        k, start = end, states[-1]
 
 
 def with_kicks(push: np.ndarray | None, d: Disturbances, M: np.ndarray, s: Scenario) -> np.ndarray | None:

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from itertools import pairwise
+
 import numpy as np
 
 from ..systems.errors import EngineError
 from ..systems.scan import affine_scan, step_matrices
 from .disturbance import Disturbances, disturbances
 from .loop import Loop, continuous_loop, discrete_loop
-from .march import delayed, plain, sampled, with_kicks
+from .march import delayed, in_parts, plain, sampled, with_kicks
 from .scenario import Run, Scenario
 
-__all__ = ["autonomous_error", "separation_meter", "simulate"]
+__all__ = ["autonomous_error", "separation_meter", "simulate", "simulate_until"]
 
 DIVERGED = 1e9  # times the larger of 1 and the size of the start
 
@@ -29,18 +32,45 @@ def simulate(scenario: Scenario) -> Run:
     >>> np.allclose(run.e[:, 0], np.exp(-2 * run.t))
     True
     """
-    s = scenario
+    loop, d = _made_of(scenario)
+    return _run(scenario, loop, d, *_states(scenario, loop, d))
+
+
+def simulate_until(scenario: Scenario, looks: Sequence[float], enough: Callable[[np.ndarray], bool]) -> Run:
+    """The run of a scenario up to the first of the times `looks` where the states x (steps, n) since the one before are `enough`.
+
+    A run that ends early has `diverged_at` set. All is prepared once; a clipped continuous loop without delay is not followed further.
+
+    >>> s = Scenario(Plant([[1]], [[1]], [[1]]), [[2]], [[3]], x0=[1.0], horizon=2.0, dt=0.01, u_min=-0.5, u_max=0.5)
+    >>> float(simulate_until(s, [0.5, 1.0, 1.5], lambda x: np.abs(x).max() > 1.5).t[-1])
+    1.0
+    """
+    s, n = scenario, scenario.plant.n
     loop, d = _made_of(s)
-    r = np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
-    bound = DIVERGED * max(1.0, float(np.max(np.abs(d.z0))))
-    late = None
-    if s.discrete and (s.limited or s.lag):
-        z, late = sampled(s, loop, d, r, bound)
-    elif s.lag:
-        z, late = delayed(s, loop, d, r, bound)
+    ends = sorted({*(min(max(round(look / s.dt), 1), s.n_t - 1) for look in looks), s.n_t - 1})
+    if s.limited and not s.discrete and not s.lag:
+        parts, late = [], None
+        for states in in_parts(s, loop, d, _reference(s), ends, DIVERGED):
+            parts.append(states)
+            if enough(states[:, :n]):
+                break
+        z = np.concatenate([*(part[:-1] for part in parts[:-1]), parts[-1]])
     else:
-        z = plain(s, loop, d, r, bound)
-    return _run(s, loop, d, z, r, late)
+        z, late = _states(s, loop, d)
+        z = z[:1 + next((end for begin, end in pairwise([0, *ends]) if begin < len(z) and enough(z[begin:end + 1, :n])), s.n_t - 1)]
+    return _run(s, loop, d, z, late)
+
+
+def _states(s: Scenario, loop: Loop, d: Disturbances) -> tuple[np.ndarray, np.ndarray | None]:
+    """z (≤ n_t, N), and the delayed clipped inputs of a loop with a delay."""
+    r, bound = _reference(s), DIVERGED * max(1.0, float(np.max(np.abs(d.z0))))
+    if s.discrete and (s.limited or s.lag):
+        return sampled(s, loop, d, r, bound)
+    return delayed(s, loop, d, r, bound) if s.lag else (plain(s, loop, d, r, bound), None)
+
+
+def _reference(s: Scenario) -> np.ndarray:
+    return np.zeros((s.n_t, s.plant.m)) if s.reference is None else s.reference
 
 
 def loop_of(s: Scenario) -> Loop:
@@ -58,7 +88,7 @@ def disturbances_of(scenario: Scenario) -> Disturbances:
     return _made_of(scenario)[1]
 
 
-def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, r: np.ndarray, late: np.ndarray | None) -> Run:
+def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, late: np.ndarray | None) -> Run:
     plant, model, count = s.plant, s.model, len(z)
     n, m, p = plant.n, plant.m, plant.p
     x, xhat = z[:, :n], z[:, n:]
@@ -67,7 +97,7 @@ def _run(s: Scenario, loop: Loop, d: Disturbances, z: np.ndarray, r: np.ndarray,
     out = z @ read
     asked, y, yhat = out[:, :m], out[:, m:m + p], out[:, m + p:]
     if s.reference is not None:
-        asked += r[:count]
+        asked += s.reference[:count]
     clipped = np.clip(asked, s.u_min, s.u_max) if s.limited else asked
     applied = clipped if late is None else late[:count]
     w, v = d.w[:count], d.v[:count]

@@ -1,5 +1,7 @@
 """Clipped loops: exact between switchings, switchings found, and who is fed what decides the error."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from laws import holds_for_all
@@ -7,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 from app.engine import Plant, Scenario, simulate
-from app.engine.simulation import disturbances_of
+from app.engine.simulation import disturbances_of, simulate_until
 from app.engine.simulation.batch import part_step
 from app.engine.simulation.loop import continuous_loop
 from app.engine.simulation.saturation import Switcher
@@ -148,3 +150,21 @@ def test_delay_with_a_limit_is_the_delayed_clipped_input() -> None:
     run = simulate(Scenario(DOUBLE, K, L, x0=[3.0, 0.0], delay=0.2, **ONE))
     assert np.array_equal(run.u_applied[20:], np.clip(run.u_asked, -1, 1)[:-20])
     assert run.saturated and np.abs(run.x[-1]).max() < 1e-2
+
+
+@pytest.mark.parametrize("more", [
+    {}, {"V": 1e-4 * np.eye(1), "W": 0.1 * np.eye(1)}, {"impulses": ((0.503, [0.2, 0.0]), (1.0, [0.0, -0.1]))},
+    {"delay": 0.05}, {"sampled": True}, {"u_min": None, "u_max": None}], ids="-".join)
+def test_a_run_that_is_looked_at_on_the_way_is_the_run_up_to_there(more: dict[str, Any]) -> None:
+    s = Scenario(Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]]), [[5.0, 4.0]], [[12.0], [37.0]], x0=[0.4, 0.0], horizon=2.0, dt=0.01,
+                 **{"u_min": -1.0, "u_max": 1.0, **more})
+    one = simulate(s)
+    far = 0.95 * float(np.abs(one.x).max())
+    past = int(np.argmax(np.abs(one.x).max(axis=1) > far))
+    for looks in ([0.5, 1.0], [1.0, 5.0], []):
+        never = simulate_until(s, looks, lambda x: False)
+        found = simulate_until(s, looks, lambda x: bool(np.abs(x).max() > far))
+        assert np.allclose(never.x, one.x, atol=1e-9) and np.allclose(never.u_applied, one.u_applied, atol=1e-7)
+        ends = [end for end in (*(round(look / s.dt) for look in looks), s.n_t - 1) if past <= end < s.n_t]
+        assert len(found.t) == ends[0] + 1 and np.allclose(found.xhat, one.xhat[:ends[0] + 1], atol=1e-9)
+        assert (found.diverged_at is None) == (len(found.t) == s.n_t)
