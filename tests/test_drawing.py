@@ -14,10 +14,12 @@ from app.lesson.figures import Curve, LineFigure, MapFigure, MatrixFigure, Plane
 from app.lesson.knobs import Number
 from app.lesson.lesson import Lesson
 from app.text import same, squared, symbol, text
+from app.view.axes import FRAME, H, W
 from app.view.charts import even
 from app.view.knobs import decades, in_tens
-from app.view.lettering import LARGE, Box, along, beside, folded, width
-from app.view.svg import FRAME, H, W, draw
+from app.view.lettering import LARGE, Box, along, beside, folded, key, width
+from app.view.matrices import short
+from app.view.svg import draw
 from lessons import LESSONS
 
 TEXT = re.compile(r'<text x="([-\d.]+)" y="([-\d.]+)"[^>]*>([^<]*)</text>')
@@ -87,6 +89,25 @@ def test_a_name_of_an_axis_is_whole_and_clear_of_the_numbers_in_large_print(name
     below = [(x, y, said) for x, y, said in words(drawing) if y > H - 10 and said != "c"]
     assert "".join(said for *_, said in below).replace(" ", "") == (name * 2).replace(" ", "")
     assert all(x - width(said, LARGE) / 2 > 0 and x + width(said, LARGE) / 2 < W and y < height(drawing) for x, y, said in below)
+
+
+def lie_on_each_other(p: Box, q: Box) -> bool:
+    """Whether the lines of two words do, as `tests/e2e/sight.py` measures them on the page: by more than a third of their height."""
+    high = min(p.right, q.right) - max(p.left, q.left), min(p.bottom, q.bottom) - max(p.top, q.top)
+    return high[0] > 1.4 and high[1] > 0.3 * min(p.bottom - p.top, q.bottom - q.top)
+
+
+@given(st.sampled_from((-12.0, -1.0, -0.0123, 0.0, 1e-6, 3.0, 1200.0)), st.sampled_from((1e-3, 0.004, 1.0, 7.3, 12.0, 5e4)),
+       st.sampled_from((-200.0, -1.0, 0.0, 0.25)), st.sampled_from((0.5, 2.0, 1e4)), st.sampled_from(("", "x", "y", "xy")), st.booleans(),
+       st.sampled_from((float(H), 1.4 * W)))
+def test_no_number_of_an_axis_lies_on_another_in_large_print_or_is_cut(left: float, wide: float, low: float, high: float, powers: str,
+                                                                       equal: bool, tall: float) -> None:
+    x, y = (left, left + wide), (low, low + high)
+    x, y = ((-wide, wide) if "x" in powers and wide < 20 else (-2.0, 3.0) if "x" in powers else x), ((-9.0, 1.0) if "y" in powers else y)
+    drawing = draw(PlaneFigure("p", same("p"), (), (), "x", "y", x, y, equal and not powers, powers=powers), "en", True, tall)  # type: ignore[arg-type]
+    lines = [Box(box.left, box.top - 0.44 * LARGE, box.right, box.bottom + 0.09 * LARGE) for _, box in boxes(drawing, True)[1:]]
+    assert not [(p, q) for i, p in enumerate(lines) for q in lines[:i] if lie_on_each_other(p, q)]
+    assert len(lines) >= 4 and all(box.left >= 0 and box.right <= W for box in lines)
 
 
 def test_the_key_of_a_map_stands_below_the_axes_as_patches() -> None:
@@ -168,6 +189,28 @@ def test_a_signal_is_named_as_in_a_formula(name: str, shown: str) -> None:
     assert symbol(name) == shown
 
 
+@pytest.mark.parametrize("rows, columns", [(1, 6), (2, 2), (6, 6), (8, 8), (10, 5), (20, 20)], ids=str)
+def test_no_word_of_a_matrix_in_large_print_is_smaller_than_another_or_lies_on_one(rows: int, columns: int) -> None:
+    entries = np.random.default_rng(rows).choice((0.0, 1.0, -0.997, 0.00709, -2.63e-7, -1230.0, 12.0), (rows, columns))
+    names = ("sideslip", "x1", "滚转角速度", "yaw rate", "theta")
+    beside, above = (tuple(names[k % 5] for k in range(count)) for count in (rows, columns))
+    drawing = draw(MatrixFigure("m", same("a long title of a matrix that has a long title"), entries, beside, above, (1,)), "en", True)
+    assert {float(size) for size in re.findall(r'<text [^>]*font-size="([\d.]+)"', drawing)} == {LARGE}
+    said = boxes(drawing, True)
+    assert len(said) > rows and not [(a, b) for i, (a, p) in enumerate(said) for b, q in said[:i] if p.meets(q)]
+
+
+def test_an_entry_keeps_the_digits_it_has_room_for_and_its_power_of_ten_below() -> None:
+    assert short(0.00709, 3.5, 2) == ["0.0071"] and short(0.00709, 9.0, 2) == ["0.00709"] and short(-2.63e-7, 3.4, 2) == ["−2.63·", "10⁻⁷"]
+    assert short(-2.63e-7, 2.5, 2) == ["−3·", "10⁻⁷"] and short(0.0, 1.0, 2) == ["0"] and short(-2.63e-7, 1.0, 2) == []
+
+
+def test_the_key_in_large_print_is_as_large_as_other_words_and_goes_on_in_the_next_row() -> None:
+    told = key([(f"a name {k}", "#000000", "solid") for k in range(6)], W, 0.0, large=True)[0]
+    assert {float(size) for size in re.findall(r'font-size="([\d.]+)"', told)} == {LARGE}
+    assert all(x + width(text, LARGE) <= W + 1 for x, _, text in words(told.replace("<text", "\n<text")))
+
+
 def boxes(drawing: str, large: bool) -> list[tuple[str, Box]]:
     """What every word of a drawing covers, in usual or in large print."""
     out = []
@@ -175,8 +218,7 @@ def boxes(drawing: str, large: bool) -> list[tuple[str, Box]]:
         found = dict(re.findall(r'([-\w]+)="([^"]*)"', look))
         if not said.strip():
             continue
-        own = re.search(r"--large:([\d.]+)px", look)
-        size = float(own[1]) if own and large else 14.6 if large and "font-size" not in found else float(found.get("font-size", 11))
+        size = 14.6 if large and "font-size" not in found else float(found.get("font-size", 11))
         wide = width(html.unescape(said), size)
         if turned := re.match(r"translate\(([-\d.]+) ([-\d.]+)\) rotate\(-90\)", found.get("transform", "")):
             x, end = float(turned[1]), float(turned[2]) + (wide / 2 if found.get("text-anchor") == "middle" else 0.0)
@@ -194,9 +236,9 @@ def test_every_drawing_of_a_lesson_can_be_drawn_and_no_words_lie_on_words(lesson
     for figure in lesson.figures(lesson.compute(lesson.start())):
         if isinstance(figure, LineFigure):
             continue
-        drawing = draw(figure, language)
-        assert figure.title(language)[:4] in drawing and "log₁₀" not in drawing
         for large in (False, True):
+            drawing = draw(figure, language, large)
+            assert figure.title(language)[:4] in drawing and "log₁₀" not in drawing
             said = boxes(drawing, large)
             assert not [(a, b) for i, (a, p) in enumerate(said) for b, q in said[:i] if p.meets(q)], (figure.id, large)
 
@@ -218,6 +260,7 @@ def test_a_number_far_from_one_is_written_with_its_power_of_ten(value: float, sa
 def test_a_mark_and_its_word_stand_in_one_line_and_numbers_of_one_cell_part_behind_their_dot() -> None:
     drawn = draw(TableFigure("t", same("t"), (same("question"), same("verdict")), (("● yes", "0.007\u00a0·\u00a0>12"),)), "en")
     assert '<td class="ol-tied">● yes</td>' in drawn and "<td>0.007\u00a0·<wbr>\u00a0&gt;12</td>" in drawn
+    assert "<td>2·<wbr>10⁻¹⁶</td>" in draw(TableFigure("t", same("t"), (same("gap"),), (("2·10⁻¹⁶",),)), "en")
 
 
 # --- axes of charts --------------------------------------------------------------------------------------------------

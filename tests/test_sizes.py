@@ -6,6 +6,7 @@ import pytest
 
 from app.tab.picture import State
 from app.view import page
+from app.view.axes import H, W
 from app.view.sizes import LARGE, Sizes
 
 
@@ -15,3 +16,9 @@ def test_in_large_print_every_word_takes_a_fiftieth_of_the_height_and_the_stage_
     assert sizes.chart_letter >= window[1] / 50
     assert sizes.left + sizes.right + sizes.run < window[0] and sizes.run >= 0.25 * window[0]
     assert f"{100 * LARGE:g}vh" in page.source("lecture.css")
+
+
+def test_a_drawing_that_stands_alone_in_a_hall_fills_its_column_and_no_other_does() -> None:
+    hall, desk = (Sizes(State(lecture=large, window=(1920.0, 1080.0))) for large in (True, False))
+    assert 0.6 * 1080 < hall.drawing(1) * hall.right / W < 0.8 * 1080
+    assert hall.drawing(2) == desk.drawing(1) == H

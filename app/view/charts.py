@@ -96,6 +96,7 @@ class Chart:
         self._cursor = on_the_clock(figure, horizon)
         self._bold = 1.5 if sizes.state.lecture else 1.0
         self._letter, self._aspect, self._room = sizes.chart_letter, (sizes.right - FRAME) / sizes.chart(mates), sizes.upright(mates)
+        self._high = sizes.drawing(mates)
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
@@ -103,8 +104,11 @@ class Chart:
             self._range = calm_range(figure, None, True)
             self._plot = gui.add_uplot(data_of(figure, self._range), self._all_series(figure), **self._frame(figure))
         else:
-            self._html = gui.add_html(draw(figure, language))
+            self._html = gui.add_html(self._drawing(figure))
         self._caption = gui.add_html(self._words(figure, under))
+
+    def _drawing(self, figure: Figure) -> str:
+        return draw(figure, self._language, self._alone, self._high)
 
     def _under(self, under: Figure | None) -> Figure | None:
         return None if self._alone else under
@@ -164,7 +168,7 @@ class Chart:
     def show_words(self, figure: Figure, under: Figure | None) -> None:
         """Write the caption, and draw what is not over time or frequency."""
         if self._html is not None:
-            content = draw(figure, self._language)
+            content = self._drawing(figure)
             if content != self._html.content:
                 self._html.content = content
         words = self._words(figure, under)

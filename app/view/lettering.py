@@ -15,7 +15,7 @@ import numpy as np
 DASHES = MappingProxyType({"solid": "", **{dash: f' stroke-dasharray="{pattern}"' for dash, pattern in (
     ("dash", "7 4"), ("dot", "2 3"), ("pin1", "3 3"), ("pin2", "12 3"), ("pin3", "9 3 2 3"), ("pin4", "6 2 2 2 2 2"))}})
 SIZE, LARGE = 11.0, 14.6  # px of the words in a drawing, and in one of large print
-KEY_ROW = 16.0
+KEY_ROW, LARGE_ROW = 16.0, 19.0  # px from one row of a key to the next, and in large print
 ANCHORS, STEP = 28, 6.0  # points of a curve that its name is tried at; px between the points that are looked at
 RAISED = "⁰¹²³⁴⁵⁶⁷⁸⁹⁻"
 SAMPLE, GAP = 20.0, 14.0  # of an entry of the key: the length of its line, the room after its name
@@ -145,31 +145,31 @@ def _gap(boxes: np.ndarray, path: np.ndarray) -> np.ndarray:
     return np.maximum(np.maximum(across, down), 0.0)
 
 
-def key(entries: Sequence[tuple[str, str, str]], across: float, top: float, patches: bool = False) -> tuple[str, float]:
-    """A key of (name, colour, dash) in centred rows from `top` down, each name once, and its height.
-
-    `patches` draws squares of colour, for areas; lines otherwise.
-    """
+def key(entries: Sequence[tuple[str, str, str]], across: float, top: float, patches: bool = False,
+        large: bool = False) -> tuple[str, float]:
+    """A key of (name, colour, dash) in centred rows from `top` down, each name once, and its height; `patches` draws squares of
+    colour, for areas, lines otherwise. One name too long for a row is smaller."""
     told = list(dict.fromkeys(entry for entry in entries if entry[0]))
+    size, high = (LARGE, LARGE_ROW) if large else (SIZE, KEY_ROW)
     rows: list[list[tuple[str, str, str]]] = [[]]
     used = 0.0
     for entry in told:
-        needs = SAMPLE + 5 + width(entry[0]) + GAP
-        if rows[-1] and used + needs > across:
+        needs = SAMPLE + 5 + width(entry[0], size) + GAP
+        if rows[-1] and used + needs - GAP > across:
             rows.append([])
             used = 0.0
         rows[-1].append(entry)
         used += needs
     out = []
     for i, row in enumerate(rows if told else []):
-        signs, letters = len(row) * (SAMPLE + 5 + GAP) - GAP, sum(width(name) for name, _, _ in row)
-        large = min(LARGE / SIZE, max(1.0, (across - signs) / max(letters, 1.0)))  # room is kept for large print
-        x = (across - signs - large * letters) / 2
-        y = top + KEY_ROW * (i + 0.5)
+        signs, letters = len(row) * (SAMPLE + 5 + GAP) - GAP, sum(width(name, size) for name, _, _ in row)
+        less = min(1.0, (across - signs) / max(letters, 1.0))
+        x = (across - signs - less * letters) / 2
+        y = top + high * (i + 0.5)
         for name, colour, dash in row:
             out.append(f'<rect x="{x + 5:.1f}" y="{y - 5:.1f}" width="10" height="10" fill="{colour}" fill-opacity="0.75"/>' if patches
                        else f'<line x1="{x:.1f}" x2="{x + SAMPLE:.1f}" y1="{y:.1f}" y2="{y:.1f}" stroke="{colour}" '
                             f'stroke-width="2.4"{DASHES[dash]}/>')
-            out.append(f'<text x="{x + SAMPLE + 5:.1f}" y="{y + 4:.1f}" style="--large:{large * SIZE:.1f}px">{html.escape(name)}</text>')
-            x += SAMPLE + 5 + large * width(name) + GAP
-    return "".join(out), KEY_ROW * len(rows) + 4 if told else 0.0
+            out.append(f'<text x="{x + SAMPLE + 5:.1f}" y="{y + 0.36 * size:.1f}" font-size="{less * size:.1f}">{html.escape(name)}</text>')
+            x += SAMPLE + 5 + less * width(name, size) + GAP
+    return "".join(out), high * len(rows) + 4 if told else 0.0

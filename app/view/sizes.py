@@ -11,6 +11,7 @@ import viser
 from ..tab.commands import Edit, SeeWindow
 from ..tab.picture import State
 from . import quirks
+from .axes import H, W
 
 LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of the run
 LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
@@ -18,6 +19,7 @@ LARGE = 0.021  # of the window's height: a letter's size in large print; `lectur
 PHONE = 576.0  # px of a window's width below which a sheet lies over the stage; `page.css` says the same
 BAR = 12.0  # px between the panel of the run and the columns
 LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
+FILLS, TALLEST = 0.72, 1.4  # of a lone drawing in large print: its share of the window's height, its height over its width
 LEAST_FILLED = 0.26  # of the window's height: a chart in large print is no lower; `fill.js` has it as a share of the column
 
 
@@ -61,6 +63,11 @@ class Sizes:
     def chart(self, figures: int) -> int:
         """px of a chart's height in a tab of so many figures: in a hall one is looked at, and `fill.js` gives it what is left."""
         return round(0.5 * self.state.window[1]) if self.state.lecture else CHARTS.get(figures, LEAST_CHART)
+
+    def drawing(self, figures: int) -> float:
+        """The height of a plane or a map, whose width is `axes.W`: one that stands alone in its tab in a hall fills the column."""
+        alone = self.state.lecture and figures == 1
+        return min(FILLS * self.state.window[1] * W / self.right, TALLEST * W) if alone else float(H)
 
     def upright(self, figures: int) -> float:
         """px along a chart's vertical axis that its name may take, however little of the column is left to the chart."""

@@ -91,6 +91,8 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
     return seen(e) && y(e) < view.bottom - 4 && e.getBoundingClientRect().bottom > view.top + 4;
   });
   if (charts.length > 1) out.push(`${charts.length} charts at once`);
+  for (const view of document.querySelectorAll('[data-dock-region=right] [data-scrollarea-viewport]'))
+    if (view.checkVisibility() && view.scrollTop > 60) out.push(`the figures begin ${Math.round(view.scrollTop)} px below their top`);
   return out;
 }"""
 TABS = """() => {  // what is wrong with the row of the figures' tabs in large print

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from sight import MEASURE, TABS, look
+from sight import HALL, MEASURE, TABS, look
 from tab import Tab, eventually
 
 from app.view import phrases
@@ -72,8 +72,8 @@ def test_tabs_stand_in_one_row_that_shows_the_chosen_one_and_no_figure_is_cut(wa
     assert heads.count() > 5
     for k in (*range(heads.count()), 0):
         heads.nth(k).click()
-        eventually(lambda: (*tab.page.evaluate(TABS), *tab.page.evaluate(MEASURE)["cut"]), lambda faults: not faults,
-                   f"the row of tabs and their figures with {heads.nth(k).inner_text()} chosen")
+        eventually(lambda: (*tab.page.evaluate(TABS), *tab.page.evaluate(HALL), *tab.page.evaluate(MEASURE)["cut"]),
+                   lambda faults: not faults, f"the row of tabs and their figures with {heads.nth(k).inner_text()} chosen")
     tab.page.locator("[data-dock-region=right] [role=tablist]").hover()
     before = tab.page.evaluate(SLID)
     tab.page.mouse.wheel(0, 120)

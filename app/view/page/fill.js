@@ -1,7 +1,8 @@
 // In large print lets the figures of the column on the right fill it: a chart takes what those above it leave of a screenful, and a
-// figure of which little more than its title would show begins the next one.
+// figure of which little more than its title would show begins the next one. Where that would leave much of one empty, the chart
+// fills it and its words alone are on the next.
 ({large}) => {
-  const lab = window.observerLabFill ??= {}, LEAST = .3, HALF = .5, TALLEST = 1.5, CLEAR = 6;  // shares; height over width; px
+  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, TALLEST = 1.5, CLEAR = 6;  // shares; height over width; px
   lab.large = large;
   const column = () => document.querySelector('[data-dock-region=right]'), rect = each => each.getBoundingClientRect();
 
@@ -18,14 +19,16 @@
       if (!figure?.offsetHeight) continue;
       const high = figure.offsetHeight, frame = chart ? high - chart.height : 0, says = rect(caption).bottom - rect(figure).bottom;
       const rest = before ? page + room - rect(before).bottom - late - gap : room;
-      const anew = before && (chart ? LEAST * room + frame : high) + says > rest;
+      const least = chart ? LEAST * room + frame : high, whole = least + says <= rest;
+      const bare = before && chart && !whole && rest > MUCH * room && least + CLEAR <= rest;  // its words begin the next screenful
+      const anew = before && !whole && !bare;
       const apart = anew && rest > 0 && (chart || rest < HALF * high) ? `${Math.ceil(rest + gap) + CLEAR}px` : '';
       if (figure.style.marginTop !== apart) figure.style.marginTop = apart;
       const top = rect(figure).top + late;
       const above = before ? 0 : top - rect(view.firstElementChild).top;  // of the first figure, as long as nothing is scrolled
       if (anew || !before) page = top;
       if (chart) {
-        const left = room - above - (top - page) - frame - says - CLEAR;
+        const left = room - above - (top - page) - frame - (bare ? 0 : says) - CLEAR;
         const height = Math.round(Math.min(Math.max(left, LEAST * room), TALLEST * chart.width)), more = height - chart.height;
         if (Math.abs(more) > 1) {
           late += more;
@@ -48,6 +51,11 @@
       if (lab.large && all.some(({target}) => own(target))) lab.fill();
     });
     lab.seen.observe(document.body, {childList: true, subtree: true});
+    // Figures that are still being drawn would draw a column that snaps along with them: it snaps once a hand is at it.
+    for (const kind of ['wheel', 'touchstart', 'pointerdown', 'keydown']) document.addEventListener(kind, ({target}) => {
+      if (!target.closest?.('[data-dock-region=right]') || target.closest('[role=tablist]')) return;
+      for (const view of column().querySelectorAll('[data-scrollarea-viewport]')) if (view.checkVisibility()) view.dataset.slid = '';
+    }, {capture: true, passive: true});
   }
   lab.later();
 }
