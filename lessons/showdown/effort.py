@@ -11,7 +11,7 @@ from app.engine import Plant
 from app.engine.sampled import SampledController, loop_density, mechanics_response, sampled_controller
 
 from .players import DT, LQE, NAMES, ORDER, RECURSIVE, SISO, Player, decoupled, full, sampled_design, siso_pair
-from .world import BAND, World, band_rms, grid, loop_of
+from .world import BAND, World, band_rms, grid, loop_of, with_resonances
 
 STEP, STEPS = 4.0, 11  # of the search for two dials on both sides: factor, and most of them (four million times)
 CLOSE, TRIES = 1e-3, 40  # of the effort met, and within so many trials between the two
@@ -72,21 +72,25 @@ def equal_effort(world: World, five: tuple[Player, ...], v: float, pair: str, wa
     bare = loop_of.__wrapped__(world, five[0])
     mechanics = mechanics_response(bare, f)
 
-    def density(id: str, dial: float) -> np.ndarray | None:
+    def density(id: str, dial: float) -> tuple[np.ndarray, np.ndarray] | None:
         loop = loop_of.__wrapped__(world, Player(id, NAMES[ORDER.index(id)], retuned(id, dial, v, pair)))
-        return loop_density(loop, mechanics) if loop.stable else None
+        if not loop.stable:
+            return None
+        fine = with_resonances(f, loop)
+        return fine, loop_density(loop, mechanics if fine is f else mechanics_response(bare, fine))
 
     def effort(id: str, dial: float) -> float:
-        S = density(id, dial)
-        return np.inf if S is None else float(band_rms(f, S[:, 5:], 0.0, np.inf).max())
+        found = density(id, dial)
+        return np.inf if found is None else float(band_rms(found[0], found[1][:, 5:], 0.0, np.inf).max())
 
     base = band_rms(f, loop_density(bare, mechanics)[:, :3], *BAND)
     found = Equal(wanted, *(np.full(shape, np.nan) for shape in ((4,), (4,), (4, 3), (4, 3))))
     for i, id in enumerate(ORDER[1:]):
         dial = met(lambda at, id=id: effort(id, at), wanted)
-        S = density(id, dial) if np.isfinite(dial) else None
-        if S is not None:
-            found.dials[i], found.forces[i] = dial, band_rms(f, S[:, 5:], 0.0, np.inf).max()
-            found.rms[i] = 1e6 * band_rms(f, S[:, :3], 0.0, np.inf)
-            found.band_db[i] = 20 * np.log10(base / band_rms(f, S[:, :3], *BAND))
+        spectrum = density(id, dial) if np.isfinite(dial) else None
+        if spectrum is not None:
+            fine, S = spectrum
+            found.dials[i], found.forces[i] = dial, band_rms(fine, S[:, 5:], 0.0, np.inf).max()
+            found.rms[i] = 1e6 * band_rms(fine, S[:, :3], 0.0, np.inf)
+            found.band_db[i] = 20 * np.log10(base / band_rms(fine, S[:, :3], *BAND))
         yield (i + 1) / 4, found if i == 3 else None

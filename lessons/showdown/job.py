@@ -18,7 +18,7 @@ from .effort import equal_effort
 from .friction import friction_of, isolation, noise
 from .players import DT, LQE, ORDER, RECURSIVE, Player, first_belief, sampled_design
 from .study import TOLERANCE, Study, Trials
-from .world import BAND, World, band_rms, grid, loop_of
+from .world import BAND, World, band_rms, grid, loop_of, with_resonances
 
 RUNS, SECONDS, SEGMENT = 24, 32.0, 16_384
 LEARNING, PART = 30_000, 1000  # samples that the recursive filter is followed for, and whose gains are found at once
@@ -119,9 +119,12 @@ def _gains(world: World, five: tuple[Player, ...]) -> np.ndarray:
     """Gain in dB over the band of each player (5, 3); NaN where its loop is unstable. Nothing is kept in a cache."""
     loops = [loop_of.__wrapped__(world, player) for player in five]
     f = grid(world.parameters)
-    inside = f[(f >= BAND[0]) & (f <= BAND[1])]
-    mechanics = mechanics_response(loops[0], inside)
-    rms = [band_rms(inside, loop_density(loop, mechanics), *BAND)[:3] if loop.stable else np.full(3, np.nan) for loop in loops]
+    near = f[(f >= BAND[0]) & (f <= BAND[1])]
+    mechanics, rms = mechanics_response(loops[0], near), []
+    for loop in loops:
+        fine = with_resonances(near, loop) if loop.stable else near
+        S = loop_density(loop, mechanics if fine is near else mechanics_response(loops[0], fine)) if loop.stable else None
+        rms.append(np.full(3, np.nan) if S is None else band_rms(fine, S, *BAND)[:3])
     return 20 * np.log10(rms[0] / np.array(rms))
 
 

@@ -26,9 +26,10 @@ from .world import (
     World,
     analyse,
     band_rms,
-    grid,
+    extra,
     loop_of,
     measures,
+    points,
     respond,
     shake,
     without_control,
@@ -84,15 +85,20 @@ class Study:
     ghost: np.ndarray
     trials: Trials | None = field(default=None)
 
+    @cached_property
+    def more(self) -> tuple[float, ...]:
+        """What the players' own resonances add to the frequencies."""
+        return extra(self.world, self.five)
+
     @property
     def f(self) -> np.ndarray:
         """The frequencies (n_f,) of the spectra in Hz."""
-        return grid(self.world.parameters)
+        return points(self.world.parameters, self.more)
 
     @cached_property
     def spectra(self) -> tuple[Analysis, ...]:
         """Of each player, by transfer function."""
-        return tuple(analyse(self.world, player) for player in self.five)
+        return tuple(analyse(self.world, player, self.more) for player in self.five)
 
     @cached_property
     def stable(self) -> tuple[bool, ...]:

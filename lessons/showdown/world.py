@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from app.engine import Plant, sampled_loop, simulate_trial
 from app.engine.sampled import (
@@ -33,10 +34,13 @@ STEP = np.array([2e-5, 2e-5])  # m: the ground rises and moves aside
 OUTPUTS = 5  # vertical, rotation, horizontal; VL, VR. HL is the horizontal channel
 ASD = (2.5e-7, 6e-9)  # m/√Hz at 1 Hz of vertical and horizontal ground, falling as 1/f²
 CORNERS = 2 * np.pi * np.array([0.03, 0.04])  # rad/s below which the ground filter is flat
-BROAD = np.concatenate([np.geomspace(0.1, 499.0, 120), BAND])  # with the edges of the band
+BROAD = np.concatenate([np.geomspace(0.1, 499.0, 160), BAND])  # with the edges of the band
 SILENT = 1e-10  # (m/s)² s of noise where the sensors do not count
 NEAR = np.geomspace(5e-4, 0.3, 22)
 NEAR = np.concatenate([-NEAR[::-1], [0.0], NEAR])
+MASSES = 30.2 + np.linspace(-1.8, 1.8, 7)  # Hz: the test masses stand still about here, however the deck is steered
+WIDTHS = np.geomspace(0.4, 25.0, 8)  # half-widths of a resonance between it and the points beside it
+WIDTHS = np.concatenate([-WIDTHS[::-1], [0.0], WIDTHS])
 
 
 @dataclass(frozen=True)
@@ -110,8 +114,42 @@ def grid(parameters: platform.Parameters) -> np.ndarray:
     """Frequencies in Hz: evenly on the logarithmic axis, and close together at the deck's three resonances."""
     poles = plant_of(parameters)[0].poles
     peaks = [abs(p) / (2 * np.pi) for p in poles if p.imag > 0 and abs(p) < 100]
-    f = np.unique(np.concatenate([BROAD, *(peak + NEAR for peak in peaks)]))
+    return _apart(np.concatenate([BROAD, MASSES, *(peak + NEAR for peak in peaks)]))
+
+
+def _apart(f: np.ndarray) -> np.ndarray:
+    """Frequencies in order, none twice."""
+    f = np.unique(f)
     return f[np.concatenate([[True], np.diff(f) > 1e-9])]
+
+
+def with_resonances(f: np.ndarray, loop: SampledLoop) -> np.ndarray:
+    """f, and points about each resonance of a stable loop that is narrower than the points of f are apart: f itself if there is none."""
+    poles = np.linalg.eigvals(loop.closed())
+    s = np.log(poles[np.abs(poles) > 0.1].astype(complex)) / (2 * np.pi * DT)
+    s = s[(s.imag > f[0]) & (s.imag < f[-1])]
+    above = np.searchsorted(f, s.imag)
+    narrow = s[np.abs(s.real) < 0.5 * (f[above] - f[above - 1])]
+    more = np.concatenate([pole.imag + abs(pole.real) * WIDTHS for pole in narrow]) if len(narrow) else narrow.real
+    return _apart(np.concatenate([f, more[(more > f[0]) & (more < f[-1])]])) if len(more) else f
+
+
+@lru_cache(maxsize=256)
+def _extra(world: World, player: Player) -> tuple[float, ...]:
+    """What the player's own resonances add to the world's grid."""
+    loop, f = loop_of(world, player), grid(world.parameters)
+    return tuple(np.setdiff1d(with_resonances(f, loop), f).tolist()) if loop.stable else ()
+
+
+def extra(world: World, five: tuple[Player, ...]) -> tuple[float, ...]:
+    """What the resonances of all players add to the world's grid."""
+    return tuple(sorted({f for player in five for f in _extra(world, player)}))
+
+
+@lru_cache(maxsize=64)
+def points(parameters: platform.Parameters, more: tuple[float, ...]) -> np.ndarray:
+    """The world's grid and more."""
+    return _apart(np.concatenate([grid(parameters), more])) if more else grid(parameters)
 
 
 @lru_cache(maxsize=64)
@@ -121,25 +159,25 @@ def _shared(world: World) -> World:
 
 
 @lru_cache(maxsize=64)
-def _mechanics(world: World) -> MechanicsResponse:
+def _mechanics(world: World, more: tuple[float, ...]) -> MechanicsResponse:
     """What all players share: the responses of deck, drivers, delay and ground. `world` without sensor noise and limit."""
-    return mechanics_response(loop_of(world, players(SILENT, OWN)[0]), grid(world.parameters))
+    return mechanics_response(loop_of(world, players(SILENT, OWN)[0]), points(world.parameters, more))
 
 
 @lru_cache(maxsize=256)
-def analyse(world: World, player: Player) -> Analysis:
-    """The player's densities on the world's grid, by transfer function; zero where the loop is not stable."""
+def analyse(world: World, player: Player, more: tuple[float, ...] = ()) -> Analysis:
+    """The player's densities on the world's grid and more, by transfer function; zero where the loop is not stable."""
     loop = loop_of(world, player)
     if not loop.stable:
-        return Analysis(False, np.zeros((len(grid(world.parameters)), OUTPUTS + 3)))
+        return Analysis(False, np.zeros((len(points(world.parameters, more)), OUTPUTS + 3)))
     units = np.array([1e12] * OUTPUTS + [1.0] * 3)
-    return Analysis(True, units * loop_density(loop, _mechanics(_shared(world))))
+    return Analysis(True, units * loop_density(loop, _mechanics(_shared(world), more)))
 
 
 def band_rms(f: np.ndarray, density: np.ndarray, low: float, high: float) -> np.ndarray:
-    """Root of the area under densities (n_f, k) between two frequencies."""
+    """Root of the area under densities (n_f, k) between two frequencies, by cubics that do not swing between the points."""
     inside = (f >= low) & (f <= high)
-    return np.sqrt(np.trapezoid(density[inside], f[inside], axis=0))
+    return np.sqrt(PchipInterpolator(f[inside], density[inside]).integrate(*f[inside][[0, -1]]))
 
 
 def _unrounded(loop: SampledLoop) -> SampledLoop:

@@ -58,7 +58,7 @@ PRINTED: tuple[tuple[str, str, dict[str, Any], str, str], ...] = (
     ("showdown", "C", QUIET, "lqe_rotation_band_db", "22"),
     ("showdown", "C", TOLD, "decoupled_rotation_band_db", "37"),
     ("showdown", "C", TOLD, "lqe_rotation_band_db", "52"),
-    ("showdown", "D", {}, "siso_vertical_band_db", "21.6"),
+    ("showdown", "D", {}, "siso_vertical_band_db", "21.5"),
     ("robust-observer", "A", {"pole": (-10 + 0j,)}, "late_error", "1.40"),
     ("robust-observer", "B", {"pole": (-5 + 0j,)}, "late_error", "0.94"),
     ("robust-observer", "B", {"pole": (-5 / 3 + 0j,)}, "late_error", "0.43"),
