@@ -189,13 +189,14 @@ def bare_gains() -> np.ndarray:
     return np.abs(bare.response(SWEEP, bare.outputs(T_y[:3]))[..., :2]) ** 2
 
 
-def spectra(loop: NoisyLoop, design: Design) -> Spectra:
+@lru_cache(maxsize=16)
+def spectra(loop: NoisyLoop, kind: str) -> Spectra:
     """Densities over a sweep that has every resonance of platform and loop on it."""
     slow = loop.poles[(loop.poles.imag > 0) & (np.abs(np.real(loop.poles)) < 0.05 * np.abs(loop.poles))]
     extra = np.abs(slow) / (2 * np.pi)
     extra = extra[(extra > SWEEP[0]) & (extra < SWEEP[-1])][:12]
     f = np.union1d(SWEEP, extra)
-    driven = ground_density(f, design["ground"])
+    driven = ground_density(f, kind)
     rows = np.vstack([loop.outputs(T_y[:3]), loop.inputs()])
     moved, sensed = loop.parts(f, rows, ground=driven)
     gains = bare_gains()

@@ -40,6 +40,7 @@ from .loops import (
 
 CONTROL_LOW, CONTROL_HIGH, CONTROL_IM = -40.0, 5.0, 25.0
 OBSERVER_LOW, OBSERVER_HIGH, OBSERVER_IM = -80.0, 5.0, 60.0
+BESIDE = ("mix", "a", "b", "f_low", "f_high", "ground", "seed", "kick")  # of a design: what changes nothing in a loop whose S is given
 FORCE_ARROWS = 100.0  # times that coil forces are drawn larger: millinewtons here
 BODY = replace(with_longer_arrows(MODEL.body, FORCE_ARROWS, 3), gain=4000.0, caption=text("Solid: with control. "
                                                                                           "Ghost: the same "
@@ -62,7 +63,7 @@ class Study:
     @cached_property
     def spectra(self) -> Spectra:
         """With control and without."""
-        return spectra(self.loop, self.design)
+        return spectra(self.loop, self.design["ground"])
 
     @cached_property
     def down(self) -> np.ndarray:
@@ -73,10 +74,8 @@ class Study:
 def compute(design: Design) -> Outcome[Study]:
     """The mixing, the controllers y → u, the closed loop with its spectra, and one run on a shaking ground."""
     mix = mixed(design)
-    built = controllers(design, mix.S)
     lower = lower_of(design)
-    loop = close(built.whole, design["noise"], lower)
-    right, drift = rightmost(loop, built.whole)
+    built, loop, right, drift = _closed(replace(design, values=tuple(v for v in design.values if v[0] not in BESIDE)), mix.a, mix.b)
     run = shaken(loop, design)
     study, known = Study(design, mix, built, loop, run), {"rightmost": right, "drift": max(drift, -1.0)}
     metrics = LaterMap(lambda: _metrics(known, design, study), known)
@@ -86,6 +85,14 @@ def compute(design: Design) -> Outcome[Study]:
                    LaterItems(lambda: _checks(metrics, drift)), None,
                    _boards(design, zeros), Stage(BODY, run.t, run.x, run.bare, np.hstack([run.u, run.ground])),
                    LaterItems(lambda: _formulas(mix, built)), Later(lambda: _live(metrics)), study)
+
+
+@lru_cache(maxsize=16)
+def _closed(design: Design, a: float, b: float) -> tuple[Controllers, NoisyLoop, float, float]:
+    """The controllers of a design under a mixing, their loop, its rightmost pole and its drift."""
+    built = controllers(design, mixing_matrix(a, b, size=3, channels=(1, 2)))
+    loop = close(built.whole, design["noise"], lower_of(design))
+    return built, loop, *rightmost(loop, built.whole)
 
 
 @lru_cache(maxsize=32)

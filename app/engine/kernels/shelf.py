@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from . import bounds, clipped, exits, geared, held, late, recursion, rubbed, small, spectra, tape, waiting, watched
+from . import bounds, clipped, exits, geared, held, late, recursion, rubbed, small, spectra, tape, valley, waiting, watched
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
@@ -45,6 +45,7 @@ SIGNATURES = MappingProxyType({
     late.late_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},{_2},{_1},{_1},f8,i8,f8,i8,i8)",
     rubbed.rubbed_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_2},f8,i8,f8,f8)",
     spectra.density_steps: f"i8({_C3},{_C3},{_C3},{_2},{_2})",
+    valley.valley_steps: f"i8({_2},{_2},f8,{_2},f8,f8,i8)",
     waiting.waiting_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_1},{_3})",
     watched.watched_steps: f"i8({_TAPES},{_1},{_2},{_2},{_1},{_2},{_2},{_1},{_1},{_3},{_3},{_2},{_2},{_1},{_2},{_2},{_3},{_3},{_2},{_3},"
                            f"i8[::1],f8,{_3},{_4},{_3},{_5},{_4},b1[:,:,::1],{_3},{_3},{_3},{_4},{_3},{_5},{_4},{_3},{_5},{_3},{_5})",
@@ -55,7 +56,8 @@ SIGNATURES = MappingProxyType({
 PARTS = (small.triangle, small.times, small.product, small.put, small.turn, small.symmetrise, small.factor,
          small.solve_upper, small.solve_both, recursion.there, clipped.length2, clipped.mode_at, clipped.slack_of, clipped.stays,
          clipped.careful, clipped.blurred, exits.piece, exits.first_exit, tape.run_lanes, tape.flow_lanes, watched.straight,
-         watched.drawn, watched.centre, watched.spread, watched.gained, watched.joseph_form, watched.told, bounds.corrected)
+         watched.drawn, watched.centre, watched.spread, watched.gained, watched.joseph_form, watched.told, bounds.corrected,
+         valley.index_at)
 OPTIONS: Mapping[str, Any] = MappingProxyType({"nogil": True, "error_model": "numpy", "fastmath": {"contract"}})
 SWITCH = "OBSERVER_LAB_KERNELS"  # "off" in the environment: the plain ways only
 DONE = "complete"  # a file in the cache that says that all kernels are in it

@@ -11,6 +11,8 @@ from functools import cached_property
 import numpy as np
 from scipy.optimize import minimize
 
+from ..kernels import given, kernel
+from ..kernels.valley import valley_steps
 from ..systems.errors import EngineError, ShapeError
 
 __all__ = ["Coupling", "Mixing", "best_mixing", "coupling", "mixing_matrix"]
@@ -38,7 +40,7 @@ class Coupling:
         return len(self.response)
 
     @cached_property
-    def _rows(self) -> tuple[np.ndarray, np.ndarray]:
+    def quadratics(self) -> tuple[np.ndarray, np.ndarray]:
         """For each row the coefficients of |own·x + other|² as a quadratic in x, and of |own + other·x|²: (n_ω, 3)."""
         G = self.response
 
@@ -50,21 +52,21 @@ class Coupling:
         """J at one point; ∞ where 1 − ab is (nearly) zero."""
         if abs(1 - a * b) < NEAR_SINGULAR:
             return np.inf
-        first, second = self._rows
+        first, second = self.quadratics
         with np.errstate(divide="ignore", invalid="ignore"):
             J = _share(first, a, b).sum() + _share(second, b, a).sum()
         return float(J) if np.isfinite(J) else np.inf
 
     def slopes(self, a: float, b: float) -> tuple[np.ndarray, np.ndarray]:
         """Gradient (2,) and Hessian matrix (2×2) of J in (a, b)."""
-        first, second = self._rows
+        first, second = self.quadratics
         (aa, ba, bb), (bb2, ab, aa2) = _bends(first, a, b), _bends(second, b, a)
         return (np.array([aa[0] + aa2[0], bb[0] + bb2[0]]),
                 np.array([[aa[1] + aa2[1], ba + ab], [ba + ab, bb[1] + bb2[1]]]))
 
     def map(self, a: np.ndarray, b: np.ndarray) -> np.ndarray:
         """J over a grid, (n_b, n_a): rows follow b; ∞ where 1 − ab is (nearly) zero."""
-        first, second = self._rows
+        first, second = self.quadratics
         with np.errstate(divide="ignore", invalid="ignore"):
             one = _grid(first, a, b).T
             two = _grid(second, b, a)
@@ -170,7 +172,11 @@ def best_mixing(response: object, *, channels: tuple[int, int] = (0, 1)) -> Mixi
     spread = max(0.05, *(abs(v) for v in start))
 
     def walk(x: np.ndarray, side: float, near: float, flat: float) -> np.ndarray:
-        corners = np.array([x, (x[0] + side, x[1]), (x[0], x[1] + side)])
+        corners, quick = np.array([x, (x[0] + side, x[1]), (x[0], x[1] + side)]), kernel(valley_steps)
+        if quick is not None:
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+                quick(*map(given, J.quadratics), NEAR_SINGULAR, corners, near, flat, EVALUATIONS)
+            return corners[0]
         return minimize(lambda v: J(v[0], v[1]), x, method="Nelder-Mead", options={
             "initial_simplex": corners, "xatol": near, "fatol": flat, "maxfev": EVALUATIONS}).x
 

@@ -45,8 +45,10 @@ from app.engine.kernels.tape import recorded
 from app.engine.network import Link, NetworkScenario, mean_bounds, simulate_network
 from app.engine.sampled import Hardware, SampledLoop, loop_density, mechanics_response, sampled_controller, simulate_trials
 from app.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
+from app.engine.structure import best_mixing, dominance
 from app.engine.systems import NonlinearPlant
 from app.plants import cart_pendulum, falling_body, nonlinear_platform
+from lessons.decoupling.loops import three
 from lessons.showdown.friction import Guides, rub
 
 Parts = dict[str, np.ndarray]
@@ -116,6 +118,12 @@ def rubbing(steps: int, **hardware: float) -> Parts:
 def density(**hardware: float) -> Parts:
     held = sampled(10, **hardware)
     return {"density": loop_density(held, mechanics_response(held, [0.1, 1.0, 20.0]))}
+
+
+def mixing(low: float, high: float) -> Parts:
+    """The best mixing of the platform's last two channels over a band in Hz."""
+    found = best_mixing(dominance(three(), 2 * np.pi * np.geomspace(low, high, 12)).response, channels=(1, 2))
+    return {"ab": np.array([found.a, found.b]), "J": np.array([found.J])}
 
 
 def lossy(steps: int) -> Parts:
@@ -190,6 +198,8 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
         yield f"trials {hardware}", partial(trials, steps, 3, **hardware)
         yield f"density {hardware}", partial(density, **hardware)
         yield f"rubbing {hardware}", partial(rubbing, steps, **hardware)
+    for band in ((0.1, 0.7), (0.1, 10.0), (1.0, 1.4)):
+        yield f"mixing {band}", partial(mixing, *band)
     yield "lossy", partial(lossy, steps)
     once = Plant([[0, 1], [-30, -0.1]], [[0], [1]], [[1, 0]])
     arm = Scenario(once, [[40.0, 9.0]], [[30.0], [200.0]], x0=[0.3, 0.0], horizon=horizon, dt=0.01, reference=[2.0])
