@@ -25,6 +25,7 @@ DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({
     "solid": None, "dash": (9, 5), "dot": (2, 4), "pin1": (3, 3), "pin2": (14, 3), "pin3": (10, 3, 2, 3), "pin4": (6, 2, 2, 2, 2, 2)})
 
 FRAME = 36.0  # px of a column of figures beside its charts
+LAST = 1.15  # letters right of a chart, for half of the last number below it: 1000
 
 
 def _series(curve: Curve, language: str, mark: str, bold: float) -> dict[str, Any]:
@@ -155,7 +156,7 @@ class Chart:
             "title": title, "scales": {"x": xs, "y": y}, "aspect": self._aspect,
             "axes": (horizontal, vertical),
             "legend": {"show": True, "live": False}, "cursor": {"drag": {"x": False, "y": False}},
-            "padding": (10, 14, 0, 0),
+            "padding": (10, max(14, round(LAST * size)), 0, 0),
         }
 
     def show_curves(self, figure: Figure, resting: bool, horizon: float, under: Figure | None) -> None:

@@ -91,8 +91,14 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
     return seen(e) && y(e) < view.bottom - 4 && e.getBoundingClientRect().bottom > view.top + 4;
   });
   if (charts.length > 1) out.push(`${charts.length} charts at once`);
-  for (const view of document.querySelectorAll('[data-dock-region=right] [data-scrollarea-viewport]'))
-    if (view.checkVisibility() && view.scrollTop > 60) out.push(`the figures begin ${Math.round(view.scrollTop)} px below their top`);
+  for (const view of document.querySelectorAll('[data-dock-region=right] [data-scrollarea-viewport]')) if (view.checkVisibility()) {
+    const all = view.getBoundingClientRect(), captions = [...view.querySelectorAll('.ol-caption[data-figure]')];
+    if (!captions.some(e => Math.abs(y(e.parentElement.previousElementSibling) - all.top) < 60)) out.push('no figure stands at the top');
+    const empty = all.bottom - captions.at(-1).getBoundingClientRect().bottom, tables = [...view.querySelectorAll('.ol-table')];
+    const air = Math.max(...tables.map(e => parseFloat(e.style.getPropertyValue('--air')) || 0));
+    if (tables.length && !view.querySelector('.uplot') && empty > .2 * all.height && air < 8)
+      out.push('rows stand close above an empty column');
+  }
   return out;
 }"""
 TABS = """() => {  // what is wrong with the row of the figures' tabs in large print

@@ -2,9 +2,20 @@
 // figure of which little more than its title would show begins the next one. Where that would leave much of one empty, the chart
 // fills it and its words alone are on the next.
 ({large}) => {
-  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, TALLEST = 1.5, CLEAR = 6;  // shares; height over width; px
+  const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, TALLEST = 1.5;  // shares; height over width
+  const CLEAR = 6, AIR = .7;  // px; letters
   lab.large = large;
   const column = () => document.querySelector('[data-dock-region=right]'), rect = each => each.getBoundingClientRect();
+
+  // Where the figures leave some of the column and no chart can take it, the rows of tables stand farther apart.
+  const airy = (view, last, room) => {  // `room` without what stands below the last words
+    const tables = [...view.querySelectorAll('.ol-table')].map(each => [each, each.rows.length, parseFloat(each.style.getPropertyValue('--air')) || 0]);
+    const rows = tables.reduce((sum, [, count]) => sum + count, 0);
+    if (!rows) return;
+    const close = rect(last).bottom - rect(view.firstElementChild).top - 2 * tables.reduce((sum, [, count, air]) => sum + count * air, 0);
+    const most = AIR * parseFloat(getComputedStyle(tables[0][0]).fontSize), air = Math.floor(Math.max(0, Math.min((room - close - 2 * CLEAR) / (2 * rows), most)));
+    for (const [each, , has] of tables) if (has !== air) each.style.setProperty('--air', `${air}px`);
+  };
 
   const fill = () => {
     const all = lab.large ? [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []] : [];
@@ -37,6 +48,12 @@
       }
       before = caption;
     }
+    if (!view.querySelector('.uplot')) airy(view, captions.at(-1), room - gap);
+    const wanted = captions.findIndex(each => each.parentElement === lab.wanted);
+    if (wanted >= 0) {
+      const at = wanted && rect(lab.wanted.previousElementSibling).top - rect(view.firstElementChild).top;
+      if (Math.abs(view.scrollTop - at) > 1) view.scrollTop = at;
+    }
   };
   lab.fill = fill;
   if (!lab.seen) {
@@ -51,9 +68,12 @@
       if (lab.large && all.some(({target}) => own(target))) lab.fill();
     });
     lab.seen.observe(document.body, {childList: true, subtree: true});
-    // Figures that are still being drawn would draw a column that snaps along with them: it snaps once a hand is at it.
+    // Figures that are still being drawn would draw a column that snaps along with them: it snaps once a hand is at it. Until then
+    // the figure that the lab has opened, `lab.wanted` by what bears its words, stands at the top.
     for (const kind of ['wheel', 'touchstart', 'pointerdown', 'keydown']) document.addEventListener(kind, ({target}) => {
-      if (!target.closest?.('[data-dock-region=right]') || target.closest('[role=tablist]')) return;
+      if (!target.closest?.('[data-dock-region=right]')) return;
+      lab.wanted = null;
+      if (target.closest('[role=tablist]')) return;
       for (const view of column().querySelectorAll('[data-scrollarea-viewport]')) if (view.checkVisibility()) view.dataset.slid = '';
     }, {capture: true, passive: true});
   }

@@ -6,7 +6,11 @@
   if (tab.getAttribute('aria-selected') !== 'true') tab.dispatchEvent(new KeyboardEvent('keydown', {key: 'Enter', bubbles: true}));
   requestAnimationFrame(() => requestAnimationFrame(() => {
     const said = document.querySelector(`.ol-caption[data-figure="${CSS.escape(figure)}"]`);
-    (said?.parentElement?.previousElementSibling ?? said)?.scrollIntoView({block: window.observerLabFill?.large ? 'start' : 'nearest'});
+    const fill = window.observerLabFill;
+    if (fill?.large && said) {
+      fill.wanted = said.parentElement;
+      fill.fill();
+    } else (said?.parentElement?.previousElementSibling ?? said)?.scrollIntoView({block: 'nearest'});
     window.observerLabAddress?.look?.();  // the address bar names the tab that opened by itself
   }));
 }
