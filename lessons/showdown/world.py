@@ -129,7 +129,7 @@ def with_resonances(f: np.ndarray, loop: SampledLoop) -> np.ndarray:
     s = np.log(poles[np.abs(poles) > 0.1].astype(complex)) / (2 * np.pi * DT)
     s = s[(s.imag > f[0]) & (s.imag < f[-1])]
     above = np.searchsorted(f, s.imag)
-    narrow = s[np.abs(s.real) < 0.5 * (f[above] - f[above - 1])]
+    narrow = s[np.abs(s.real) < 0.75 * (f[above] - f[above - 1])]
     more = np.concatenate([pole.imag + abs(pole.real) * WIDTHS for pole in narrow]) if len(narrow) else narrow.real
     return _apart(np.concatenate([f, more[(more > f[0]) & (more < f[-1])]])) if len(more) else f
 

@@ -16,7 +16,7 @@ from app.plants.platform_channels import T_y
 from app.plants.platform_lqg import Weights, coils, ground, lqg
 from lessons.showdown.lesson import LESSON
 from lessons.showdown.players import ORDER, decoupled, first_belief, full, gain_gap, players, reduced, sampled_design
-from lessons.showdown.world import band_rms, grid, loop_of, measures, respond, world_of
+from lessons.showdown.world import band_rms, loop_of, measures, respond, world_of
 
 CHANNELS = ("vertical", "rotation", "horizontal")
 
@@ -173,7 +173,7 @@ def test_the_grid_catches_the_sharp_peaks() -> None:
     fine = np.geomspace(0.5, 3.0, 60_000)
     loop = noisy_loop(coils(platform.plant()), None, ground(platform.plant()), 1e-12)
     exact = band_rms(fine, 1e12 * loop.psd(fine, loop.outputs(T_y[:3])), 0.5, 3.0)
-    ours = band_rms(grid(match.world.parameters), match.spectra[0].density[:, :3], 0.5, 3.0)
+    ours = band_rms(match.f, match.spectra[0].density[:, :3], 0.5, 3.0)
     assert np.allclose(ours, exact, rtol=1e-3)
 
 
