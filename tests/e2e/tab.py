@@ -74,6 +74,10 @@ ON_BODY = "() => { document.body.tabIndex = -1; document.body.focus(); document.
 ON_TOP = "() => document.querySelectorAll('[data-scrollarea-viewport]').forEach(view => { view.scrollTop = 0; })"
 CLOSE = re.compile("^(close|关闭)$")
 MORE = re.compile("^(more|更多)( knobs|旋钮)?$")
+DISMISS = """() => {
+  document.querySelectorAll('.mantine-Notification-closeButton').forEach(button => button.click());
+  return document.querySelectorAll('.mantine-Notification-root').length;
+}"""
 HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
 
@@ -145,9 +149,8 @@ class Tab:
         eventually(self.shown, lambda shown: shown != "[[], []]", "a figure")
 
     def close_any_notices(self) -> None:
-        """Dismiss the notifications that are there, that of software rendering among them."""
-        self.page.evaluate("document.querySelectorAll('.mantine-Notification-closeButton').forEach(b => b.click())")
-        eventually(lambda: self.page.locator(".mantine-Notification-root").count(), lambda n: n == 0, "notices closed")
+        """Dismiss the notifications that are there, that of software rendering among them, and one that comes meanwhile."""
+        eventually(lambda: self.page.evaluate(DISMISS), lambda left: left == 0, "notices closed")
 
     def close_a_dialog(self) -> int:
         """Close a dialog if one is open; how many there were."""
