@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,7 +17,7 @@ from app.lesson.lesson import Lesson
 from app.text import same, squared, symbol, text
 from app.view.axes import FRAME, H, W
 from app.view.charts import even
-from app.view.knobs import decades, in_tens
+from app.view.knobs import marks
 from app.view.lettering import LARGE, Box, along, beside, folded, key, width
 from app.view.matrices import short
 from app.view.svg import draw
@@ -51,12 +52,12 @@ def test_the_key_of_many_curves_stands_below_the_axes_and_covers_none() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(0.3, 4), st.floats(-3, 3), st.floats(-0.6, 0.6)), min_size=1, max_size=4), st.integers(0, 2))
-def test_names_of_few_curves_stand_in_the_frame_apart_and_next_to_their_own(waves: list[tuple[float, float, float]], marks: int) -> None:
+def test_names_of_few_curves_stand_in_the_frame_apart_and_next_to_their_own(waves: list[tuple[float, float, float]], points: int) -> None:
     x = np.linspace(FRAME.left, FRAME.right, 80)
     middle, half = (FRAME.top + FRAME.bottom) / 2, (FRAME.bottom - FRAME.top) / 2
     curves = [np.column_stack([x, middle + half * (0.35 * np.sin(speed * x / 60 + phase) + shift)]) for speed, phase, shift in waves]
     names = [f"curve {k}" for k in range(len(curves))]
-    taken = [Box(150.0 + 60 * k, middle - 6, 162.0 + 60 * k, middle + 6) for k in range(marks)]
+    taken = [Box(150.0 + 60 * k, middle - 6, 162.0 + 60 * k, middle + 6) for k in range(points)]
     places = along(curves, names, FRAME, taken)
     boxes = [at.box for at in places if at is not None]
     assert len(places) == len(names) and len(boxes) == len(names)
@@ -244,16 +245,11 @@ def test_every_drawing_of_a_lesson_can_be_drawn_and_no_words_lie_on_words(lesson
 
 
 # --- sliders that move in decades ------------------------------------------------------------------------------------
-def test_a_slider_in_decades_has_a_mark_at_each_and_says_its_ends() -> None:
+def test_a_slider_says_its_ends_with_a_true_minus_and_one_in_decades_has_a_mark_at_each() -> None:
     knob = Number("tau", "", text("tolerance"), low=5e-4, high=0.1, default=0.05, scale="log")
-    assert decades(knob) == ((-3.301, "5·10⁻⁴"), -3.0, -2.0, (-1.0, "0.1"))
-    assert decades(Number("x", "", text("place"), "m")) is None
-
-
-@pytest.mark.parametrize(("value", "said"), [(1.0, "1"), (0.02, "0.02"), (1000.0, "1000"), (9990.0, "9990"), (1e4, "10⁴"),
-                                             (1.5e6, "1.5·10⁶"), (1e-12, "10⁻¹²"), (2.34e-5, "2.34·10⁻⁵")])
-def test_a_number_far_from_one_is_written_with_its_power_of_ten(value: float, said: str) -> None:
-    assert in_tens(value) == said
+    assert marks(knob, "en") == ((-3.301, "0.0005"), -3.0, -2.0, (-1.0, "0.1"))
+    assert marks(replace(knob, low=1e-12, high=1.5e6), "en")[::19] == ((-12.0, "10⁻¹²"), (6.176, "1.5·10⁶"))
+    assert marks(Number("x", "", text("place"), "m", low=-0.5, high=2.0), "en") == ((-0.5, "−0.5"), (2.0, "2"))
 
 
 # --- tables ----------------------------------------------------------------------------------------------------------

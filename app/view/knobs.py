@@ -11,7 +11,7 @@ import viser
 from ..engine.systems import move_pole
 from ..lesson.knobs import Choice, Knob, Number, Poles, Switch, Track
 from ..tab.picture import Picture
-from ..text import raised
+from ..text import written
 from . import quirks
 from .readback import ReadBack
 
@@ -30,22 +30,14 @@ def label_of(knob: Knob, language: str) -> str:
     return knob.label(language) + (f" [{knob.unit}]" if knob.unit else "")
 
 
-def in_tens(value: float) -> str:
-    """A positive number that may be far from 1: 0.02, 350, 5·10⁻¹⁵."""
-    if 1e-3 <= value < 1e4:
-        return f"{float(f'{value:.3g}'):g}"
-    mantissa, exponent = f"{value:.2e}".split("e")
-    mantissa = mantissa.rstrip("0").rstrip(".")
-    return ("" if mantissa == "1" else f"{mantissa}·") + "10" + raised(int(exponent))
-
-
-def decades(knob: Number) -> tuple[float | tuple[float, str], ...] | None:
-    """The marks of a slider that moves in decades: one at every power of ten, and what its ends are, not their logarithms."""
+def marks(knob: Number, language: str) -> tuple[float | tuple[float, str], ...]:
+    """The marks of a slider: its ends, with a true minus; of one that moves in decades what they are, not their logarithms, and one
+    at every power of ten."""
     if knob.scale != "log":
-        return None
+        return tuple((float(end), written(end, "g", language)) for end in (knob.low, knob.high))
     low, high = (round(math.log10(v), 3) for v in (knob.low, knob.high))
     inside = [float(power) for power in range(math.ceil(low), math.floor(high) + 1) if low < power < high]
-    return (low, in_tens(knob.low)), *inside, (high, in_tens(knob.high))
+    return (low, written(knob.low, ".3g", language)), *inside, (high, written(knob.high, ".3g", language))
 
 
 class NumberWidget:
@@ -58,7 +50,7 @@ class NumberWidget:
         step = 1.0 if knob.scale == "integer" else knob.step or 10 ** math.floor(math.log10((high - low) / 100))
         label = label_of(knob, language)
         self._handle = gui.add_slider(label, low, high, float(step), self._to(knob.default),
-                                      hint=knob.hint(language) or None, marks=decades(knob))
+                                      hint=knob.hint(language) or None, marks=marks(knob, language))
         self.field = {quirks.id_of(self._handle): {"log": self._log, "unit": knob.unit, "step": float(step), "name": label}}
         self._back = ReadBack(self._handle, lambda value: post(knob.name, self._from(value)))
 
