@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from playwright.sync_api import Error, Locator, Page
 
+from app.view import phrases
 from lessons import LESSONS, OPENING
 
 FLAGS = ["--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking",
@@ -65,6 +66,13 @@ UNDRAWN = """() => {  // the scene is built, moved and picked as ever, but its f
     const draw = pen[name];
     pen[name] = function (...how) { if (window.observerLabDraws) draw.apply(this, how); };
   }
+}"""
+UNFOLD = """words => {  // a folder by its head, or all of them; whether they stand open
+  const heads = [...document.querySelectorAll('.mantine-Paper-root > .mantine-Paper-root:has(> svg[class*="chevron"])')]
+    .filter(head => head.lastElementChild.checkVisibility() && (words === null || head.textContent.trim() === words));
+  const closed = heads.filter(head => head.lastElementChild.matches('[class*="chevron-down"]'));
+  closed.forEach(head => head.click());
+  return heads.length > 0 && closed.length === 0;
 }"""
 FORGET = """() => {
   Object.assign(window.observerLabKeep, {lesson: '', hand: {}});
@@ -134,6 +142,7 @@ class Tab:
             self.press("English")
         words = LESSONS[OPENING].words["en"]
         self.choose_lesson(words.title, words.question)
+        self.unfold(phrases.MY_DESIGNS("en"))
         self.page.evaluate(FORGET)
         eventually(self.page.locator(".ol-option:enabled").count, lambda n: n >= len(words.options), "a lesson that waits for a prediction")
         self.page.evaluate(ON_BODY)
@@ -151,6 +160,10 @@ class Tab:
     def close_any_notices(self) -> None:
         """Dismiss the notifications that are there, that of software rendering among them, and one that comes meanwhile."""
         eventually(lambda: self.page.evaluate(DISMISS), lambda left: left == 0, "notices closed")
+
+    def unfold(self, words: str | None = None) -> None:
+        """Open the folder under a head, or all there are, those within them too: what was never opened is not built."""
+        eventually(lambda: self.page.evaluate(UNFOLD, words), bool, f"the folder {words or 'of any name'} open")
 
     def close_a_dialog(self) -> int:
         """Close a dialog if one is open; how many there were."""
@@ -252,7 +265,7 @@ class Tab:
         """The row of a widget by its label, the smallest element that holds label and widget; one that is aside is opened."""
         found = self.page.locator(".mantine-Flex-root", has=self.page.get_by_text(label, exact=True)).last
         more = self.page.locator('[role=button][aria-expanded=false]', has_text=MORE)
-        if found.count() and not found.is_visible() and more.count():
+        if more.count() and not (found.count() and found.is_visible()):
             more.first.click()
         return found
 

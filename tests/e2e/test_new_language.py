@@ -82,6 +82,7 @@ def test_a_page_in_a_new_language_is_whole(browser: Browser, serve: Callable[...
             tab.choose_lesson(doubled(words.title), doubled(words.question), doubled("lesson"))
             tab.predict("A")
             tab.picture(artefacts / f"new-language-{name}.png")
+            tab.unfold()
             left, cut = english(tab.page.evaluate(SHOWN)), tab.page.evaluate(CUT)
             if left or cut:
                 wrong[name] = (left, cut)

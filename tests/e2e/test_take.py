@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, Locator
 from tab import Tab, eventually
 
 from app.tab.token import read_token
+from app.view import phrases
 from lessons import LESSONS
 
 STIFFNESS = {"en": "stiffness believed wrong by [%]", "zh": "模型刚度误差 [%]"}
@@ -43,8 +44,10 @@ def test_a_link_copied_in_one_browser_opens_the_same_in_another(tab: Tab, browse
     tab.press("中文")
     tab.key("c")
     tab.slide(STIFFNESS[language])
+    tab.unfold(phrases.COMPARE(language))
     (pin,) = tab.page.locator(".ol-pin").all_text_contents()
     assert pin.startswith("A") and "3" in pin
+    tab.unfold(phrases.TIMELINE(language))
     for step, stiffness in (("last", 0), ("first", 3)):  # the start, and back to the latest step
         tab.page.evaluate(f"document.querySelector('.ol-steps li:{step}-child button').click()")
         tab.answered(rests=True)
@@ -98,6 +101,7 @@ def test_what_a_browser_keeps_is_there_in_a_new_tab_after_the_server_was_restart
         tab.press("keep this design under that name")
         tab.slide(STIFFNESS["en"])
         tab.answered(rests=True)
+        tab.unfold(phrases.COMPARE("en"))
         before = tab.page.locator(".ol-pin").all_text_contents()
         tab.key("e")
         link = tab.page.locator(".ol-link").input_value()
@@ -111,6 +115,8 @@ def test_what_a_browser_keeps_is_there_in_a_new_tab_after_the_server_was_restart
     with serve(int(address.rpartition(":")[2])) as again:
         assert again == address
         tab = Tab(context.new_page(), address, drawn=False)
+        for folder in (phrases.COMPARE("en"), phrases.MY_DESIGNS("en")):
+            tab.unfold(folder)
         assert tab.page.locator(".ol-pin").all_text_contents() == before and len(before) == 2
         assert tab.value(STIFFNESS["en"]) == 6 and tab.page.locator(".ol-option.ol-chosen").count() == 1
         tab.page.evaluate("""document.querySelector('[data-value="kept mine"]').click()""")
