@@ -84,7 +84,7 @@ CLOSE = re.compile("^(close|关闭)$")
 MORE = re.compile("^(more|更多)( knobs|旋钮)?$")
 DISMISS = """() => {
   document.querySelectorAll('.mantine-Notification-closeButton').forEach(button => button.click());
-  return document.querySelectorAll('.mantine-Notification-root').length;
+  return Array.from(document.querySelectorAll('.mantine-Notification-root'), notice => notice.innerText).join(' | ');
 }"""
 HELD_BACK = "() => new Promise(done => setTimeout(done, 60))"
 T = TypeVar("T")
@@ -159,7 +159,7 @@ class Tab:
 
     def close_any_notices(self) -> None:
         """Dismiss the notifications that are there, that of software rendering among them, and one that comes meanwhile."""
-        eventually(lambda: self.page.evaluate(DISMISS), lambda left: left == 0, "notices closed")
+        eventually(lambda: self.page.evaluate(DISMISS), lambda left: not left, "notices closed")
 
     def unfold(self, words: str | None = None) -> None:
         """Open the folder under a head, or all there are, those within them too: what was never opened is not built."""
