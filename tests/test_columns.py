@@ -24,17 +24,20 @@ class Panel:
 
 
 def test_a_column_whose_width_was_forgotten_is_told_again_and_one_that_a_hand_moved_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    heard: list[Any] = []
+    heard, done = list[Any](), list[Any]()
     widget = SimpleNamespace(on_update=heard.append, _impl=SimpleNamespace(uuid="w"))
     client: Any = SimpleNamespace(gui=SimpleNamespace(add_number=lambda *_, **__: widget))
     monkeypatch.setattr(quirks, "run", lambda *_, **__: None)
     right, main, columns = Panel(), Panel(), Columns()
     columns.add(right, 395.0)  # type: ignore[arg-type]
     columns.add(main, 345.0)  # type: ignore[arg-type]
-    columns.watch(client)
+    columns.watch(client, lambda edit: done.append(edit) or len(done))
     assert (right.told, main.told) == ([395.0], [345.0])
     for seen, times in ((395, 1), (520, 1), (304, 2), (300, 3)):
         asyncio.run(heard[0](SimpleNamespace(target=SimpleNamespace(value=seen))))
+        while done:  # the tab's own thread tells the page
+            done.pop().do()
         assert right.told == [395.0] * times and main.told == [345.0]
     right.gone = True
     asyncio.run(heard[0](SimpleNamespace(target=SimpleNamespace(value=304))))
+    done.pop().do()

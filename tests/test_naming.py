@@ -21,7 +21,8 @@ from app.view.lettering import Box, width
 from app.view.letters import ROW, staggered
 from app.view.mapboard import NEARER, place, written
 from app.view.naming import NEAR, REACH, Place, free_place, leader, pole_name
-from app.view.stage import CAMERAS, FACTORS_AT, SIGHT, factors, letters, retreat
+from app.view.stage import FACTORS_AT, factors
+from app.view.viewpoint import CAMERAS, SIGHT, letters, retreat
 from lessons import LESSONS
 
 WINDOWS = {"laptop": (626, 768, False), "hall": (846, 1080, True), "small hall": (590, 720, True), "phone": (390, 844, False),

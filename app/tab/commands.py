@@ -5,7 +5,7 @@ A field of type `object` holds what a browser sent and is judged where the comma
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..text import Text
@@ -240,6 +240,13 @@ class Answer:
 
 
 @dataclass(frozen=True)
+class Tend:
+    """What the view has to do since a browser has said something, on the thread of the tab: nobody has asked for it."""
+
+    do: Callable[[], object]
+
+
+@dataclass(frozen=True)
 class Recalled:
     """What the browser's tab kept before it was loaded again, None if nothing.
 
@@ -285,6 +292,6 @@ Designing = Undo | Redo | Reset | DrawByHand | PickPoint | UploadPlant | ChooseP
 Studying = Predict | Reveal | PredictAgain | ShowAgain | CheckTask | CheckNextTask | ShowHint | ShowSolution | RunJob
 Sharing = OpenState | Placed | ToggleTake | SaveState
 Paging = (OpenLesson | TurnPage | SetLanguage | ToggleLecture | ToggleTheme | SeeWindow | ToggleLandscape | LookFrom | ToggleHelp
-          | ToggleCourse | Answer | Recalled)
+          | ToggleCourse | Answer | Tend | Recalled)
 Command = Playing | Designing | Studying | Examining | Sharing | Taking | Comparing | Shelving | Paging
 Edit = SetKnobs | Command

@@ -15,6 +15,7 @@ from .commands import (
     Recalled,
     SeeWindow,
     SetLanguage,
+    Tend,
     ToggleCourse,
     ToggleHelp,
     ToggleLandscape,
@@ -58,6 +59,8 @@ def obey(show: Presenter, command: Paging) -> None:
             show.view.open_course(show.desks.progress(show.lesson.id, show.state))
         case Answer(question):
             show.view.answer(number(question))
+        case Tend(do):
+            do()
         case Recalled():
             recalled(show, command)
         case _:

@@ -18,7 +18,7 @@ from ..engine import EngineError
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Lesson
 from . import comparing, designing, examining, paging, playing, sharing, shelving, studying, taking
-from .commands import Answer, Command, Designing, Edit, Paging, Placed, Playing, Recalled, SeeWindow, Sharing, Studying, Watched
+from .commands import Answer, Command, Designing, Edit, Paging, Placed, Playing, Recalled, SeeWindow, Sharing, Studying, Tend, Watched
 from .errands import Errands
 from .examined import Examining
 from .mailbox import Mailbox, grouped
@@ -109,7 +109,7 @@ class Session:
             if self._mailbox.closed:  # whoever asked has left, and what waits would be done for nobody
                 return
             self._show.answered = number
-            self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Watched, Placed, Made))
+            self._show.touched |= not isinstance(edits, (Recalled, Answer, SeeWindow, Tend, Watched, Placed, Made))
             try:
                 if isinstance(edits, list):
                     designing.set_knobs(self._show, edits, moving=True)

@@ -14,7 +14,7 @@ import viser
 from ..lesson.comparing import DASHES, Pinned, fits
 from ..lesson.differences import difference, step
 from ..lesson.lesson import Design, Lesson
-from ..tab.commands import Edit
+from ..tab.commands import Edit, Tend
 from ..tab.orders import ClearBrowser, ForgetDesign, GoToStep, KeepDesign, OpenKept, OpenPin, PinDesign, TurnGhost, Unpin
 from ..tab.picture import Picture
 from ..text import NO_WORDS, Text
@@ -48,12 +48,14 @@ class Beside:
             wipe = gui.add_button(phrases.WIPE(self._lang), color="gray", hint=phrases.WIPE_HINT(self._lang))
         self._shown: tuple[tuple[Design, ...], int] | None = None
 
+        def clear() -> None:
+            if name.value:
+                name.value = ""
+
         @pin.on_click
         async def _(_: viser.GuiEvent) -> None:
-            given = name.value
-            if given:
-                name.value = ""
-            post(PinDesign(given))
+            post(PinDesign(name.value))
+            post(Tend(clear))
 
         @keep.on_click
         async def _(_: viser.GuiEvent) -> None:

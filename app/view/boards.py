@@ -215,12 +215,15 @@ class BoardView:
             self._rings.append(self._scene.add_line_segments(
                 f"{self._root}/zero{i}", np.array(list(pairwise(points)), dtype=np.float32), self._ink.axis, thickness=0.025))
 
-    def fit(self, em: float) -> bool:
-        """Make letters, and what the hand takes hold of, as large as camera and window ask for; whether that changed anything."""
-        lettered = self._letters.resize(em)
-        if lettered and self._shown is not None:
+    def misfits(self, em: float) -> bool:
+        """Whether `fit` has something to do; asked from the server's loop."""
+        return self._letters.misfit(em) or self._grips.misfit
+
+    def fit(self, em: float) -> None:
+        """Make letters, and what the hand takes hold of, as large as camera and window ask for."""
+        if self._letters.resize(em) and self._shown is not None:
             self._move(self._board)  # names find their places anew
-        return self._grips.fit() or lettered
+        self._grips.fit()
 
     async def _pulled(self, event: viser.SceneNodeDragEvent) -> None:
         board = self._board

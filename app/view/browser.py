@@ -10,7 +10,7 @@ import viser
 from ..tab.memory import MOST
 from ..tab.picture import Picture
 from ..tab.token import LONGEST_LINK
-from . import quirks
+from . import quirks, scripted
 
 HOME = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
 STORAGE, SHELF = "observer-lab", "observer-lab-designs"  # the keys of what tabs keep, and of the designs under names
@@ -25,7 +25,7 @@ class Browser:
 
     def address(self, token: str, lesson: str, asked: int) -> None:
         """Put a state into the address bar, if it fits there."""
-        quirks.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked)
+        scripted.show_address(self._client, token if len(token) <= LONGEST_LINK else "", lesson, asked)
 
     def hand_over(self, name: str, content: bytes) -> None:
         """Give the person a file."""

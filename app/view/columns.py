@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 
 import viser
 
+from ..tab.commands import Edit, Tend
 from . import quirks
 
 FORGOTTEN = (296.0, 312.0)  # px: as wide as viser makes a column of which it knows no width
@@ -26,16 +28,19 @@ class Columns:
         self._held.append((panel, width))
         panel.set_width(width)
 
-    def watch(self, client: viser.ClientHandle) -> None:
+    def watch(self, client: viser.ClientHandle, post: Callable[[Edit], int]) -> None:
         """Hear how wide the column on the right stands, the first of these panels."""
         if len(self._held) < 2:
             return
         told = client.gui.add_number("", -1.0, visible=False)
         panel, width = self._held[0]
 
+        def tell_again() -> None:
+            with suppress(RuntimeError):  # the page has been laid out anew meanwhile
+                panel.set_width(width)
+
         @told.on_update
         async def _(event: viser.GuiEvent) -> None:
             if FORGOTTEN[0] <= event.target.value <= FORGOTTEN[1]:
-                with suppress(RuntimeError):  # the page has been laid out anew meanwhile
-                    panel.set_width(width)
+                post(Tend(tell_again))
         quirks.run(client, "columns", widget=quirks.id_of(told))

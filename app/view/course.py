@@ -7,7 +7,6 @@ from base64 import b64encode
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 import viser
 
@@ -18,6 +17,7 @@ from ..tab.commands import Edit, OpenLesson, ToggleCourse
 from ..tab.picture import Picture, far
 from ..text import listed, same
 from . import phrases, quirks
+from .dialog import Dialog
 
 Post = Callable[[Edit], int]
 NOTHING = Progress()
@@ -51,21 +51,15 @@ class Guide:
             self._gui.add_html(f'<div class="ol-onward"><span>{html.escape(phrases.GO_ON(self._lang))}</span>{buttons}</div>')
 
 
-class Course:
+class Course(Dialog):
     """The page of all lessons, a dialog that opens and closes."""
-
-    def __init__(self, client: viser.ClientHandle, post: Post) -> None:
-        self._client, self._post = client, post
-        self._modal: Any = None
 
     def toggle(self, picture: Picture, progress: Mapping[str, Progress]) -> None:
         """Open it, or close it."""
-        if self._modal is not None:
-            self._close()
+        if self.close():
             return
         gui, lang, lessons = self._client.gui, picture.state.language, picture.catalogue
-        self._modal = gui.add_modal(phrases.COURSE(lang))
-        with self._modal:
+        with self.open(phrases.COURSE(lang)):
             self._hand = hand(gui, self._open)
             gui.add_html(f"<style>{_pictures(lessons)}</style>")
             parts = gui.add_tab_group()
@@ -74,21 +68,11 @@ class Course:
             for way, on_it in ways_of(lessons).items():
                 with parts.add_tab(way.title(lang)):
                     gui.add_html(f'<p class="ol-note">{html.escape(way.said(lang))}</p>{self._cards(on_it, picture, progress)}')
-            close = gui.add_button(phrases.CLOSE(lang), color="gray")
-
-        @close.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            self._close()
+            self.closed_by(gui.add_button(phrases.CLOSE(lang), color="gray"))
 
     def _open(self, lesson: str) -> None:
-        self._close()
+        self.close_later()
         self._post(OpenLesson(lesson))
-
-    def _close(self) -> None:
-        if self._modal is not None:
-            self._modal.close()
-            self._modal = None
-            self._client.flush()
 
     def _cards(self, lessons: Sequence[Lesson], picture: Picture, progress: Mapping[str, Progress]) -> str:
         cards = (self._card(each, picture, progress.get(each.id, NOTHING)) for each in lessons)

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-import threading
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import viser
 
-from . import quirks
+from . import scripted
 from .meshes import disc
-from .stage import PHONE, aspect_of
+from .viewpoint import PHONE, aspect_of
 
 POINTER, FINGER = 22.0 / 768, 26.0 / 844  # radius of a disc in heights of the window: 22 px on a laptop, 52 px across on a phone
 SMALLEST, LARGEST = 0.12, 0.9  # stage units
@@ -47,24 +46,22 @@ class Grips:
         self._node: viser.BatchedMeshHandle | None = None
         self._at = np.zeros((0, 3), dtype=np.float32)
         self._count, self._radius = 0, 0.0
-        self._lock = threading.Lock()  # the tab's thread moves the discs, the server's loop fits them to the camera
 
     def show(self, places: Sequence[Vector]) -> None:
         """One disc at each place of the board's own frame; none where nothing can be dragged."""
-        with self._lock:
-            at = np.array(places, dtype=np.float32).reshape(-1, 3)
-            at[:, 1] += LAYER * np.arange(len(at), dtype=np.float32)
-            if np.array_equal(at, self._at):
-                return
-            self._at = at
-            if self._node is not None and len(at) == self._count:
-                self._node.batched_positions = at
-                return
-            if self._node is not None:
-                self._node.remove()
-            self._node, self._count = None, len(at)
-            if self._count:
-                self._make(at)
+        at = np.array(places, dtype=np.float32).reshape(-1, 3)
+        at[:, 1] += LAYER * np.arange(len(at), dtype=np.float32)
+        if np.array_equal(at, self._at):
+            return
+        self._at = at
+        if self._node is not None and len(at) == self._count:
+            self._node.batched_positions = at
+            return
+        if self._node is not None:
+            self._node.remove()
+        self._node, self._count = None, len(at)
+        if self._count:
+            self._make(at)
 
     def _make(self, at: np.ndarray) -> None:
         self._radius = radius(self._client.camera, self._middle)
@@ -72,18 +69,19 @@ class Grips:
         self._node = self._client.scene.add_batched_meshes_simple(
             self._name, *disc(), upright, at, batched_scales=self._scales(), opacity=FAINT, lod="off",
             cast_shadow=False, receive_shadow=False)
-        quirks.flat_colour(self._client, self._name, self._colour)
+        scripted.flat_colour(self._client, self._name, self._colour)
         self._node.on_drag("left")(self._moved)
 
     def _scales(self) -> np.ndarray:
         return np.full(self._count, self._radius, dtype=np.float32)
 
-    def fit(self) -> bool:
-        """Make the discs as large as they have to be now; whether that changed anything."""
-        with self._lock:
-            wanted = radius(self._client.camera, self._middle)
-            if self._node is None or abs(wanted - self._radius) <= SAME * self._radius:
-                return False
-            self._radius = wanted
+    @property
+    def misfit(self) -> bool:
+        """Whether the discs would have to be of another size now; asked from the server's loop."""
+        return self._node is not None and abs(radius(self._client.camera, self._middle) - self._radius) > SAME * self._radius
+
+    def fit(self) -> None:
+        """Make the discs as large as they have to be now."""
+        if self._node is not None and self.misfit:
+            self._radius = radius(self._client.camera, self._middle)
             self._node.batched_scales = self._scales()
-            return True

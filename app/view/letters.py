@@ -47,9 +47,13 @@ class Letters:
         self._written.pop(label.name, None)
         label.remove()
 
+    def misfit(self, em: float) -> bool:
+        """Whether letters of that size would be seen to be others."""
+        return abs(em - self.em) > UNSEEN * self.em
+
     def resize(self, em: float) -> bool:
         """Write everything in letters of another size; whether that changed anything that is seen."""
-        if abs(em - self.em) <= UNSEEN * self.em:
+        if not self.misfit(em):
             return False
         self.em = em
         for label, size in self._written.values():

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import viser
 
 from ..tab.commands import Edit, Watched
-from . import quirks
+from . import quirks, scripted
 from .grips import BEST, FAINT, GRIPS
 
 ONCE = (
@@ -33,7 +33,7 @@ def teach(client: viser.ClientHandle) -> None:
     """Run every script that a page keeps until it is closed."""
     for name in ONCE:
         quirks.run(client, name)
-    quirks.pulse_once(client, GRIPS, BEST, FAINT)
+    scripted.pulse_once(client, GRIPS, BEST, FAINT)
 
 
 def ask_who_looks(client: viser.ClientHandle, post: Callable[[Edit], object]) -> None:
@@ -43,4 +43,4 @@ def ask_who_looks(client: viser.ClientHandle, post: Callable[[Edit], object]) ->
     @seen.on_update
     async def _(event: viser.GuiEvent) -> None:
         post(Watched(event.target.value))
-    quirks.ask_whether_seen(client, seen)
+    scripted.ask_whether_seen(client, seen)

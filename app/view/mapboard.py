@@ -135,12 +135,14 @@ class MapBoard:
                 held[0].text, held[0].position = what.words, what.at
             self._labels[name] = self._letters.write(name, what.words, what.at, anchor) if held is None else held[0], what
 
-    def fit(self, em: float) -> bool:
-        """Write in letters as large as the window asks for; whether that changed anything."""
-        changed = self._letters.resize(em * NEARER)
-        if changed and self._figure is not None:
+    def misfits(self, em: float) -> bool:
+        """Whether `fit` has something to do; asked from the server's loop."""
+        return self._letters.misfit(em * NEARER)
+
+    def fit(self, em: float) -> None:
+        """Write in letters as large as the window asks for."""
+        if self._letters.resize(em * NEARER) and self._figure is not None:
             self._letter()
-        return changed
 
     def _clicked(self, origin: np.ndarray, ray: np.ndarray) -> None:
         normal = np.cross(ACROSS, UP)

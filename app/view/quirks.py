@@ -6,7 +6,7 @@ import asyncio
 import secrets
 import socket
 import threading
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from functools import cache
 from types import MappingProxyType
@@ -17,13 +17,13 @@ import viser
 import websockets.asyncio.server
 from viser import _assignable_props_api, _messages, _scene_api, infra
 
-from . import page, phrases
+from . import page
 from .bell import Bell
 from .handshake import LARGEST, Page, Reception, guarded
 from .kept import kept
 from .moves import Frame, wire
 from .packed import packed_once
-from .shell import NAME, SPOKEN, page_of_our_own, web_code
+from .shell import NAME, page_of_our_own
 
 SPARE = 10_000  # bytes of a message beside what it carries
 OPENING = threading.Lock()  # two servers opened at once would take each other's socket
@@ -133,39 +133,37 @@ def accept_small_files_only(client: viser.ClientHandle, most_bytes: int, refused
     connection.unregister_handler(_messages.FileTransferStartUpload, start)
     connection.unregister_handler(_messages.FileTransferPart, part)
 
+    def over(message: Any) -> None:  # what its own button would say, if the page had not another one by then
+        connection.queue_message(_messages.FileTransferPartAck(str(message.source_component_uuid), str(message.transfer_uuid), 1, 1))
+        connection.queue_message(_messages.RemoveNotificationMessage(f"upload-{message.transfer_uuid}"))
+
     async def starts(client_id: Any, message: _messages.FileTransferStartUpload) -> None:
         handle = gui._gui_input_handle_from_uuid.get(message.source_component_uuid)
         sizes = (message.size_bytes, message.part_count)
         whole = all(isinstance(size, int) and 0 <= size <= most_bytes for size in sizes)
         if not isinstance(handle, viser.GuiUploadButtonHandle) or not whole or not isinstance(message.filename, str):
+            over(message)
             refused()
             return
         gui._drop_uploads_from_client(client_id)
         start(client_id, message)
+        if not message.part_count:
+            over(message)
 
     async def goes_on(client_id: Any, message: _messages.FileTransferPart) -> None:
-        state = gui._current_file_upload_states.get(message.transfer_uuid)
+        state, content = gui._current_file_upload_states.get(message.transfer_uuid), message.content
         if state is None:
             return
-        content = message.content
-        if not isinstance(content, bytes) or state["transferred_bytes"] + len(content) > state["total_bytes"]:
+        if isinstance(content, bytes) and state["transferred_bytes"] + len(content) <= state["total_bytes"]:
+            part(client_id, message)
+        else:
             gui._drop_uploads_from_client(client_id)
             refused()
-            return
-        part(client_id, message)
+        if message.transfer_uuid not in gui._current_file_upload_states:
+            over(message)
 
     connection.register_handler(_messages.FileTransferStartUpload, starts)
     connection.register_handler(_messages.FileTransferPart, goes_on)
-
-
-def name_page(client: viser.ClientHandle, title: str, language: str) -> None:
-    """What the browser's own tab is called, and the language that a screen reader and the next loading screen speak."""
-    run(client, "name", title=title, language=web_code(language), kept=SPOKEN)
-
-
-def say_in(client: viser.ClientHandle, language: str) -> None:
-    """Let viser's own words, which it knows in English alone, stand in the language on its page."""
-    run(client, "words", words={words("en"): words(language) for words in phrases.OF_VISER})
 
 
 def run(client: viser.ClientHandle, name: str, **given: object) -> None:
@@ -187,31 +185,6 @@ def unsent(client: viser.ClientHandle) -> bool:
     return bool(client._websock_connection.get_message_buffer().message_from_id)
 
 
-def flat_colour(client: viser.ClientHandle, name: str, colour: str) -> None:
-    """Show a node in its colour as it is (#RRGGBB), neither lit nor toned down: viser has no such material."""
-    run(client, "flat", node=name, colour=colour)
-
-
-def open_tab(client: viser.ClientHandle, title: str, figure: str) -> None:
-    """Bring a panel's tab to the front, as its Enter key does, and in it a figure into view; viser has no call for it."""
-    run(client, "tab", title=title, figure=figure)
-
-
-def pulse_once(client: viser.ClientHandle, ending: str, best: str, faint: float, full: float = 0.6, seconds: float = 2.4) -> None:
-    """Let nodes whose name ends so, of them those that begin as in `best`, swell in colour when a pointer first comes over the stage."""
-    run(client, "pulse", ending=ending, best=best, faint=faint, full=full, lasts=1e3 * seconds)
-
-
-def ask_whether_seen(client: viser.ClientHandle, widget: Any) -> None:
-    """Let the page say to a widget whether somebody sees it and lets things move: 1 now or once it is shown, 0 when hidden."""
-    run(client, "watched", widget=id_of(widget))
-
-
-def tell_the_window(client: viser.ClientHandle, widget: viser.GuiVector3Handle) -> None:
-    """Have a widget told how large the window is and whether its owner likes the dark, now and at every change."""
-    run(client, "window", widget=id_of(widget))
-
-
 def id_of(widget: Any) -> str:
     """The name by which a browser's messages speak of a widget."""
     return widget._impl.uuid
@@ -224,19 +197,6 @@ def write(widget: Any, value: Any) -> None:
     """
     widget._impl.value = value = type(widget.value)(value)
     widget._queue_update("value", value)
-
-
-def show_address(client: viser.ClientHandle, token: str, lesson: str, asked: int) -> None:
-    """Let the address bar say a state: another lesson is a page of its own to go back from, all else is not.
-
-    `asked` is the number of the last state that was opened from there: the answer to an older one is passed over.
-    """
-    run(client, "shown", token=token, lesson=lesson, asked=asked)
-
-
-def tell_places(client: viser.ClientHandle, widget: Any, tabs: Sequence[str], steps: Sequence[str], tab: str | None) -> None:
-    """Let a widget hear what is opened by hand, from the address bar and among tabs and folders, and open a tab."""
-    run(client, "places", widget=id_of(widget), tabs=tabs, steps=steps, tab=tab)
 
 
 def ask_storage(client: viser.ClientHandle, key: str, shelf: str,

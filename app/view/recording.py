@@ -14,8 +14,9 @@ from ..tab.picture import Picture, tempo
 from . import quirks
 from .boards import BoardView
 from .mapboard import MapBoard, map_of
-from .stage import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, StageView, letters
+from .stage import StageView
 from .style import digits_of
+from .viewpoint import BOARDS_BEHIND, CAMERAS, NARROW, SIGHT, letters
 
 MOST = 1200  # moments of a run that are kept: the page shows no more than thirty a second
 LARGER = tuple(1.12 ** k for k in range(8))  # how many times larger than on a laptop letters may be wanted on a small stage

@@ -15,23 +15,26 @@ from ..tab.commands import Command, Edit, PickPoint, SetKnobs
 from ..tab.picture import Picture
 from ..tab.shortcuts import SHORTCUTS
 from ..text import Text
-from . import quirks
+from . import quirks, scripted
 from .boards import BoardView
 from .browser import Browser
 from .charts import Chart, completes, stale
 from .columns import Columns
 from .course import Course
+from .fitting import Fitted, follow
 from .help import Help
 from .manners import ask_who_looks, teach
 from .mapboard import MapBoard, map_of
 from .mark import Mark
 from .panel import Panel
 from .player import Player
+from .shell import NAME
 from .sizes import Sizes, listen_to_the_window
-from .stage import StageView, letters
+from .stage import StageView
 from .style import sheet_of
 from .take import Take
 from .transport import Transport
+from .viewpoint import Viewpoint, letters
 
 Post = Callable[[Edit], int]
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
@@ -43,7 +46,7 @@ class Screen(Browser):
     def __init__(self, client: viser.ClientHandle) -> None:
         super().__init__(client)
         self._post: Post = lambda edit: 0
-        self._stage = StageView(client, trails=True)
+        self._stage, self._viewpoint = StageView(client, trails=True), Viewpoint(client)
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
@@ -55,7 +58,7 @@ class Screen(Browser):
         self._notes: list[Any] = []
         self._looked = False
         self._columns = Columns()
-        self._help = Help(client)
+        self._help = Help(client, self._post)
         self._take: Take | None = None
         self._course: Course | None = None
         self._player: Player | None = None
@@ -73,7 +76,7 @@ class Screen(Browser):
             quirks.run(self._client, "keep", lesson=picture.lesson.id, large=picture.state.lecture)
             gui.reset()
             self._client.scene.reset()
-            self._boards, self._charts, self._map, self._help, self._columns = {}, {}, None, Help(self._client), Columns()
+            self._boards, self._charts, self._map, self._help, self._columns = {}, {}, None, Help(self._client, self._post), Columns()
             gui.configure_theme(show_logo=False, show_share_button=False, brand_color=(0, 114, 178),
                                 dark_mode=picture.state.darkness)
             gui.set_panel_label("Observer Lab")
@@ -89,23 +92,23 @@ class Screen(Browser):
             self._course = Course(self._client, self._post)
             gui.main_panel.dock_left()
             self._columns.add(gui.main_panel, sizes.left)
-            self._columns.watch(self._client)
+            self._columns.watch(self._client, self._post)
             self._commands(language)
             charted = picture.lesson.pick is not None
-            self._stage.compose(bool(picture.boards) or charted, charted, picture.state.lecture)
+            self._stage.charted = charted
+            self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture)
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             self._player = Player(self._client, self._stage, self._transport)
             if not self._looked:
                 teach(self._client)
-                self._stage.look(picture.state.camera)
-                self._stage.follow_window()
-                self._fit_grips()
+                self._viewpoint.look(picture.state.camera)
+                follow(self._client, self._post, self._viewpoint.heard, self._em, self._fitted)
                 self._looked = True
             ask_who_looks(self._client, self._post)
             listen_to_the_window(self._client, self._post)
-            quirks.name_page(self._client, f"{picture.lesson.words[language].title} · {quirks.NAME}", language)
-            quirks.say_in(self._client, language)
+            scripted.name_page(self._client, f"{picture.lesson.words[language].title} · {NAME}", language)
+            scripted.say_in(self._client, language)
         self._picture = None
 
     def show(self, picture: Picture) -> None:
@@ -198,7 +201,7 @@ class Screen(Browser):
 
     def camera(self, preset: str) -> None:
         """Look from a named place."""
-        self._stage.camera(preset)
+        self._viewpoint.camera(preset)
         self._client.flush()
 
     def open_figure(self, figure: str) -> None:
@@ -206,7 +209,7 @@ class Screen(Browser):
         picture = self._picture
         found = next((f for f in picture.seen if f.id == figure), None) if picture is not None else None
         if found is not None and picture is not None:
-            quirks.open_tab(self._client, found.tab(picture.state.language), figure)
+            scripted.open_tab(self._client, found.tab(picture.state.language), figure)
             self._client.flush()
 
     def open_help(self) -> None:
@@ -221,12 +224,12 @@ class Screen(Browser):
 
     def look(self, camera: tuple[float, ...] | None) -> None:
         """Look from a position at a target, from where everything is seen for None."""
-        self._stage.look(camera)
+        self._viewpoint.look(camera)
         self._client.flush()
 
     def eye(self) -> tuple[float, ...] | None:
         """Position and target of the camera, None where it stands as it was put."""
-        return self._stage.eye()
+        return self._viewpoint.eye()
 
     def offer(self, token: str) -> None:
         """Open the dialog in which a state can be taken away, or close it."""
@@ -274,14 +277,13 @@ class Screen(Browser):
                 lambda values, grip: self._post(SetKnobs(values, grip)))
         return self._boards[board.id]
 
-    def _fit_grips(self) -> None:
-        """Whatever camera and window do, what a hand takes hold of stays as large on the screen, and so do words."""
-        @self._client.camera.on_update
-        async def _(camera: viser.CameraHandle) -> None:
-            em = letters(camera, self._picture is not None and self._picture.state.lecture)
-            parts = [self._stage, *self._boards.values(), *([self._map] if self._map is not None else [])]
-            if any([part.fit(em) for part in parts]):
-                self._client.flush()
+    def _em(self) -> float:
+        """How large letters of the stage are, in stage units."""
+        return letters(self._client.camera, self._picture is not None and self._picture.state.lecture)
+
+    def _fitted(self) -> tuple[Fitted, ...]:
+        """What is as large as the camera asks for."""
+        return self._viewpoint, self._stage, *self._boards.values(), *filter(None, (self._map,))
 
     def _show_map(self, picture: Picture) -> None:
         figure = map_of(picture)

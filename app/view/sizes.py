@@ -10,7 +10,7 @@ import viser
 
 from ..tab.commands import Edit, SeeWindow
 from ..tab.picture import State
-from . import quirks
+from . import scripted
 from .axes import H, W
 
 LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of the run
@@ -25,7 +25,7 @@ LEAST_FILLED = 0.26  # of the window's height: a chart in large print is no lowe
 
 @dataclass(frozen=True)
 class Sizes:
-    """The sizes for one state of a tab; the letters of the stage are `stage.letters`."""
+    """The sizes for one state of a tab; the letters of the stage are `viewpoint.letters`."""
 
     state: State
 
@@ -82,4 +82,4 @@ def listen_to_the_window(client: viser.ClientHandle, post: Callable[[Edit], int]
     @told.on_update
     async def _(event: viser.GuiEvent) -> None:
         post(SeeWindow(*event.target.value))
-    quirks.tell_the_window(client, told)
+    scripted.tell_the_window(client, told)

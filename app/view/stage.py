@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from types import MappingProxyType
 
 import numpy as np
 import viser
@@ -24,14 +23,8 @@ from .pinghosts import PinGhosts
 from .solids import Solids, rgb
 from .trails import ErrorLines
 
-PHONE = 0.62  # width over height below which the panels lie over the lower half
-NARROW = 0.90  # width over height of a canvas that just shows both boards
-SIGHT = 0.62  # radians of the field of view: the boards stay readable
 FACTORS = 10.0  # letters: a line with what is exaggerated is no longer
 FACTORS_AT = (2.9, -0.6, 0.02), (2.9, -0.6, 0.5)  # where the end of its last line stands, and where a map lies in front
-SHEET = 0.14  # of the way to what is looked at: aim this much lower on a phone, above its sheet
-LOWER = 0.04, 0.015  # of the way to what is looked at: aim this much lower above the run in large print, and above a map
-BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 FLOOR, DARK_FLOOR = (214, 220, 229), (58, 66, 78)
 SHORTEST = 0.05  # stage units: shorter arrows are not drawn
 LARGEST_CLOUD = 0.9  # stage units
@@ -39,37 +32,6 @@ INSIDE = 0.985  # the ghost is drawn this much smaller: where it agrees, it vani
 Place = tuple[int, tuple[int, ...]]  # the sample of the run that is shown, and of each pin's run
 BELOW: Vector = (0.0, 0.0, -9.0)
 GHOST_COLOUR = COLOURS["estimate"]
-CAMERAS = MappingProxyType({
-    "all": ((0.0, -13.4, 3.4), (0.0, 0.6, 1.38)),
-    "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
-    "bare": ((0.0, -11.2, 3.1), (0.0, 0.3, 1.05)),  # all there is where no boards stand
-    "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
-})
-
-
-def aspect_of(camera: viser.CameraHandle) -> float:
-    """Width over height of the canvas; 1 where the browser says nothing sensible of it."""
-    if camera.image_height > 0 and camera.image_width > 0:
-        return camera.image_width / camera.image_height
-    return 1.0
-
-
-def letters(camera: viser.CameraHandle, lecture: bool) -> float:
-    """The size of letters (stage units) at the boards that is a certain share of the window's height in the composed view.
-
-    1/48 in lecture mode, whatever the window: legible from the last row; else about ten pixels of a laptop or a phone.
-    """
-    (_, away, _), (_, near, _) = CAMERAS["all"]
-    aspect = aspect_of(camera)
-    depth = (near - away) * retreat(aspect) + BOARDS_BEHIND
-    return (1 / 48 if lecture else 1 / 84 if aspect < PHONE else 1 / 72) * 2 * math.tan(SIGHT / 2) * depth
-
-
-def retreat(aspect: float) -> float:
-    """How many times farther away a narrow window looks from."""
-    return max(1.0, NARROW / max(aspect, 0.2))
-
-
 def factors(body: Body, language: str) -> str:
     """How many times motion and arrows of a body are exaggerated, nothing where they are not; in lines, to stand beside it."""
     times = ((phrases.EXAGGERATED, body.gain), (phrases.LONGER, body.forces))
@@ -95,9 +57,7 @@ class StageView:
         self._frame: Frame = {}  # where everything was sent to last
         self._posed: tuple[Place, Stage | None] | None = None
         self.built: object = None  # another one whenever a place may mean another frame
-        self._arrived = False  # whether the browser has said that it looks from where it was told to
-        self._whole = self._seen_from = CAMERAS["all"]  # from where everything is seen, and from where the stage is
-        self._aspect, self._lower, self._charted = 1.0, 0.0, False
+        self.charted = False  # whether a map lies in front
 
     def furnish(self, dark: bool) -> None:
         """Floor, light, background and the default camera of an empty stage."""
@@ -114,65 +74,6 @@ class StageView:
         scene.add_line_segments("/floor", lines(), DARK_FLOOR if dark else FLOOR, thickness=0.012)
         scene.add_image("/shadow", shade(), 5.6, 3.4, format="png", cast_shadow=False, receive_shadow=False,
                         position=(0.0, 0.1, 0.002))
-
-    def follow_window(self) -> None:
-        """Look again from the last named place whenever the window or a panel changes its shape."""
-        @self._client.camera.on_update
-        async def _(camera: viser.CameraHandle) -> None:
-            self._arrived = self._arrived or np.allclose(self._eye(), np.ravel(self._seen_from), atol=0.02)
-            if abs(aspect_of(camera) - self._aspect) > 0.03 * self._aspect:
-                self._look()
-                self._client.flush()
-
-    def camera(self, preset: str) -> None:
-        """Look from one of the named places."""
-        self._seen_from = self._whole if preset == "all" else CAMERAS.get(preset, self._whole)
-        self._look()
-
-    def look(self, camera: tuple[float, ...] | None) -> None:
-        """Look from a position at a target, from where everything is seen for None."""
-        self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
-        self._look()
-
-    def compose(self, boards: bool, charted: bool, lecture: bool) -> None:
-        """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print."""
-        whole, lower = CAMERAS["all" if boards else "bare"], LOWER[0] * lecture + LOWER[1] * charted
-        before, self._whole, self._charted = self._whole, whole, charted
-        if self._seen_from == before != whole or lower != self._lower:
-            self._lower = lower
-            self._seen_from = whole if self._seen_from == before else self._seen_from
-            self._look()
-
-    def eye(self) -> tuple[float, ...] | None:
-        """Position and target as `look` takes them, None where everything is seen from the usual place."""
-        now = self._eye() if self._arrived else np.ravel(self._seen_from)
-        if not np.all(np.isfinite(now)) or np.allclose(now, np.ravel(self._whole), atol=0.02):
-            return None
-        return tuple(now.tolist())
-
-    def _eye(self) -> np.ndarray:
-        """Position and target, six numbers, of a window that needs no adapting."""
-        camera, (back, drop) = self._client.camera, self._fit(self._seen_from)
-        lift = np.array((0.0, 0.0, drop))
-        target = np.array(camera.look_at) + lift
-        return np.concatenate([target + (np.array(camera.position) + lift - target) / back, target])
-
-    def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
-        """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
-        back = retreat(self._aspect)
-        return back, (SHEET if self._aspect < PHONE else self._lower) * back * abs(place[0][1] - place[1][1])
-
-    def _look(self) -> None:
-        self._arrived = False
-        position, target = self._seen_from
-        self._aspect = aspect_of(self._client.camera)
-        back, drop = self._fit(self._seen_from)
-        aim = np.array(target) - (0.0, 0.0, drop)
-        with self._client.atomic():
-            self._client.camera.up_direction = (0.0, 0.0, 1.0)
-            self._client.camera.position = aim + back * (np.array(position) - np.array(target))
-            self._client.camera.look_at = aim
-            self._client.camera.fov = SIGHT
 
     def build(self, stage: Stage | None, language: str, em: float) -> None:
         """Put a plant on the stage, instead of the last one."""
@@ -199,17 +100,20 @@ class StageView:
                                       receive_shadow=False)
             for i, _ in enumerate(body.anchors(stage.xhat[0].tolist(), body.gain))]
         said = factors(body, language)
-        self._letters.write("/factor", said, FACTORS_AT[self._charted], "bottom-right", visible=bool(said))
+        self._letters.write("/factor", said, FACTORS_AT[self.charted], "bottom-right", visible=bool(said))
         self._say(stage, language)
         self._called = [(wording(words, language), place) for words, place in body.labels]
         self._names = [self._letters.write(f"/name/{i}", *name, "top-center") for i, name in enumerate(staggered(self._called, em))]
 
-    def fit(self, em: float) -> bool:
-        """Write in letters as large as the window asks for; whether that changed anything."""
-        if resized := self._letters.resize(em):
+    def misfits(self, em: float) -> bool:
+        """Whether `fit` has something to do; asked from the server's loop."""
+        return self._letters.misfit(em)
+
+    def fit(self, em: float) -> None:
+        """Write in letters as large as the window asks for."""
+        if self._letters.resize(em):
             for label, (_, place) in zip(self._names, staggered(self._called, em), strict=True):
                 label.position = place
-        return resized
 
     def _say(self, stage: Stage, language: str) -> None:
         """What would surprise in this run, in lines in front of the plant."""

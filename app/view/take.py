@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Callable, Mapping
-from typing import Any
 
 import segno
 import viser
@@ -17,25 +16,25 @@ from ..tab.picture import Picture
 from ..tab.state import LONGEST
 from ..tab.token import LONGEST_LINK, LONGEST_TOKEN
 from ..text import Text
-from . import phrases, quirks
+from . import phrases, scripted
+from .dialog import Dialog
 
 LONGEST_CODE = 700  # characters of a link whose code a telephone reads from the back of a hall
 KINDS = ("PNG", "SVG", "PDF", "CSV", "JSON")  # of a figure
 BORDER = 4  # modules of white around a code, as its standard asks for
 
 
-class Take:
+class Take(Dialog):
     """The button that opens the dialog, the dialog, and the hidden widget by which the page says what was opened in it."""
 
     def __init__(self, client: viser.ClientHandle, picture: Picture, post: Callable[[Edit], int], home: str) -> None:
-        self._client, self._post, self._home, self._lang = client, post, home, picture.state.language
-        self._picture = picture
-        self._modal: Any = None
+        super().__init__(client, post)
+        self._home, self._lang, self._picture = home, picture.state.language, picture
         gui, state = client.gui, picture.state
         button = gui.add_button(phrases.TAKE(self._lang), color="gray")
         said = gui.add_text("", "", visible=False)
         names = tabs(picture.seen)
-        quirks.tell_places(client, said, [name(self._lang) for name in names],
+        scripted.tell_places(client, said, [name(self._lang) for name in names],
                            [heading for heading, _ in picture.lesson.words[self._lang].steps],
                            next((name(self._lang) for name in names if name("en") == state.tab), None))
 
@@ -52,12 +51,10 @@ class Take:
     def toggle(self, token: str, picture: Picture) -> None:
         """Open the dialog on a state and what is shown of it, or close it."""
         self._picture = picture
-        if self._modal is not None:
-            self._close()
+        if self.close():
             return
         gui, lang = self._client.gui, self._lang
-        self._modal = gui.add_modal(phrases.TAKE(lang))
-        with self._modal:
+        with self.open(phrases.TAKE(lang)):
             parts = gui.add_tab_group()
             with parts.add_tab(phrases.LINK(lang)):
                 self._offer_state(token)
@@ -65,11 +62,7 @@ class Take:
                     self._note(phrases.AFTER_CHOICE)
             if picture.state.predicted is not None:
                 self._offer_files(parts)
-            close = gui.add_button(phrases.CLOSE(lang), color="gray")
-
-        @close.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            self._close()
+            self.closed_by(gui.add_button(phrases.CLOSE(lang), color="gray"))
 
     def _offer_state(self, token: str) -> None:
         """The link with its code, and the state as a file."""
@@ -80,7 +73,7 @@ class Take:
 
         @upload.on_upload
         async def _(event: viser.GuiEvent) -> None:
-            self._close()
+            self.close_later()
             self._post(OpenState(event.target.value.content[:LONGEST + 1]))
 
     def _offer_files(self, parts: viser.GuiTabGroupHandle) -> None:
@@ -131,12 +124,6 @@ class Take:
         @button.on_click
         async def _(_: viser.GuiEvent) -> None:
             self._post(edit)
-
-    def _close(self) -> None:
-        if self._modal is not None:
-            self._modal.close()
-            self._modal = None
-            self._client.flush()
 
     def _link(self, token: str) -> str:
         """The link in a field, a button that copies it, and its code; a sentence where it is too long."""
