@@ -16,7 +16,7 @@ BAR = ".mantine-Progress-root"
 def test_the_map_is_cancelled_then_computed_then_clicked(new_tab: Callable[..., Tab]) -> None:
     assert LESSON.job is not None
     start = LESSON.job.label("en")
-    tab = new_tab(1280, 760, own=True)
+    tab = new_tab(1280, 760)
     tab.choose_lesson(LESSON.words["en"].title, LESSON.words["en"].question)
     tab.page.locator("button", has_text="Map").last.scroll_into_view_if_needed()
 

@@ -28,6 +28,15 @@ def send_file(tab: WireTab, name: str, data: bytes, uuid: str | None = None, siz
                  content=data[i * step:(i + 1) * step])
 
 
+def told_over(tab: WireTab) -> int:
+    """How many uploads the page was told to be over: their notices are gone, and their button can be pressed again."""
+    closed = [m["uuid"] for m in tab.messages if m["type"] == "RemoveNotificationMessage"]
+    gone = [name.removeprefix("upload-") for name in closed if name.startswith("upload-")]
+    acks = {m["transfer_uuid"] for m in tab.messages if m["type"] == "FileTransferPartAck" and m["transferred_bytes"] == m["total_bytes"]}
+    assert acks == set(gone)
+    return len(gone)
+
+
 def shows(session: Session, plant: str) -> bool:
     return session.picture is not None and session.picture.design.plant == plant
 
@@ -41,6 +50,7 @@ def test_an_uploaded_plant_changes_knobs_curves_and_stage(enter: Enter, newest: 
     tab.until(lambda: tab.has(MISMATCH) and not tab.has(STIFFNESS), "its knobs")
     tab.settle()
     assert any(name.startswith("/plant/tube") for name in tab.nodes) and not tab.notes
+    assert told_over(tab) == 1
     tab.command("Undo")
     tab.until(lambda: shows(newest(), "") and tab.has(STIFFNESS), "the way back")
 
@@ -77,6 +87,7 @@ def test_a_malformed_file_gets_one_sentence_and_the_page_stays(enter: Enter, new
     tab.until(lambda: len(tab.notes) == 1, "the sentence")
     send_file(tab, "empty.json", b"")
     tab.until(lambda: len(tab.notes) == 2, "another sentence")
+    assert told_over(tab) == 2
     assert shows(newest(), "") and tab.has(STIFFNESS)
 
 
@@ -93,3 +104,5 @@ def test_what_is_too_large_is_refused_before_it_is_gathered(enter: Enter, newest
     tab.until(lambda: newest().picture.design["stiffness_error"] == 5.0, "the slider still works")  # type: ignore[union-attr]
     send_file(tab, "motor.json", MOTOR)
     tab.until(lambda: shows(newest(), example("motor")), "a good file after all")
+    tab.settle()
+    assert told_over(tab) == 4
