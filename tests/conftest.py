@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import warnings
 from pathlib import Path
@@ -36,6 +37,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(NoWarnings(), "no warnings")
+    logging.getLogger("asyncio").addHandler(Unheard(logging.ERROR))
+
+
+class Unheard(logging.Handler):
+    """What fails on a server's loop fails nobody's test: it is logged when the task is forgotten. Here it becomes a warning."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        warnings.warn(f"on a server's loop: {record.getMessage()}", stacklevel=1)
 
 
 class NoWarnings:

@@ -64,6 +64,9 @@ def serving(port: int = 0, *options: str, **surroundings: str) -> Iterator[str]:
         try:
             yield _address(process, log.file)
             assert process.poll() is None, "the server has died"
+            log.seek(0)
+            said = log.read().decode(errors="replace")
+            assert " ERROR " not in said and "Traceback" not in said, f"the server's log: {said[-4000:]}"
         finally:
             process.terminate()
             process.wait(20)
