@@ -17,6 +17,7 @@ from ..text import Text, text
 
 LONGEST = 200  # characters that are read
 POINTS = 12  # at which an expression is compared
+NEAR = 0.05  # relative error of a number that was rounded too much
 EXACT, DIGITS = 1e-6, 0.005  # relative error allowed of an expression, and of a number: three digits
 FUNCTIONS: Mapping[str, Callable[..., float]] = MappingProxyType(
     {"sqrt": math.sqrt, "exp": math.exp, "ln": math.log, "log": math.log, "sin": math.sin, "cos": math.cos, "abs": abs})
@@ -24,8 +25,13 @@ CONSTANTS = MappingProxyType({"pi": math.pi, "e": math.e})
 OPERATORS: Mapping[Any, Callable[..., Any]] = MappingProxyType({
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv, ast.Pow: math.pow,
     ast.USub: operator.neg, ast.UAdd: operator.pos})
-WRITTEN = (("−", "-"), ("–", "-"), ("·", "*"), ("×", "*"), ("÷", "/"), ("^", "**"), ("²", "**2"), ("³", "**3"),
-           ("√", "sqrt"), ("π", "pi"), ("（", "("), ("）", ")"), ("，", "."), ("。", "."))
+WRITTEN = (("−", "-"), ("–", "-"), ("·", "*"), ("×", "*"), ("÷", "/"), ("^", "**"), ("π", "pi"), ("。", "."), ("≈", "="))
+FULL_WIDTH = MappingProxyType({code: code - 0xFEE0 for code in range(0xFF01, 0xFF5F)})  # ０–９，．（）＝＋ and their like
+RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺", "0123456789-+")
+POWER = re.compile("[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+ROOT = re.compile(r"√\s*(\d+(?:[.,]\d+)?|[A-Za-z_])")
+THOUSANDS = re.compile(r"(?<![\w.,])[1-9]\d{0,2}(?:,\d{3})+(?![\d,])")  # to one reader, three decimals to another
+COMMA = re.compile(r"(?<=\d),(?=\d)|(?<![\w),]),(?=\d)")  # a decimal sign
 PLAIN = re.compile(r"[A-Za-z0-9_ .+\-*/()=]*")
 LEFT_OUT = re.compile(r"((?<![A-Za-z_\d.])(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|\))\s*(?![eE][+-]?\d)(?=[A-Za-z_(])")  # a times
 
@@ -34,21 +40,42 @@ class Unreadable(ValueError):
     """Something typed that is no expression in the letters asked for."""
 
 
+class Ambiguous(Unreadable):
+    """A number that one reader takes for thousands and another for decimals."""
+
+
+class NoValue(Unreadable):
+    """An expression that is read, and has no finite value at this point."""
+
+
 def value_of(said: str, letters: Mapping[str, float]) -> float:
-    """The value of an expression at a point. Raises Unreadable, also where it is not finite."""
-    words = said.strip()
-    for mark, plain in WRITTEN:
-        words = words.replace(mark, plain)
-    words = LEFT_OUT.sub(r"\1*", words.rpartition("=")[2])
-    try:
-        if not words.strip() or len(words) > LONGEST or not PLAIN.fullmatch(words):
-            raise Unreadable(said)
-        found = _value(ast.parse(words.strip(), mode="eval").body, letters)
-    except (SyntaxError, ValueError, ArithmeticError, TypeError, RecursionError, MemoryError) as problem:
-        raise Unreadable(said) from problem
-    if not isinstance(found, float) or not math.isfinite(found):
+    """The value of an expression at a point. Raises Unreadable; where it is not finite, NoValue."""
+    words = plain(said).rpartition("=")[2].strip()
+    if not words or len(words) > LONGEST or not PLAIN.fullmatch(words):
         raise Unreadable(said)
+    try:
+        found = _value(ast.parse(words, mode="eval").body, letters)
+    except Unreadable as problem:
+        raise Unreadable(said) from problem
+    except (ValueError, ArithmeticError) as problem:
+        raise NoValue(said) from problem
+    except (SyntaxError, TypeError, RecursionError, MemoryError) as problem:
+        raise Unreadable(said) from problem
+    if not math.isfinite(found):
+        raise NoValue(said)
     return found
+
+
+def plain(said: str) -> str:
+    """What was typed, in plain signs: 5·10⁻², 0,05, √2 and 2(p+1) as Python would have them. Raises Ambiguous for 1,250."""
+    words = said.strip().translate(FULL_WIDTH)
+    if THOUSANDS.search(words):
+        raise Ambiguous(said)
+    words = POWER.sub(lambda found: "**(" + found[0].translate(RAISED) + ")", COMMA.sub(".", ROOT.sub(r"sqrt(\1)", words)))
+    words = words.replace("√", "sqrt")
+    for mark, sign in WRITTEN:
+        words = words.replace(mark, sign)
+    return LEFT_OUT.sub(r"\1*", words)
 
 
 def _value(node: ast.AST, letters: Mapping[str, float]) -> float:
@@ -92,19 +119,24 @@ class Typed:
             return False, text("Type your result into the field under the task.")
         try:
             points = [(p, value_of(said, p), value_of(self.right(outcome), p)) for p in self._points()]
-        except Unreadable:
-            return False, self._unreadable(said)
+        except NoValue:
+            return False, self._without_value(outcome, said)
+        except Unreadable as problem:
+            return False, unreadable(said, problem, self.letters)
         away = next(((p, mine, true) for p, mine, true in points if not self._same(mine, true)), None)
         if away is None:
             return True, text("{said} is right.", said=said.strip()[:LONGEST])
         for slip, why in self.slips:
             if all(self._same(mine, value_of(slip, p)) for p, mine, _ in points):
                 return False, why
+        if all(self._same(-mine, true) for _, mine, true in points):
+            return False, text("The size is right, the sign is not.")
         p, mine, true = away
-        if not self.letters:
-            return False, text("{said} is not it; work it out again.", said=said.strip()[:LONGEST])
-        where = ", ".join(f"{name} = {value:g}" for name, value in p.items())
-        return False, text("With {where} yours gives {mine:.4g} and the right one {true:.4g}.", where=where, mine=mine, true=true)
+        if self.letters:
+            return False, text("With {where} yours gives {mine:.4g} and the right one {true:.4g}.", where=_said(p), mine=mine, true=true)
+        if abs(mine - true) <= NEAR * abs(true):
+            return False, text("{said} is near it, but not near enough: give three digits.", said=said.strip()[:LONGEST])
+        return False, text("{said} is not it; work it out again.", said=said.strip()[:LONGEST])
 
     def _points(self) -> list[dict[str, float]]:
         """The random points, the same for everybody; one without letters."""
@@ -115,11 +147,31 @@ class Typed:
 
     def _same(self, mine: float, true: float) -> bool:
         relative = EXACT if self.letters else self.tolerance
-        return abs(mine - true) <= relative * abs(true) + (1e-9 if self.letters else 1e-12)
+        return abs(mine - true) <= relative * abs(true) + (1e-9 if self.letters else 1e-15)
 
-    def _unreadable(self, said: str) -> Text:
-        shown = said.strip()[:40]
+    def _without_value(self, outcome: Any, said: str) -> Text:
+        """What is said of an expression that can be read and is infinite or imaginary at one of the points."""
         if not self.letters:
-            return text("“{said}” cannot be read as a number; 1.25, 5/4 and sqrt(2) can.", said=shown)
-        return text("“{said}” cannot be read; use {letters}, + − * / ^, brackets, sqrt, exp and ln.", said=shown,
-                    letters=", ".join(self.letters))
+            return unreadable(said, NoValue(said))
+        for p in self._points():
+            try:
+                value_of(said, p)
+            except NoValue:
+                return text("With {where} yours has no real value, and the right one is {true:.4g}.", where=_said(p),
+                            true=value_of(self.right(outcome), p))
+        raise AssertionError
+
+
+def _said(point: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {value:g}" for name, value in point.items())
+
+
+def unreadable(said: str, why: Unreadable, letters: tuple[str, ...] = ()) -> Text:
+    """What is wrong with something typed, and what to type instead."""
+    shown = said.strip()[:40]
+    if isinstance(why, Ambiguous):
+        return text("“{said}” can mean two numbers: write no sign between thousands, and a point before decimals.", said=shown)
+    if letters:
+        return text("“{said}” cannot be read; use {letters}, + − * / ^, brackets, sqrt, exp, ln, sin and cos, and a sign between any two "
+                    "letters.", said=shown, letters=", ".join(letters))
+    return text("“{said}” is no number; write one like 0.05, −1.2, 5e-2, 1/3 or √2, without a unit.", said=shown)

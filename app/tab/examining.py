@@ -12,7 +12,7 @@ from typing import assert_never
 from ..lesson.exam import Exam, ExamItem, number_of, seed_of
 from ..lesson.knobs import KnobError
 from ..lesson.lesson import Verdict
-from ..lesson.typed import LONGEST, Unreadable
+from ..lesson.typed import LONGEST, Unreadable, unreadable
 from ..text import text
 from .examined import AnotherVariant, AnswerExam, Examining, SetKey, Withhold
 from .picture import MOST_ANSWERS, MOST_VARIANTS, Answered, ExamState, State
@@ -62,10 +62,17 @@ def verdict_of(state: State, lesson: str, exam: Exam) -> Verdict | None:
     if not said or state.withheld:
         return None
     try:
-        right = exam.digits.accepts(item_of(state, lesson, exam).answer, number_of(said))
+        mine = number_of(said)
     except Unreadable:
         return None
-    return Verdict(right, text("Right.") if right else text("{said} is not it; compare with how it goes.", said=said))
+    answer, digits = item_of(state, lesson, exam).answer, exam.digits
+    if digits.accepts(answer, mine):
+        return Verdict(True, text("Right."))
+    if digits.accepts(answer, -mine):
+        return Verdict(False, text("The size is right, the sign is not; compare with how it goes."))
+    if digits.nearly(answer, mine):
+        return Verdict(False, text("{said} is near it, but not to the digits asked for; compare with how it goes.", said=said))
+    return Verdict(False, text("{said} is not it; compare with how it goes.", said=said))
 
 
 def _find(show: Presenter, exam_id: object) -> Exam:
@@ -89,8 +96,8 @@ def _note(show: Presenter, exam: Exam, said: object) -> None:
         raise KnobError(text("Type an answer first."))
     try:
         number_of(words)
-    except Unreadable:
-        raise KnobError(text("{said} is no number; write one like 0.05, −1.2, 5e-2 or 1/3, without a unit.", said=words[:40])) from None
+    except Unreadable as problem:
+        raise KnobError(unreadable(words, problem)) from None
     state, seen = show.state, _seen(show, exam)
     now = Answered(state.student, variant_of(state, exam), words)
     others = tuple(a for a in seen.answers if (a.student, a.variant) != (now.student, now.variant))

@@ -46,12 +46,12 @@ def test_an_answer_is_written_with_the_digits_asked_for(digits: Digits, answer: 
 
 @each("said, value", [("0.05", 0.05), ("5e-2", 0.05), ("1/3", 1 / 3), ("−1.2", -1.2), ("0,05", 0.05), ("0，5", 0.5), (" +3 ", 3.0),
                       ("5·10⁻²", 0.05), ("10⁻³", 1e-3), ("2·10^3", 2000.0), ("√2", 2**0.5), ("x = 4", 4.0),
-                      ("-(1+2)/4", -0.75), ("2²", 4.0)])
+                      ("-(1+2)/4", -0.75), ("2²", 4.0), ("1e3", 1e3), ("3/7", 3 / 7), ("０．５", 0.5), ("≈ 3", 3.0), ("2√2", 8**0.5)])
 def test_a_number_is_read_as_a_person_writes_it(said: str, value: float) -> None:
     assert number_of(said) == pytest.approx(value, rel=1e-15)
 
 
-@each("said", ["", "four", "1,234", "4 m", "1 2", "--", "1/0", "x", "∞"])
+@each("said", ["", "four", "1,234", "4 m", "1 2", "--", "1/0", "x", "∞", "1，250", "-1,250", "50 %"])
 def test_what_is_no_number_is_refused(said: str) -> None:
     with pytest.raises(Unreadable):
         number_of(said)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
 import pytest
 from lesson_checks import carried
+from scipy.linalg import solve_discrete_are
 
 from app.engine import Plant, closed_loop, controllability, hankel_singular_values, loop_margins, observability
+from app.engine.filters.filter_trial import simulate_filter
 from app.lesson.figures import TableFigure
 from app.lesson.lesson import Lesson, Outcome
 from app.plants.examples import EXAMPLES, example
 from app.plants.own import canonical, own_model, plant_of
-from lessons.sandbox.analyses import RUNGS, Refusal, trial
+from lessons.sandbox.analyses import RUNGS, SAMPLES, SKIP, Refusal, noises, trial
 from lessons.sandbox.lesson import LESSON
 
 
@@ -93,6 +97,28 @@ def test_the_expected_nis_is_what_many_records_average() -> None:
         mean, spread = np.mean([t.test.mean for t in many]), np.std([t.test.mean for t in many]) / np.sqrt(len(many))
         assert abs(mean - many[0].expected) < 4 * spread + 0.01
     assert trial(model, 0.01, 1.0, 1).expected == pytest.approx(2.0, rel=1e-6)
+
+
+def test_the_nis_of_the_words_is_that_of_a_filter_written_out_by_hand() -> None:
+    """1.66, 0.41 and 9.1: the record of the start through Kalman's two steps, with a plant and noise sampled by a Taylor series."""
+    model = own_model(plant_of(example("aircraft")))
+    A, B, C, h = model.plant.A, model.plant.B, model.plant.C, model.horizon / SAMPLES
+    G, W, V = noises(model, 0.01)
+    record = simulate_filter(model.plant, G, W, V, h, SAMPLES, seed=int(LESSON.start()["seed"])).run
+    powers = [np.linalg.matrix_power(A, k) * h**k / factorial(k) for k in range(25)]
+    F, H = sum(powers), sum(p * h / (k + 1) for k, p in enumerate(powers)) @ B
+    Q = sum(p @ G @ W @ G.T @ q.T * h / (i + j + 1) for i, p in enumerate(powers) for j, q in enumerate(powers))
+    R = V / h
+    P0 = 4 * solve_discrete_are(F.T, C.T, Q, R)
+    for belief, said in ((1.0, "1.66"), (1000.0, "0.41"), (0.001, "9.1")):
+        x, P, nis = np.zeros(model.plant.n), P0, []
+        for y, u in zip(record.y, record.u_applied, strict=True):
+            nu, S = y - C @ x, C @ P @ C.T + R
+            M = P @ C.T @ np.linalg.inv(S)
+            nis.append(nu @ np.linalg.solve(S, nu))
+            x, P = F @ (x + M @ nu) + H @ u, F @ (P - M @ S @ M.T) @ F.T + belief * Q
+        assert f"{np.mean(nis[SKIP:]):.{len(said) - 2}f}" == said
+        assert all(said in prose.again.question + prose.again.reveal for prose in LESSON.words.values())
 
 
 def test_the_bottom_of_the_valley_is_the_true_belief() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 
 import pytest
 from hypothesis import given
@@ -13,6 +14,7 @@ from laws import each
 from app.lesson.lesson import NO_STUDY, Design, Outcome, pencil
 from app.lesson.typed import LONGEST, Typed, Unreadable, value_of
 from app.text import text
+from lessons import LESSONS
 
 BLANK = Outcome(Design("none", ()), study=NO_STUDY)
 GAIN = Typed("p^2 - k - b*(2*p - b)", ("p", "k", "b"), slips=(("p^2 - k", text("You left out the damper.")),))
@@ -20,7 +22,8 @@ GAIN = Typed("p^2 - k - b*(2*p - b)", ("p", "k", "b"), slips=(("p^2 - k", text("
 
 @each("said, value", [
     ("1.25", 1.25), ("5/4", 1.25), (" -3 ", -3.0), ("−3", -3.0), ("2p", 4.0), ("2(p+1)", 6.0), ("l = p²", 4.0), ("√(p+2)", 2.0),
-    ("p^3", 8.0), ("e^0", 1.0), ("ln(e)", 1.0), ("2·p×3", 12.0), ("1e-3", 1e-3), ("(p)(p)", 4.0), ("-p^2", -4.0), ("2e", 2 * math.e)])
+    ("p^3", 8.0), ("e^0", 1.0), ("ln(e)", 1.0), ("2·p×3", 12.0), ("1e-3", 1e-3), ("(p)(p)", 4.0), ("-p^2", -4.0), ("2e", 2 * math.e),
+    ("0,5p", 1.0), ("p⁻¹", 0.5), ("√p", 2**0.5), ("3p²（p＋1）", 36.0), ("1,25p + 0，5", 3.0)])
 def test_an_expression_is_read_as_it_is_written_on_paper(said: str, value: float) -> None:
     assert value_of(said, {"p": 2.0}) == pytest.approx(value, rel=1e-12)
 
@@ -49,6 +52,25 @@ def test_a_usual_slip_is_refuted_by_its_own_sentence_and_another_by_numbers() ->
     assert GAIN.judge(BLANK, "p*p - k")[1]("en") == "You left out the damper."
     solved, why = GAIN.judge(BLANK, "p^2")
     assert not solved and "yours gives" in why("en")
+
+
+def test_an_answer_nearly_right_is_told_what_is_wrong_with_it() -> None:
+    """The sign, too few digits, thousands or decimals, a root of something negative: each has its sentence, in both languages."""
+    number, signs = Typed(lambda _: -1.25), Typed("a - b", ("a", "b"))
+    said = [number.judge(BLANK, "1,25"), number.judge(BLANK, "-1.2"), number.judge(BLANK, "-3"), number.judge(BLANK, "-1,250"),
+            number.judge(BLANK, "-1.25 m"), signs.judge(BLANK, "b - a"), signs.judge(BLANK, "sqrt(a-b)^2"), signs.judge(BLANK, "ab")]
+    assert not any(solved for solved, _ in said) and number.judge(BLANK, "−1,25")[0]
+    for (_, why), words in zip(said, ("sign is not", "three digits", "is not it", "two numbers", "without a unit", "sign is not",
+                                      "no real value", "between any two"), strict=True):
+        assert words in why("en") and why("zh") != why("en"), words
+
+
+def test_the_sentence_of_what_can_be_typed_names_every_function_that_an_answer_needs() -> None:
+    for lesson in LESSONS.values():
+        for typed in (task.typed for task in lesson.tasks if task.typed is not None):
+            if typed.letters:
+                told = typed.judge(BLANK, "?")[1]("en")
+                assert all(name in told for name in (*typed.letters, *re.findall(r"[a-z]{2,}", typed.right(BLANK)))), (lesson.id, told)
 
 
 def test_a_number_is_right_to_the_digits_that_are_asked() -> None:

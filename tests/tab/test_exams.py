@@ -67,6 +67,15 @@ def test_practice_tells_at_once_and_may_be_tried_again() -> None:
     assert not tab.view.scolded()
 
 
+def test_an_answer_nearly_right_is_told_so() -> None:
+    tab = keyed("me")
+    right = item(tab).answer
+    for said, words in ((-right, "the sign is not"), (right + 0.02, "digits asked for"), (right + 40, "is not it")):
+        answer(tab, f"{said:.2f}")
+        told = verdict(tab)
+        assert told is not None and not told.solved and words in told.text("en") and told.text("zh") != told.text("en")
+
+
 def test_withheld_notes_and_tells_nothing_then_or_later() -> None:
     tab = keyed("me")
     practised = item(tab)
