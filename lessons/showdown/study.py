@@ -124,13 +124,13 @@ class Study:
     @cached_property
     def band_db(self) -> np.ndarray:
         """The same of the power in the band (5, 3)."""
-        base = band_rms(self.f, self.spectra[0].density, *BAND)[:3]
-        return self._each(lambda S: 20 * np.log10(base / band_rms(self.f, S, *BAND)[:3]))
+        rms = self._rms([s.density[:, :3] for s in self.spectra], *BAND)
+        return np.where(self._held[:, None], 20 * np.log10(rms[0] / np.where(self._held[:, None], rms, 1.0)), 0.0)
 
     @cached_property
     def whole(self) -> np.ndarray:
         """The rms of every recorded signal, and of the forces in N (5, 8)."""
-        return self._each(lambda S: band_rms(self.f, S, 0.0, np.inf))
+        return self._rms([s.density for s in self.spectra], 0.0, np.inf)
 
     @property
     def rms(self) -> np.ndarray:
@@ -141,6 +141,14 @@ class Study:
     def forces(self) -> np.ndarray:
         """Of the forces (5, 3)."""
         return self.whole[:, 5:]
+
+    @property
+    def _held(self) -> np.ndarray:
+        return np.array([s.stable for s in self.spectra])
+
+    def _rms(self, densities: list[np.ndarray], low: float, high: float) -> np.ndarray:
+        """Of every player and column at once; 0 for a loop that is not stable, whose density is."""
+        return band_rms(self.f, np.hstack(densities), low, high).reshape(len(densities), -1)
 
     def _each(self, value: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
         some = value(self.spectra[0].density)

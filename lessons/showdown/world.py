@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from app.engine import Plant, sampled_loop, simulate_trial
 from app.engine.sampled import (
@@ -22,6 +21,7 @@ from app.lesson.lesson import Design
 from app.plants import platform
 from app.plants.platform_channels import T_y
 
+from .area import area_under
 from .players import DT, OPEN, OWN, Player, players
 
 BAND = (0.5, 3.0)  # Hz: the main resonance band
@@ -125,7 +125,7 @@ def _apart(f: np.ndarray) -> np.ndarray:
 
 def with_resonances(f: np.ndarray, loop: SampledLoop) -> np.ndarray:
     """f, and points about each resonance of a stable loop that is narrower than the points of f are apart: f itself if there is none."""
-    poles = np.linalg.eigvals(loop.closed())
+    poles = loop.poles
     s = np.log(poles[np.abs(poles) > 0.1].astype(complex)) / (2 * np.pi * DT)
     s = s[(s.imag > f[0]) & (s.imag < f[-1])]
     above = np.searchsorted(f, s.imag)
@@ -177,7 +177,7 @@ def analyse(world: World, player: Player, more: tuple[float, ...] = ()) -> Analy
 def band_rms(f: np.ndarray, density: np.ndarray, low: float, high: float) -> np.ndarray:
     """Root of the area under densities (n_f, k) between two frequencies, by cubics that do not swing between the points."""
     inside = (f >= low) & (f <= high)
-    return np.sqrt(PchipInterpolator(f[inside], density[inside]).integrate(*f[inside][[0, -1]]))
+    return np.sqrt(area_under(f[inside], density[inside]))
 
 
 def _unrounded(loop: SampledLoop) -> SampledLoop:

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from . import bounds, clipped, exits, geared, held, late, recursion, rubbed, small, spectra, tape, valley, waiting, watched
+from . import bounds, clipped, exits, geared, held, late, recursion, rubbed, scan, small, spectra, tape, valley, waiting, watched
 
 __all__ = ["SHELF", "Shelf", "given", "kernel", "prepare_kernels", "ready"]
 
@@ -43,6 +43,7 @@ SIGNATURES = MappingProxyType({
                             f"{_1},{_1},{_1},{_1},i8[::1],f8,i8,f8,i8,i8)",
     held.held_steps: f"i8({_2},{_3},{_2},{_2},f8,b1,{_3},{_1},i8,i8)",
     late.late_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},{_2},{_1},{_1},f8,i8,f8,i8,i8)",
+    scan.scan_steps: f"i8({_2},{_2},{_2})",
     rubbed.rubbed_steps: f"i8({_2},{_2},{_2},{_2},{_2},{_2},{_2},f8,{_2},{_2},{_2},f8,i8,f8,f8)",
     spectra.density_steps: f"i8({_C3},{_C3},{_C3},{_2},{_2})",
     valley.valley_steps: f"i8({_2},{_2},f8,{_2},f8,f8,i8)",

@@ -87,9 +87,14 @@ class SampledLoop:
         return self.F_m[-1] + self.F_s[-1] @ self.T[-1]
 
     @cached_property
+    def poles(self) -> np.ndarray:
+        """Poles of the settled loop as they come; the bias, which nothing controls, does not count."""
+        return frozen(np.linalg.eigvals(self._without_bias(self.closed())))
+
+    @cached_property
     def radius(self) -> float:
-        """Largest |pole| of the settled loop; the bias, which nothing controls, does not count."""
-        return float(np.max(np.abs(np.linalg.eigvals(self._without_bias(self.closed()))), initial=0.0))
+        """Largest |pole| of the settled loop."""
+        return float(np.max(np.abs(self.poles), initial=0.0))
 
     @property
     def stable(self) -> bool:

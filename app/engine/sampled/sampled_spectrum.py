@@ -35,11 +35,15 @@ def mechanics_response(loop: SampledLoop, frequency: object) -> MechanicsRespons
     whole, soon, late = loop.ways
     jump = loop.jump[part]
     jump = jump[:, np.any(jump != 0, axis=0)]
-    enter = np.hstack([soon, late, jump])
+    waits = bool(np.any(late))
+    enter = np.hstack([soon, late, jump] if waits else [soon, jump])
     H = frequency_response(loop.F[-1][part, part], enter, rows, np.zeros((len(rows), enter.shape[1])), 2 * np.pi * f,
                            dt=loop.dt)
     back = np.exp(-2j * np.pi * f * loop.dt)[:, None, None]
-    return MechanicsResponse(f, (H[:, :, :m] + H[:, :, m:2 * m] * back) * back**whole, H[:, :, 2 * m:])
+    force, ground = H[:, :, :m], H[:, :, 2 * m if waits else m:]
+    if waits:
+        force = force + H[:, :, m:2 * m] * back
+    return MechanicsResponse(f, given(force * back**whole, kind=complex), given(ground, kind=complex))
 
 
 def loop_density(loop: SampledLoop, mechanics: MechanicsResponse) -> np.ndarray:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
+from ..kernels import given, kernel
+from ..kernels.scan import scan_steps
+
 __all__ = ["affine_scan", "held_scan", "step_matrices"]
 
 SHORT = 24  # below this many steps a plain loop is faster
 BLOCK = 16
+NARROW, SLIM = 48, 20  # states for which the kernel's steps are quicker than products of blocks, and than those of few inputs
 HELD = 8  # steps a block where the forcing comes from few inputs
 
 
@@ -43,7 +47,7 @@ def held_scan(Phi: np.ndarray, Gamma: np.ndarray, inputs: np.ndarray, z0: np.nda
     """
     (steps, q), N = inputs.shape, len(Phi)
     with np.errstate(over="ignore", invalid="ignore"):
-        if steps < SHORT or 2 * q > N:
+        if steps < SHORT or 2 * q > N or (N <= SLIM and kernel(scan_steps) is not None):
             return affine_scan(Phi, inputs @ Gamma.T, z0, steps)
         count = -(-steps // HELD)
         powers, answers = [Phi.T], [Gamma.T]
@@ -88,10 +92,16 @@ def _doubling(Phi: np.ndarray, z0: np.ndarray, steps: int) -> np.ndarray:
 
 
 def _blocks(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndarray:
-    """Two passes: every block from zero at once, the block ends among themselves, then add what each start gives."""
+    """By its kernel, or in two passes: every block from zero at once, the block ends among themselves, then add what each start gives."""
     steps, N = forcing.shape
     if steps < SHORT:
         return _one_by_one(Phi, forcing, z0)
+    quick = kernel(scan_steps) if N <= NARROW else None
+    if quick is not None:
+        states = np.empty((steps + 1, N))
+        states[0] = z0
+        quick(given(Phi.T), given(forcing), states)
+        return states
     count = -(-steps // BLOCK)
     if steps == count * BLOCK:
         push = forcing.reshape(count, BLOCK, N)

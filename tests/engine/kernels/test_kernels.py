@@ -46,7 +46,7 @@ from app.engine.network import Link, NetworkScenario, mean_bounds, simulate_netw
 from app.engine.sampled import Hardware, SampledLoop, loop_density, mechanics_response, sampled_controller, simulate_trials
 from app.engine.simulation import Gear, Run, simulate_geared, simulate_recovery, simulate_starts
 from app.engine.structure import best_mixing, dominance
-from app.engine.systems import NonlinearPlant
+from app.engine.systems import NonlinearPlant, affine_scan, held_scan
 from app.plants import cart_pendulum, falling_body, nonlinear_platform
 from lessons.decoupling.loops import three
 from lessons.showdown.friction import Guides, rub
@@ -175,6 +175,14 @@ def watched(plant: NonlinearPlant, steps: int, size: float, points: type = Unsce
     return found | {"F": F, "H": H, "bound": posterior_bound(F[:-1], H, Q, R, np.diag(P))}
 
 
+def scanned(n: int, steps: int) -> Parts:
+    """Affine recursions, forced in every state and by two inputs."""
+    rng = np.random.default_rng(n)
+    Phi, Gamma, inputs = rng.standard_normal((n, n)) / np.sqrt(n), rng.standard_normal((n, 2)), rng.standard_normal((steps, 2))
+    Phi = Phi * (0.99 / np.abs(np.linalg.eigvals(Phi)).max())
+    return {"held": held_scan(Phi, Gamma, inputs, Gamma[:, 0]), "forced": affine_scan(Phi, inputs @ Gamma.T, Gamma[:, 0], steps)}
+
+
 NOISE = {"W": 0.1 * np.eye(2), "V": 1e-3 * np.eye(1), "G": np.eye(2)}
 KICKED = {"impulses": ((0.055, [0.5, 0.3]), (0.07, [0.1, 0.0]), (0.2, [-1.0, 0.0]))}
 FALLING = Plant([[0, 1], [1, 0]], [[0], [1]], [[1, 0]])
@@ -201,6 +209,7 @@ def cases(steps: int) -> Iterator[tuple[str, Callable[[], Parts]]]:
     for band in ((0.1, 0.7), (0.1, 10.0), (1.0, 1.4)):
         yield f"mixing {band}", partial(mixing, *band)
     yield "lossy", partial(lossy, steps)
+    yield from ((f"scan {n}", partial(scanned, n, 2 * steps)) for n in (1, 6, 31))
     once = Plant([[0, 1], [-30, -0.1]], [[0], [1]], [[1, 0]])
     arm = Scenario(once, [[40.0, 9.0]], [[30.0], [200.0]], x0=[0.3, 0.0], horizon=horizon, dt=0.01, reference=[2.0])
     for clip, gear in (({}, {"gap": 0.05}), (KICKED, {"gap": 0.02, "step": 1e-3, "sensor": "outer"}),
