@@ -15,7 +15,7 @@ from app.lesson.lesson import Board, Check, Design, Outcome, Stage
 from app.plants.bilinear import PLANT, PRINTED_FORM, PRINTED_L, X0
 from app.plants.body import Body
 from app.plants.model import Window
-from app.text import Text, text
+from app.text import Text, text, written
 
 from ..toolkit.boards import listed
 from ..toolkit.figures import settle_time
@@ -172,7 +172,7 @@ def _stage(body: Body, design: Design, run: Record) -> Stage:
 
 
 def _live(design: Design, o: BilinearObserver, m: Mapping[str, float]) -> Text:
-    pole, late = words(np.array([m["pole"]]), 2), f"{m['late_error']:.1e}"
+    pole, late = words(np.array([m["pole"]]), 2), written(m["late_error"], ".1e")
     if o.case == 1:
         return text("Case 1: no L frees ε from u and x. The nearest one leaves ε at {late} when the run ends.",
                     late=late)

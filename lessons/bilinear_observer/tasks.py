@@ -7,7 +7,7 @@ import numpy as np
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
 from app.plants.bilinear import POLE
-from app.text import text
+from app.text import text, written
 
 from .drive import FILTERED
 from .page import FATAL, NONE
@@ -20,7 +20,7 @@ LONGEST = 16.7  # of the row G − Y/p
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}".replace("-", "−")
+    return written(value, ".3g")
 
 
 def _slip(outcome: Outcome[Study]) -> Verdict:

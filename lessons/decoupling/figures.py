@@ -24,7 +24,7 @@ from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants import platform_siso as siso
 from app.plants.platform_channels import T_y
-from app.text import NO_WORDS, Text, joined, same, text, text_in
+from app.text import NO_WORDS, Text, joined, same, text, text_in, written
 
 from .loops import A_EDGE, B_EDGE, CHANNELS, GRID_A, GRID_B, NONE, OWN, PLATFORM, PUBLISHED, channels, lower_of
 from .margins import Margin, margins
@@ -131,7 +131,7 @@ def _mixing(outcome: Outcome[Study]) -> TableFigure:
 
 
 def _short(value: float) -> str:
-    return f"{value:.4g}".replace("-", "−")
+    return written(value, ".4g")
 
 
 def _decibel(ratio: float) -> str:
@@ -176,10 +176,10 @@ def _poles(outcome: Outcome[Study]) -> PlaneFigure:
               for p in group if RE_LOW <= p.real <= RE_HIGH and abs(p.imag) <= IM_HIGH]
     right = outcome.metrics["rightmost"]
     drift = outcome.metrics["drift"]
-    at = f"{right:.3g}".replace("-", "−")
+    at = written(right, ".3g")
     words = text("Rightmost pole of the loop: {at} rad/s.", at=at)
     if drift > 0:
-        years, size = 1 / (drift * 3.156e7), f"{drift:.2g}".replace("-", "−")
+        years, size = 1 / (drift * 3.156e7), written(drift, ".2g")
         words = text("{words} C_v adds one at +{size} rad/s: e-fold in {years:.0f} years.",
                      words=words, size=size, years=years)
     return PlaneFigure("poles", text("poles of the loop, near the origin"), (), tuple(points), "Re s",
@@ -234,7 +234,7 @@ def printed_roots() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _root(p: complex) -> str:
-    return f"{p.real:+.3g}".replace("-", "−") if abs(p.imag) < 1e-12 else f"{p.real:+.3g} ± {abs(p.imag):.3g}j".replace("-", "−")
+    return written(p.real, "+.3g") if abs(p.imag) < 1e-12 else f"{p.real:+.3g} ± {abs(p.imag):.3g}j".replace("-", "−")
 
 
 # --- time --------------------------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from app.plants import platform
 from app.plants import platform_siso as siso
 from app.plants.body import with_longer_arrows
 from app.plants.platform_channels import HORIZONTAL
-from app.text import Text, joined, text
+from app.text import Text, joined, text, written
 
 from ..toolkit.latex import number
 from .loops import (
@@ -160,7 +160,7 @@ def _column(p: np.ndarray) -> str:
 
 
 def _live(m: Mapping[str, float]) -> Text:
-    right, drift = (f"{v:+.3g}".replace("-", "−") for v in (m["rightmost"], m["drift"]))
+    right, drift = (written(v, "+.3g") for v in (m["rightmost"], m["drift"]))
     if m["rightmost"] >= 0:
         return claim(text("Closing pitch has made the loop unstable: rightmost pole {right} rad/s.", right=right),
                      m["rightmost_pitch_open"], below=0.0, otherwise=text(

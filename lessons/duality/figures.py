@@ -7,7 +7,7 @@ import numpy as np
 from app.lesson.figures import Curve, LineFigure, PlaneFigure, TableFigure, nice
 from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Design, Outcome
-from app.text import NO_WORDS, Text, joined, same, symbol, text
+from app.text import NO_WORDS, Text, joined, same, symbol, text, written
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
@@ -33,13 +33,13 @@ def all_figures(here: Setting, outcome: Outcome[Twins]) -> Sheaf:
 
 
 def _entry(value: float) -> str:
-    return f"{value:.6g}".replace("-", "−")
+    return written(value, ".6g")
 
 
 def _gain_table(outcome: Outcome[Twins], twins: Twins) -> TableFigure:
     wide = twins.L.shape[1] > 1
     names = (symbol(f"L{i + 1}{j + 1}" if wide else f"L{i + 1}") for i, j in np.ndindex(twins.L.shape))
-    rows = tuple((name, _entry(float(a)), _entry(float(b)), f"{abs(a - b):.0e}") for name, a, b in zip(
+    rows = tuple((name, _entry(float(a)), _entry(float(b)), written(abs(a - b), ".0e")) for name, a, b in zip(
         names, twins.L.ravel(), twins.K_dual.T.ravel(), strict=True))[:MOST_ROWS]
     left, right = (pole_words(outcome.poles[side].tolist()) for side in ("controller", "observer"))
     return TableFigure(
@@ -64,7 +64,7 @@ def _riccati_table(here: Setting, outcome: Outcome[Twins], twins: Twins) -> Tabl
 
 
 def _pairing(twins: Twins, relative: float) -> LineFigure:
-    value = f"{twins.pairing[0]:.4g}".replace("-", "−")
+    value = written(twins.pairing[0], ".4g")
     return LineFigure(
         "pairing", text("observer forward, dual backward"), twins.pair.t,
         (Curve(same("‖e(t)‖"), np.linalg.norm(twins.pair.e, axis=1), "error"),

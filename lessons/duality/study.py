@@ -12,7 +12,7 @@ from app.engine.systems import sorted_poles
 from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Window
-from app.text import Text, same, text
+from app.text import Text, same, text, written
 
 from ..toolkit.boards import listed, stage
 from ..toolkit.knobs import BY_POLES, kicks
@@ -91,7 +91,7 @@ def _formulas(K: np.ndarray, L: np.ndarray, K_dual: np.ndarray) -> tuple[Formula
 
 
 def _live(L: np.ndarray, m: Mapping[str, float]) -> Text:
-    numbers = f"({', '.join(f'{v:.4g}' for v in L[:4, 0])}{', …' if L.size > 4 else ''})".replace("-", "−")
+    numbers = f"({', '.join(written(v, '.4g') for v in L[:4, 0])}{', …' if L.size > 4 else ''})"
     return text("The observer's own equation gives L = {numbers}; the feedback of the transposed plant, turned on "
                 "its side, differs by {gain_gap:.0e} of its size.",
                 numbers=numbers, gain_gap=m["gain_gap"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
-from app.text import text
+from app.text import text, written
 
 from ..toolkit.knobs import BY_POLES, BY_WEIGHTS
 from .study import BLOCK
@@ -35,7 +35,7 @@ def _ratio(outcome: Outcome[Twins]) -> Verdict:
         return Verdict(False, text("α_W is {scale:.3g} times α_Q; make it at least ten times larger or smaller.",
                                    scale=scale))
     if gap(L, mirrored) > SAME:
-        now, wanted = (f"({M[0, 0]:.3g}, {M[1, 0]:.3g})".replace("-", "−") for M in (L, mirrored))
+        now, wanted = (f"({written(M[0, 0], '.3g')}, {written(M[1, 0], '.3g')})" for M in (L, mirrored))
         return Verdict(False, text("L is {now}; mirrored weights give {wanted}.", now=now, wanted=wanted))
     return Verdict(True, text("P is {scale:.3g} times as large, yet L is what mirrored weights give.", scale=scale))
 

@@ -9,7 +9,7 @@ import numpy as np
 from app.engine.simulation import Run
 from app.lesson.figures import Curve, Figure, LineFigure, TableFigure
 from app.lesson.lesson import Outcome
-from app.text import same, text
+from app.text import same, text, written
 
 from ..toolkit.figures import TIME_TAB, rate_of_error, settled_words, state_figures
 from .notes import notes_figures
@@ -92,4 +92,4 @@ def _digits(value: float, places: int) -> str:
 
 
 def _order(value: float) -> str:
-    return f"{value:.0e}".replace("-", "−") if value else "0"
+    return written(value, ".0e") if value else "0"

@@ -13,7 +13,7 @@ import numpy as np
 from app.engine import Plant
 from app.lesson.figures import Figure, PlaneFigure, Point, TableFigure
 from app.plants import spring_damper
-from app.text import text
+from app.text import text, written
 
 PLANT = spring_damper.MODEL.plant
 TARGET = (-1.0, -1.0)
@@ -68,7 +68,7 @@ def _page(line: str, L: np.ndarray) -> TableFigure:
     A = PLANT.A - L @ PLANT.C
     trace, det = -float(np.trace(A)), float(np.linalg.det(A))
     yours = {
-        POLYNOMIAL: f"λ² {_signed(trace)}λ {_signed(det)}",
+        POLYNOMIAL: f"λ² {signed(trace)}λ {signed(det)}",
         FIRST: _compared(l1 - 0.5, 2),
         SECOND: _compared(1 + 0.5 * l1 + l2, 1),
         GAIN: f"L = ({_plain(l1)}, {_plain(l2)})",
@@ -105,12 +105,13 @@ def _words(poles: np.ndarray) -> str:
 
 
 def _plain(value: float) -> str:
-    return f"{value + 0.0:.4g}".replace("-", "−")
+    return written(value + 0.0, ".4g")
 
 
 def _compared(left: float, right: int) -> str:
     return f"{_plain(left)} {'=' if abs(left - right) < 1e-9 else '≠'} {right}"
 
 
-def _signed(value: float) -> str:
-    return f"{'−' if value < 0 else '+'} {abs(value):.4g}"
+def signed(value: float) -> str:
+    """A term of a sum: + 2, − 0.333."""
+    return f"{'−' if value < 0 else '+'} {written(abs(value), '.4g')}"

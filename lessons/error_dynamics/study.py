@@ -13,7 +13,7 @@ from app.engine.systems import sorted_poles
 from app.lesson.claims import claim
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
 from app.plants import Model
-from app.text import Text, same, text
+from app.text import Text, same, text, written
 
 from ..toolkit.boards import bolts, listed, stage
 from ..toolkit.figures import settle_time
@@ -147,7 +147,7 @@ def _formulas(here: Setting, design: Design, L: np.ndarray, error: np.ndarray) -
 def _live(m: dict[str, float]) -> Text:
     if m["state_moved"] == 0:
         return text("No input acts: plant and error are left to themselves.")
-    moved = f"{m['state_moved']:.2g}"
+    moved = written(m["state_moved"], ".2g")
     driven = text("The input moves the state by up to {moved} and the error by up to {error_moved:.2g}: the "
                   "error is not left alone.",
                   moved=moved, error_moved=m["error_moved"])

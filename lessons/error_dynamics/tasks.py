@@ -6,10 +6,10 @@ import numpy as np
 
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
-from app.text import text
+from app.text import text, written
 
 from .knobs import NUMBERS, POLES, PRINTED, QUIET
-from .notes import FIRST, GAIN, MATRIX, NONE, RIGHT_GAIN
+from .notes import FIRST, GAIN, MATRIX, NONE, RIGHT_GAIN, signed
 from .study import Study
 
 SOON, CALM = (2.1, 2.25), 0.7  # s and m/s
@@ -17,7 +17,7 @@ SOON, CALM = (2.1, 2.25), 0.7  # s and m/s
 
 def _gain_words(outcome: Outcome[Study]) -> str:
     l1, l2 = outcome.gains["L"][:, 0]
-    return f"({l1:.4g}, {l2:.4g})".replace("-", "−")
+    return f"({written(l1, '.4g')}, {written(l2, '.4g')})"
 
 
 def double_pole(outcome: Outcome[Study]) -> Verdict:
@@ -29,8 +29,8 @@ def double_pole(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("This is the pair from the notes; choose the poles or the gain yourself."))
     if abs(damping - 2) <= 0.02 and abs(square - 1) <= 0.02:
         return Verdict(True, text("Both poles are at −1, and L = {words}.", words=words))
-    return Verdict(False, text("The polynomial is λ² + {damping:.3g}λ + {square:.3g}; it should be λ² + 2λ + 1.",
-                               damping=damping, square=square))
+    return Verdict(False, text("The polynomial is λ² {damping}λ {square}; it should be λ² + 2λ + 1.",
+                               damping=signed(damping), square=signed(square)))
 
 
 def first_slip(outcome: Outcome[Study]) -> Verdict:

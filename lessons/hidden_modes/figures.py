@@ -13,7 +13,7 @@ from app.engine.structure import Mode
 from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Check, Outcome
-from app.text import NO_WORDS, Text, symbol, text
+from app.text import NO_WORDS, Text, symbol, text, written
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
 from ..toolkit.latex import pole_words
@@ -62,7 +62,7 @@ def _centre(run: Run, case: Case) -> LineFigure:
 
 
 def _fixed(bolts: tuple[complex, ...], what: str, gain: str) -> Text:
-    rate = f"{max(p.real for p in bolts):.3g}".replace("-", "−")
+    rate = written(max(p.real for p in bolts), ".3g")
     return text("The common part of {what} follows e^({rate} t), whatever {gain} is.",
                 what=what, rate=rate, gain=gain)
 
@@ -97,7 +97,7 @@ def _bar(mode: Mode) -> str:
     """The PBH distance as a number, its share of the plant's size as a bar over six decades; a hidden mode has none."""
     if not mode.visible:
         return "0"
-    return f"{mode.distance:.3g} " + "▮" * max(1, round(6 + np.log10(mode.margin)))
+    return written(mode.distance, ".3g") + " " + "▮" * max(1, round(6 + np.log10(mode.margin)))
 
 
 def _pole(mode: Mode) -> str:

@@ -18,7 +18,7 @@ from app.lesson.knobs import Knob, Number
 from app.lesson.lesson import Check, Design, Formula, Lesson, Outcome
 from app.plants import Model
 from app.plants.names import called
-from app.text import Text, text
+from app.text import Text, text, written
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, input_figure
@@ -182,7 +182,7 @@ def _every(here: Setting, seed: int) -> tuple[PlaneFigure, PlaneFigure]:
         points = tuple(Point(float(p.real), float(p.imag), "second", "dot") for p in poles.ravel() if abs(p) < 3 * size)
         points += tuple(Point(p.real, p.imag, "reference", "bolt") for p in bolts)
         letter, M = ("L", "eig(A − LC)") if name == "observer" else ("K", "eig(A − BK)")
-        least = f"{float(np.real(poles).max(axis=1).min()):.3g}".replace("-", "−")
+        least = written(float(np.real(poles).max(axis=1).min()), ".3g")
         found.append(PlaneFigure(
             f"every_{name}", text("{m} for random {letter}", m=M, letter=letter), (), points, "Re s", "Im s", (-size, 0.5 * size),
             (-size, size), unstable=True, tab=EVERY_TAB, caption=text(

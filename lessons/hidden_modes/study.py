@@ -7,7 +7,7 @@ import numpy as np
 from app.engine import Scenario, observer_gain, place, simulate
 from app.engine.design import Placement
 from app.lesson.lesson import Board, Check, Design, Formula, Outcome
-from app.text import Text, text
+from app.text import Text, text, written
 
 from ..toolkit.boards import stage
 from ..toolkit.knobs import kicks
@@ -99,7 +99,7 @@ def _live(case: Case) -> Text:
     if not bolts:
         return text("Nothing is bolted: the magnets make the plant as unstable as before, yet every pole can be "
                     "moved.")
-    words, rate = pole_words(list(bolts)), f"{max(p.real for p in bolts):.3g}".replace("-", "−")
+    words, rate = pole_words(list(bolts)), written(max(p.real for p in bolts), ".3g")
     if case.unseen:
         return text("The poles at {words} leave no trace in y. Whatever L is, part of e follows e^({rate} t).",
                     words=words, rate=rate)

@@ -6,7 +6,7 @@ import numpy as np
 
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
-from app.text import text
+from app.text import text, written
 
 from ..toolkit.figures import settle_time
 from ..toolkit.tasks import at_rest_gently
@@ -17,7 +17,7 @@ CENTRE = next(knob.default for knob in KNOBS if knob.name == "centre")
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}".replace("-", "−")
+    return written(value, ".3g")
 
 
 def _slow_but_fine(outcome: Outcome[Case]) -> Verdict:

@@ -12,6 +12,7 @@ from app.lesson.lesson import Outcome
 from app.text import Text, same, text, text_in
 
 from ..toolkit.figures import TIME_TAB
+from .chances import chance, coloured
 from .filters import SKIP, STEPS
 from .identify import FIT_TAB, fit_figure
 from .knobs import CARRIED, DT
@@ -179,7 +180,7 @@ def _correlation(outcome: Outcome[Study]) -> PlaneFigure:
     ends = np.array([lags[0], lags[-1]])
     curves += [Curve(text("band"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
     said = (text("White as far as one can tell: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
-            text("Coloured: p = {p_value:.1e}; each sample foretells the next.", p_value=w.p_value))
+            coloured(w.p_value))
     return PlaneFigure("correlation", text("autocorrelation of the innovations over lag k"), tuple(curves), (),
                        "k", "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
@@ -224,8 +225,8 @@ def _tests(outcome: Outcome[Study]) -> TableFigure:
     rows = (
         (text("mean of NIS"), f"{test.nis.mean:.3f}", f"{test.nis.mean_band[0]:.3f} … {test.nis.mean_band[1]:.3f}", verdict("nis")),
         (text("mean of NEES"), f"{whole.mean:.3g}", f"{whole.mean_band[0]:.3g} … {whole.mean_band[1]:.3g}", verdict("nees")),
-        (text("whiteness, p"), f"{test.whiteness.p_value:.2g}", "≥ 0.017", verdict("white")),
-        (text("bias, p"), f"{test.bias_p_value:.2g}", "≥ 0.017", verdict("centred")),
+        (text("whiteness, p"), chance(test.whiteness.p_value), "≥ 0.017", verdict("white")),
+        (text("bias, p"), chance(test.bias_p_value), "≥ 0.017", verdict("centred")),
     )
     return TableFigure("tests", text("tests after 2 s"),
                        (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows, tab=TEST_TAB,

@@ -10,9 +10,10 @@ from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants import Model, Signal
 from app.plants.names import called, with_unit
-from app.text import Text, same, symbol, text, text_in
+from app.text import Text, same, symbol, text, text_in, written
 
 from ..toolkit.figures import TIME_TAB
+from .chances import chance, coloured
 from .figures import GAIN_TAB, INNOVATION_TAB, STEP_TAB, TEST_TAB
 from .knobs import UPDATE
 from .own_study import SKIP, Study
@@ -40,7 +41,7 @@ def _step(model: Model, outcome: Outcome[Study]) -> TableFigure:
     mean, P = (track.means[k], track.schedule.posterior[at]) if updated else (track.predicted[k], track.schedule.prior[at])
 
     def digits(value: float) -> str:
-        return f"{value:.4g}".replace("-", "−")
+        return written(value, ".4g")
     rows = tuple((with_unit(plant, name), digits(study.found.run.x[k, i]), digits(mean[i]),
                   digits(float(np.sqrt(max(P[i, i], 0.0))))) for i, name in enumerate(plant.state_names[:MOST_STATES]))
     return TableFigure("step", text("sample {k}", k=k),
@@ -108,7 +109,7 @@ def _correlation(model: Model, outcome: Outcome[Study]) -> PlaneFigure:
               for i, name in enumerate(model.plant.output_names[:4])]
     curves += [Curve(text("band"), np.full(2, sign * w.band), "reference", "dot", 1.2, ends) for sign in (1, -1)]
     said = (text("White as far as one can tell: p = {p_value:.2g}.", p_value=w.p_value) if w.white else
-            text("Coloured: p = {p_value:.1e}; each sample foretells the next.", p_value=w.p_value))
+            coloured(w.p_value))
     return PlaneFigure("correlation", text("autocorrelation of the innovations"), tuple(curves), (),
                        text("lag [samples]"), "r", (0.0, float(lags[-1] + 1)), (-0.6, 1.0), caption=said, tab=INNOVATION_TAB)
 
@@ -142,8 +143,8 @@ def _tests(outcome: Outcome[Study]) -> TableFigure:
     bands = [f"{s.mean_band[0]:.3g} … {s.mean_band[1]:.3g}" for s in (study.test.nis, study.settled)]
     rows = ((text("mean of NIS"), f"{study.test.nis.mean:.3g}", bands[0], verdict("nis")),
             (text("mean of NEES"), f"{study.settled.mean:.3g}", bands[1], verdict("nees")),
-            (text("whiteness, p"), f"{study.test.whiteness.p_value:.2g}", "≥ 0.017", verdict("white")),
-            (text("bias, p"), f"{study.test.bias_p_value:.2g}", "≥ 0.017", verdict("centred")))
+            (text("whiteness, p"), chance(study.test.whiteness.p_value), "≥ 0.017", verdict("white")),
+            (text("bias, p"), chance(study.test.bias_p_value), "≥ 0.017", verdict("centred")))
     return TableFigure("tests", text("tests of this record, once settled"),
                        (text_in("kalman", "test"), text("value"), text("band"), text("verdict")), rows,
                        tab=TEST_TAB, caption=text("Each test flags a right filter in a few records of a hundred."))

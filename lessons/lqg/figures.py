@@ -10,7 +10,7 @@ from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigur
 from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants.names import called
-from app.text import Text, same, squared, text, text_in
+from app.text import Text, same, squared, text, text_in, written
 
 from ..toolkit.figures import TIME_TAB, axis_name, within
 from .robustness import Robustness
@@ -39,7 +39,7 @@ def words(value: float, digits: int = 3) -> str:
     """A number for a table: ∞, a true minus sign, powers of ten where they help."""
     if not np.isfinite(value):
         return "∞"
-    return f"{value:.{digits}g}".replace("e-0", "e-").replace("e+0", "e").replace("e+", "e").replace("-", "−")
+    return written(value, f".{digits}g")
 
 
 def level(power: float) -> str:
@@ -203,11 +203,14 @@ def _margins(outcome: Outcome[Study]) -> TableFigure:
     names = (text("gain"), text("phase"), text("delay"), text("disk α"), same("min |1 + ℓ|"),
              text("all inputs: α, σ_min"))
     rows = tuple((name, a, b) for name, a, b in zip(names, column(s.ideal), column(s.real), strict=True))
-    thin = s.real.margins.gain[1] < 1.1 or s.real.margins.gain[0] > 0.9 or s.real.margins.delay < 1e-3
+    real = s.real.margins
+    thin, hasty = real.gain[1] < 1.1 or real.gain[0] > 0.9 or real.phase < 0.1, real.delay < 1e-3
     best = s.cost.total <= s.cost.least * (1 + 1e-6)
     said = (text("A little error of gain, phase or timing breaks this loop, which is not even optimal for this "
                  "noise.") if thin and not best else
             text("Optimal, yet a little error of gain, phase or timing breaks it.") if thin else
+            text("In gain and phase this loop has margins, but it is so fast that a delay of {delay:.2g} s breaks it.",
+                 delay=real.delay) if hasty else
             text("This loop has margins; being optimal promised none of them.") if best else
             text("This loop has margins; for this noise it is not the optimal one."))
     return TableFigure("margins", text("margins"), (text("margin"), same("LQR"), same("LQG")), rows, said,

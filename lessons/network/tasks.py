@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.lesson.lesson import Outcome, Task, Verdict, pencil
 from app.lesson.typed import Typed
-from app.text import text
+from app.text import text, written
 
 from .cases import CART, SCALAR, TWO
 from .study import AHEAD, HELD, Study
@@ -55,7 +55,7 @@ def _wall(outcome: Outcome[Study]) -> Verdict:
     if d["case"] != CART or d["delay"] < 2:
         return Verdict(False, text("Take the pole on a cart and a delay of at least 2 samples."))
     if m["separation_meter"] > HELD:
-        read = f"{m['separation_meter']:.2g}"
+        read = written(m["separation_meter"], ".2g")
         return Verdict(False, text("The meter reads {read}: the observer counts with an input that does not act.",
                                    read=read))
     if m["loop_radius"] > m["designed_radius"] * (1 + 1e-6):

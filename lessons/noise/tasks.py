@@ -57,9 +57,10 @@ def _other_side(outcome: Outcome[Study]) -> Verdict:
 
 def _quiet_start(outcome: Outcome[Study]) -> Verdict:
     m, d = outcome.metrics, outcome.design
-    if d["error0"] < 0.3 or d["kick"] >= 0:
-        return Verdict(False, text("The starting error is {error0:.2g} m; keep 0.3 m or more, and no kick.",
-                                   error0=d["error0"]))
+    if d["error0"] < 0.3:
+        return Verdict(False, text("The starting error is {error0:.3g} m; keep 0.3 m or more.", error0=d["error0"]))
+    if d["kick"] >= 0:
+        return Verdict(False, text("Leave the kick out."))
     numbers = text("Peak {peak:.3g} m/s, settled after {settled_after:.2f} s",
                    peak=m["peak"], settled_after=m["settled_after"])
     if m["peak"] > PEAK or m["settled_after"] > SETTLED:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.text import Text, same, text
+from app.text import Text, same, text, written
 
 from .cases import Sensed
 
@@ -41,8 +41,8 @@ def criteria(s: Sensed, rank: int) -> tuple[Criterion, ...]:
     numbers = {
         DET: (f"{p}×{n}", None),
         RANK: (f"{rank}/{n}", rank == n),
-        GRAMIAN: (f"λ_min = {least:.2g}", True) if least > s.dust else (
-            f"λ_min < {s.dust:.0e}", None if s.seen.observable else False),
-        PBH: (f"σ_min = {weakest:.2g}" if s.seen.observable else "σ_min ≈ 0", s.seen.observable),
+        GRAMIAN: (f"λ_min = {written(least, '.2g')}", True) if least > s.dust else (
+            f"λ_min < {written(s.dust, '.0e')}", None if s.seen.observable else False),
+        PBH: (f"σ_min = {written(weakest, '.2g')}" if s.seen.observable else "σ_min ≈ 0", s.seen.observable),
     }
     return tuple(Criterion(name, text, *numbers[name]) for name, text in CRITERIA)

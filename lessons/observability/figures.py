@@ -8,7 +8,7 @@ from app.engine.structure import Mode
 from app.lesson.claims import claim
 from app.lesson.figures import Curve, Figure, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure
 from app.lesson.lesson import Outcome
-from app.text import same, text
+from app.text import same, text, written
 
 from ..toolkit.latex import pole_words
 from .cases import label, shown, unit
@@ -62,7 +62,7 @@ def _sizes(found: Study, rtol: float) -> PlaneFigure:
 
 
 def _value(value: float) -> str:
-    return f"{value:.4g}".replace("-", "−")
+    return written(value, ".4g")
 
 
 def _start(found: Study) -> TableFigure:
@@ -137,7 +137,7 @@ def _energy(found: Study) -> LineFigure:
 
 
 def _bar(mode: Mode) -> str:
-    return f"{mode.distance:.2g} " + "▮" * max(1, round(6 + 1.5 * np.log10(max(mode.distance, 1e-9))))
+    return written(mode.distance, ".2g") + " " + "▮" * max(1, round(6 + 1.5 * np.log10(max(mode.distance, 1e-9))))
 
 
 def _modes(found: Study) -> TableFigure:
@@ -162,7 +162,7 @@ def _modes(found: Study) -> TableFigure:
 def _sweep(sweep: Sweep, found: Study) -> PlaneFigure:
     now = float(decades(np.array([found.weakest.distance]))[0])
     best = float(sweep.along[np.argmax(sweep.distance)])
-    words = (f"{10**best:.2g}" if sweep.log else f"{best:.3g}").replace("-", "−")
+    words = written(10**best, ".2g") if sweep.log else written(best, ".3g")
     return PlaneFigure(
         "sweep", text("one knob moved, all else kept"),
         (Curve(text("weakest mode"), sweep.distance, "plant", "solid", 2.4, sweep.along),

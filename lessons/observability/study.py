@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from app.engine.structure import Mode
 from app.lesson.lesson import Check, Design, Formula, Outcome, Stage
-from app.text import Text, text
+from app.text import Text, text, written
 
 from ..toolkit.latex import matrix, number, pole_words
 from .bodies import body_of
@@ -138,7 +138,7 @@ def formulas_of(found: Study) -> tuple[Formula, ...]:
 def live_of(found: Study, m: dict[str, float]) -> Text:
     """One sentence on what is seen now."""
     n, rank, known = int(m["states"]), int(m["rank"]), int(m["known"])
-    verdict, d = judged(found), f"{m['weakest']:.2g}"
+    verdict, d = judged(found), written(m["weakest"], ".2g")
     if verdict == "hidden":
         poles = pole_words([p for p in found.sensed.seen.unobservable if p.imag >= 0])
         return text("Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.",

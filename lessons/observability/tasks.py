@@ -25,7 +25,7 @@ def _one_sensor(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("This task is about the deck; choose it as the plant."))
     count = sum(design[f"{k}_on"] for k in SENSORS)
     if count != 1:
-        return Verdict(False, text("{count} sensors are on; the task wants exactly one.", count=count))
+        return Verdict(False, text("Sensors on: {count}; the task wants exactly one.", count=count))
     if outcome.metrics["hidden"] > 0:
         return Verdict(False, text("{hidden:.0f} of 6 states leave no trace in this sensor.",
                                    hidden=outcome.metrics["hidden"]))
@@ -46,7 +46,7 @@ def _two_sensors(outcome: Outcome[Study]) -> Verdict:
         return Verdict(False, text("This task is about the deck; choose it as the plant."))
     count = sum(design[f"{k}_on"] for k in SENSORS)
     if count != 2 or design["noise"] < NOISY:
-        return Verdict(False, text("{count} sensors are on, with the noise {noise:.3g}; the task wants two, and a noise of {least:g} or "
+        return Verdict(False, text("Sensors on: {count}, with the noise {noise:.3g}; the task wants two, and a noise of {least:g} or "
                                    "more.", count=count, noise=design["noise"], least=NOISY))
     found = text("Known to a tenth are {known:.0f} of 6 directions, and the ellipsoid's longest half axis is {longest:.4f}",
                  known=m["known"], longest=m["longest"])

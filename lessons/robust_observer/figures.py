@@ -17,7 +17,7 @@ from app.lesson.figures import (
 )
 from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Design, Outcome
-from app.text import Text, same, text, text_in
+from app.text import Text, same, text, text_in, written
 
 from .criterion import criterion_1, of_two, steering, steering_3
 from .knobs import COLUMNS, LINES, NORMS, ONE, REMARKS, THREE
@@ -180,7 +180,7 @@ def _found(outcome: Outcome[Story]) -> TableFigure:
             rows.append((shown, NONE, NONE, NONE, NONE))
             continue
         tried = ", ".join(f"{a.order}: {'✓' if a.feasible else f'✗ {a.gap:.2g}'}" for a in found.attempts)
-        poles = ", ".join(f"{p.real:.5g}".replace("-", "−") for p in found.observer.poles)
+        poles = ", ".join(written(p.real, ".5g") for p in found.observer.poles)
         rows.append((shown, str(found.observer.order), poles, f"{found.value:.6g}", tried))
     caption = (text("Not run yet: press the button “Run algorithm RLO”.")
                if search is None or not search.found else

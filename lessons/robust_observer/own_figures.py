@@ -8,7 +8,7 @@ from app.engine.observers import FunctionalObserver, criterion
 from app.lesson.figures import Curve, LineFigure, PlaneFigure, Point, TableFigure, over_frequency
 from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Design, Outcome
-from app.text import NO_WORDS, Text, same, text
+from app.text import NO_WORDS, Text, same, text, written
 
 from ..toolkit.latex import pole_words
 from .figures import J_TAB, NONE, TIME_TAB
@@ -70,7 +70,7 @@ def _compared(outcome: Outcome[Story], story: Story) -> TableFigure:
         within = text("yes") if inside(o.poles, outcome.design) else text("no")
         return (str(o.order), pole_words(list(o.poles)), within, f"{o.J:.5g}", *_parts(o), f"{o.condition:.3g}", f"{o.output_residual:.1e}",
                 f"{run.late(run.e):.3g}",
-                f"{run.poles.real.max():.3g}".replace("-", "−"))
+                written(run.poles.real.max(), ".3g"))
     ours = column(story.observer, story.true)
     found = story.found
     theirs = (column(found.observer, story.found_run) if found is not None and story.found_run is not None

@@ -15,7 +15,7 @@ from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Poi
 from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
 from app.plants import Model
-from app.text import NO_WORDS, Text, joined, same, text
+from app.text import NO_WORDS, Text, joined, same, text, written
 
 from ..toolkit.figures import ERROR_TAB, TIME_TAB, error_figure, input_figure, state_figures
 from ..toolkit.latex import pole_words
@@ -110,7 +110,7 @@ def _paired(seen: tuple[Mode, ...], reached: tuple[Mode, ...]) -> list[tuple[Mod
 def _bar(mode: Mode) -> str:
     if not mode.visible:
         return "0"
-    return f"{mode.distance:.2g} " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
+    return written(mode.distance, ".2g") + " " + "▮" * max(1, round(6 + np.log10(max(mode.margin, 1e-6))))
 
 
 # --- structure ---------------------------------------------------------------------------------------------------------

@@ -15,7 +15,7 @@ from app.engine.structure import Mode
 from app.lesson.later import Later, LaterItems, LaterMap
 from app.lesson.lesson import Check, Design, Formula, Outcome
 from app.plants import Model
-from app.text import Text, listed, text
+from app.text import Text, listed, text, written
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
@@ -202,7 +202,7 @@ def _structure(found: Structure) -> tuple[Row, ...]:
 
 def _loop(loop: ClosedLoop, meter: float, limited: bool) -> tuple[Row, ...]:
     error = min(loop.union_error, loop.polynomial_error)
-    meter_now = "0" if meter < 1e-8 else f"{meter:.2g}"
+    meter_now = "0" if meter < 1e-8 else written(meter, ".2g")
     said = text("meter {meter} with the limit on", meter=meter_now) if limited else text("meter {meter}", meter=meter_now)
     return (
         (text("loop stable"), loop.stable, text("{count} poles", count=len(loop.poles))),

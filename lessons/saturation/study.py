@@ -12,7 +12,7 @@ from app.engine import EngineError, Plant, Scenario, autonomous_error, simulate
 from app.engine.simulation import Run, separation_meter, simulate_until
 from app.lesson.claims import claim
 from app.lesson.lesson import Check, Design, Formula, Outcome
-from app.text import Text, joined, text
+from app.text import Text, joined, text, written
 
 from ..toolkit.boards import pole_boards, stage
 from ..toolkit.gains import gains
@@ -142,7 +142,7 @@ def slowest(outcome: Outcome[Study], name: str) -> float:
 
 def amount(value: float) -> str:
     """A number for a sentence; what has left every scale is only said to be large."""
-    return "> 1000" if value > 1000 else f"{value:.3g}" if value > 1e-9 else "0"
+    return "> 1000" if value > 1000 else written(value, ".3g") if value > 1e-9 else "0"
 
 
 def _formulas(design: Design, K: np.ndarray, L: np.ndarray, metrics: Mapping[str, float]) -> tuple[Formula, ...]:

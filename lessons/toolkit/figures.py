@@ -70,15 +70,29 @@ def rate_of_error(run: Run) -> float:
     """
     s = run.scenario
     model = s.plant if s.model is None else s.model
-    poles = np.linalg.eigvals(model.A if s.L is None else model.A - s.L @ model.C)
-    rate = float(np.log(max(np.max(np.abs(poles)), 1e-300)) if model.dt else np.max(np.real(poles)))
+    rate = _rate(model.A if s.L is None else model.A - s.L @ model.C, model.dt)
     if model is s.plant and not s.delay and (s.fed == "applied" or not run.saturated):
         return rate
     if s.K is None or not np.any(s.K):
         return np.inf  # whatever pushes the plant pushes the error too
     size = np.linalg.norm(run.x, axis=1)
     late = float(size[-max(len(size) // 10, 1):].max())
-    return max(rate, float(np.log(2 * max(late, 1e-300) / max(float(size.max()), 1e-300))))
+    return max(rate, _rate_of_loop(run), float(np.log(2 * max(late, 1e-300) / max(float(size.max()), 1e-300))))
+
+
+def _rate(A: np.ndarray, dt: float) -> float:
+    poles = np.linalg.eigvals(A)
+    return float(np.log(max(np.max(np.abs(poles)), 1e-300)) if dt else np.max(np.real(poles)))
+
+
+def _rate_of_loop(run: Run) -> float:
+    """Of plant and observer together, without the limit; a state that is quiet for a while may be pushed again by an unstable loop."""
+    s, K, L = run.scenario, run.scenario.K, run.scenario.L
+    plant, model = s.plant, s.plant if s.model is None else s.model
+    if K is None or L is None or s.delay:
+        return -np.inf
+    A, B, C, D = plant.A, plant.B, plant.C, plant.D - model.D
+    return _rate(np.block([[A, -B @ K], [L @ C, model.A - model.B @ K - L @ model.C - L @ D @ K]]), plant.dt)
 
 
 def settled_words(after: float | None, rate: float) -> Text:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from app.lesson.claims import claim
 from app.lesson.figures import Curve, LineFigure, MatrixFigure, PlaneFigure, Point, TableFigure, over_frequency
 from app.lesson.later import Sheaf, leaf
 from app.lesson.lesson import Outcome
-from app.text import lowered, same, text, text_in
+from app.text import lowered, same, text, text_in, written
 
 from .body import share
 from .regulator import PAIRS
@@ -33,8 +31,8 @@ def figures(outcome: Outcome[Study]) -> Sheaf:
 
 
 def show(value: float, digits: int = 3) -> str:
-    """A number for a table, with a true minus sign and a short exponent."""
-    return re.sub(r"e([+-])0", r"e\1", f"{value:.{digits}g}").replace("e+", "e").replace("-", "−")
+    """A number for a table, with a true minus sign and powers of ten."""
+    return written(value, f".{digits}g")
 
 
 # --- rank --------------------------------------------------------------------------------------------------------------

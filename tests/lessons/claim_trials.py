@@ -38,6 +38,7 @@ TABLES = (LOOPS, SENSORS, VARIANCES, NOISE, FUNCTIONS, FAULTS, EFFORT, ARM)
 WITNESSES: Mapping[str, Witness] = {said: witness for table in TABLES for said, witness in table.items()}  # by message
 AIMED: Mapping[str, Mapping[str, Any]] = {"nonlinear": {"kick": -1.0}}  # no bound holds for a kick that no filter is told of
 LONG = re.compile(r"(?<![\d.])\d{5,}")  # a number of five digits or more, written out
+RAW = re.compile(r"\d[eE][+−-]?\d|\d-\d|[+−-] ?[+−-]\d|\d{8,}")  # as a computer writes: 1e-08, a plain minus, + −3, −43718053745.3
 
 
 def _at_one_effort(lesson: Lesson, outcome: Outcome) -> Outcome:
@@ -60,7 +61,7 @@ class Trial:
     tried: Counter[str] = field(default_factory=Counter)
     unseen: set[str] = field(default_factory=set)  # claims without a witness
     lies: dict[str, list[str]] = field(default_factory=dict)
-    mixed: set[str] = field(default_factory=set)  # sentences with a number written out beside one in powers of ten
+    mixed: set[str] = field(default_factory=set)  # sentences with a number as no one writes it, or written out beside powers of ten
 
 
 def extremes(lesson: Lesson) -> list[Design]:
@@ -98,7 +99,8 @@ def tried(lesson: Lesson, designs: Iterable[Design]) -> Trial:
     for design in designs:
         found.designs += 1
         for shown, said in spoken(lesson, design):
-            found.mixed |= {one for one in re.split(r"(?<=[.:;]) ", str(said)) if LONG.search(one) and has_powers(one)}
+            found.mixed |= {one for one in re.split(r"(?<=[.:;]) ", str(said))
+                            if (LONG.search(one) and has_powers(one)) or RAW.search(one)}
             for words in claims_in(said):
                 witness = WITNESSES.get(words.id)
                 if witness is None:
@@ -124,6 +126,6 @@ if __name__ == "__main__":
         for claim, where in told.lies.items():
             print(f"   LIE ({len(where)} times) {claim}\n      " + "\n      ".join(where[:3]), flush=True)
         for sentence in sorted(told.mixed):
-            print(f"   written out beside powers of ten: {sentence}")
+            print(f"   a number as no one writes it: {sentence}")
         for claim in sorted(told.unseen):
             print(f"   without a witness: {claim}")

@@ -99,6 +99,16 @@ def test_the_expected_nis_is_what_many_records_average() -> None:
     assert trial(model, 0.01, 1.0, 1).expected == pytest.approx(2.0, rel=1e-6)
 
 
+def test_an_unstable_loop_that_clips_keeps_no_error_below_its_peak() -> None:
+    """A limit cycle is quiet for seconds and then clips again; the observer is told of what was asked."""
+    loop = {"controller_poles": (-3.6 + 1.9j, -3.6 - 1.9j, 0.345 + 1.99j, 0.345 - 1.99j), "limited": True, "u_max": 0.19, "kick": 12.13,
+            "observer_poles": (-13.8 + 1.3j, -13.8 - 1.3j, -9 + 2.1j, -9 - 2.1j)}
+    for fed in ("commanded", "applied"):
+        outcome = LESSON.compute(LESSON.apply(LESSON.start(), {**loop, "fed": fed}))
+        caption = next(f.caption("en") for f in LESSON.figures(outcome) if f.id == "error")
+        assert ("nothing keeps it" in caption or "does not settle" in caption) == (fed == "commanded"), caption
+
+
 def test_the_nis_of_the_words_is_that_of_a_filter_written_out_by_hand() -> None:
     """1.66, 0.41 and 9.1: the record of the start through Kalman's two steps, with a plant and noise sampled by a Taylor series."""
     model = own_model(plant_of(example("aircraft")))

@@ -7,6 +7,7 @@ stands, its numbers, and what the matrices of its run say. Each `witnesses_of_�
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -41,12 +42,23 @@ class Shown:
 
 
 Witness = Callable[[Shown, Text], None]
+RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
+NUMBER = re.compile(r"([+-]?)(?:10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+)|(\d+(?:\.\d+)?)(?:·10([⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+))?)")
 
 
 def value(words: Text, name: str) -> float:
     """A number that stands in a message."""
     found = dict(words.values)[name]
-    return float(str(found).replace("−", "-").split()[0]) if not isinstance(found, (int, float)) else float(found)
+    return read(str(found)) if not isinstance(found, (int, float)) else float(found)
+
+
+def read(said: str) -> float:
+    """The number at the front of words: −0.25, 10⁴, +7.9·10⁻¹¹."""
+    found = NUMBER.match(said.replace("−", "-"))
+    assert found, f"no number in {said}"
+    sign, power, plain, high = found.groups()
+    size = float(plain or 1) * 10.0 ** int((power or high or "0").translate(RAISED))
+    return -size if sign == "-" else size
 
 
 def near(said: float, true: float, relative: float = 1e-6) -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 import mpmath
 import numpy as np
 from scipy.linalg import block_diag, solve_continuous_lyapunov, solve_discrete_are, solve_discrete_lyapunov
-from witnesses import Shown, Witness, near, value
+from witnesses import Shown, Witness, near, read, value
 
 from app.engine.filters import Experiment, simulate_filters
 from app.engine.systems import slopes
@@ -215,9 +214,7 @@ def _nees(shown: Shown, words: Text) -> None:
 
 def _number(said: str, name: str) -> float:
     """The number behind a name in a list."""
-    found = re.search(rf"{name} ([\d.]+)(?:\s*[·×]\s*10([⁰¹²³⁴⁵⁶⁷⁸⁹⁻]+))?", said)
-    assert found, f"no number of {name} in {said}"
-    return float(found[1]) * 10.0 ** int((found[2] or "0").translate(str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")))
+    return read(said.partition(f"{name} ")[2])
 
 
 def _as_printed_in_algorithm_3(shown: Shown, words: Text) -> None:
