@@ -15,7 +15,7 @@ from app.plants.body import with_longer_arrows
 from app.text import languages, same
 from app.view.charts import decades, on_the_clock
 from app.view.svg import draw
-from app.view.transport import step_of
+from app.view.transport import end_of, step_of
 from lessons import LESSONS
 
 
@@ -45,6 +45,7 @@ def test_the_clock_stands_at_numbers_that_fit_their_field(horizon: float) -> Non
     step = step_of(horizon)
     assert horizon / 1300 < step <= horizon / 499
     assert len(f"{777 * step:.9g}".lstrip("0.").replace(".", "")) <= 4
+    assert end_of(float(np.nextafter(horizon, np.inf))) == end_of(horizon) == horizon
 
 
 def test_how_much_longer_arrows_are_is_the_bodys_to_say() -> None:

@@ -18,7 +18,8 @@ def test_in_large_print_every_word_takes_a_fiftieth_of_the_height_and_the_stage_
     assert f"{100 * LARGE:g}vh" in page.source("lecture.css")
 
 
-def test_a_drawing_that_stands_alone_in_a_hall_fills_its_column_and_no_other_does() -> None:
+def test_a_drawing_that_stands_alone_fills_its_column_in_a_hall_and_is_a_square_at_a_desk_but_not_on_a_phone() -> None:
     hall, desk = (Sizes(State(lecture=large, window=(1920.0, 1080.0))) for large in (True, False))
     assert 0.6 * 1080 < hall.drawing(1) * hall.right / W < 0.8 * 1080
-    assert hall.drawing(2) == desk.drawing(1) == H
+    assert desk.drawing(1) == W
+    assert hall.drawing(2) == desk.drawing(2) == Sizes(State(window=(390.0, 844.0))).drawing(1) == H

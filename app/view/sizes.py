@@ -65,9 +65,11 @@ class Sizes:
         return round(0.5 * self.state.window[1]) if self.state.lecture else CHARTS.get(figures, LEAST_CHART)
 
     def drawing(self, figures: int) -> float:
-        """The height of a plane or a map, whose width is `axes.W`: one that stands alone in its tab in a hall fills the column."""
-        alone = self.state.lecture and figures == 1
-        return min(FILLS * self.state.window[1] * W / self.right, TALLEST * W) if alone else float(H)
+        """The height of a plane or a map, whose width is `axes.W`: one that stands alone in its tab is a square, and fills the column
+        in a hall; on a phone none takes more than others."""
+        if figures > 1 or self.state.window[0] < PHONE:
+            return float(H)
+        return min(FILLS * self.state.window[1] * W / self.right, TALLEST * W) if self.state.lecture else float(W)
 
     def upright(self, figures: int) -> float:
         """px along a chart's vertical axis that its name may take, however little of the column is left to the chart."""

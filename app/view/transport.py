@@ -27,6 +27,11 @@ def step_of(horizon: float) -> float:
     return max(s * decade for s in (1, 2, 5) if s * decade <= finest * (1 + 1e-9))
 
 
+def end_of(horizon: float) -> float:
+    """The end of the time slider: the length of the run, without the digits that rounding has left there and a field would show."""
+    return round(horizon, 9) or 0.01
+
+
 def _parts(picture: Picture) -> str:
     """The names of the parts of the lesson, for a phone, which shows one at a time."""
     lang, named = picture.state.language, [("predict", phrases.PREDICTION), ("knobs", phrases.KNOBS)]
@@ -44,7 +49,7 @@ class Transport:
         self._lang = lang
         self._count, self._rate, self._picture = 0, picture.rate, picture
         self._caption = self._words(picture)
-        self._horizon = picture.horizon or 0.01
+        self._horizon = end_of(picture.horizon)
         panel = gui.add_panel()
         with panel.add_tab(phrases.TRANSPORT(lang)):
             commands: dict[str, Command] = {
@@ -93,7 +98,7 @@ class Transport:
         options = self._options(picture)
         if self._row.options != options:
             self._row.options = options
-        words, longest = self._words(picture), picture.horizon or self._horizon
+        words, longest = self._words(picture), end_of(picture.horizon or self._horizon)
         if (self._rate, self._caption, self._horizon) != (picture.rate, words, longest):
             self._rate, self._caption = picture.rate, words
             self._clock.content = clock(picture.state.t, picture.horizon, self._rate, self._caption)

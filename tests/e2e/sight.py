@@ -40,6 +40,11 @@ MEASURE = """() => {
   }
   for (const field of document.querySelectorAll('.mantine-Select-input, .mantine-NumberInput-input'))
     if (seen(field) && field.scrollWidth > field.clientWidth + 1) out.cut.push(`field: ${field.value}`);
+  for (const slider of document.querySelectorAll('.mantine-Slider-root')) {
+    const foot = slider.querySelector('[role=slider]').getBoundingClientRect().bottom;  // the handle comes as far as its stops' numbers
+    for (const mark of slider.querySelectorAll('.mantine-Slider-markLabel'))
+      if (seen(mark) && mark.textContent && foot > mark.getBoundingClientRect().top + 1) out.over.push(`a handle on ${mark.textContent}`);
+  }
   for (const drawn of document.querySelectorAll('.ol-figure svg, .u-over')) {
     if (!seen(drawn)) continue;
     const named = [...drawn.querySelectorAll('text, .ol-name:not([hidden])')].filter(t => t.textContent.trim());

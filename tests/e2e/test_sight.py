@@ -55,6 +55,7 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
             tab.page.wait_for_selector(".mantine-Modal-content", state="detached")
     if size[0] < 576:
         assert seen.screens <= 2.0, "a part of the lesson takes more than one screen of scrolling"
+        assert seen.words >= 10.0, f"{seen.smallest}: {seen.words} px"
     if large:
         tab.press("large print")
 
@@ -82,6 +83,11 @@ def test_tabs_stand_in_one_row_that_shows_the_chosen_one_and_no_figure_is_cut(wa
     tab.page.set_viewport_size({"width": 1366, "height": 768})
     heads.last.click()
     eventually(lambda: tab.page.evaluate(TABS), lambda faults: not faults, "the row of tabs in normal print")
+    heads.first.click()
+    for high in (1600, 768):
+        tab.page.set_viewport_size({"width": 1366, "height": high})
+        eventually(lambda: tab.page.evaluate(MEASURE), lambda seen: seen["empty"] < 0.2 and not seen["cut"],
+                   f"charts in normal print take what the column has left at {high} px")
 
 
 def test_folders_scroll_and_the_chosen_figure_survive_language_and_print(walking: Tab) -> None:

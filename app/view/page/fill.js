@@ -1,10 +1,13 @@
 // In large print lets the figures of the column on the right fill it: a chart takes what those above it leave of a screenful, and a
 // figure of which little more than its title would show begins the next one. Where that would leave much of one empty, the chart
-// fills it and its words alone are on the next.
+// fills it and its words alone are on the next. In usual print charts grow by equal parts into what their tab would leave empty.
 ({large}) => {
   const lab = window.observerLabFill ??= {}, LEAST = .3, MUCH = .35, HALF = .5, TALLEST = 1.5;  // shares; height over width
   const CLEAR = 6, AIR = .7;  // px; letters
+  const DRAWN = '.uplot,.ol-table,:has(.uplot,.ol-table)';
+  const [SPARE, SLACK] = [26, 66];  // px left below grown charts, so that a caption may take a line more; px from which they grow again
   lab.large = large;
+  lab.heights ??= new WeakMap();  // of charts in usual print: as the lab made them, and as `share` left them
   const column = () => document.querySelector('[data-dock-region=right]'), rect = each => each.getBoundingClientRect();
 
   // Where the figures leave some of the column and no chart can take it, the rows of tables stand farther apart.
@@ -17,12 +20,30 @@
     for (const [each, , has] of tables) if (has !== air) each.style.setProperty('--air', `${air}px`);
   };
 
+  // In usual print; no chart is ever lower than it was made, and none grows while it would have to shrink again for a longer caption.
+  const share = (view, captions, room, charts) => {
+    const own = charts.filter(each => view.contains(each.root)), top = rect(view.firstElementChild).top;
+    const left = room - rect(captions.at(-1)).bottom + top, sizes = own.map(chart => {
+      const held = lab.heights.get(chart), made = held?.now === chart.height ? held.made : chart.height;
+      return {chart, made, most: Math.max(made, Math.round(TALLEST * chart.width))};
+    });
+    if (!own.length) airy(view, captions.at(-1), room - SPARE);
+    if (!own.length || (left >= 0 && left <= SLACK)) return;
+    const usual = sizes.reduce((sum, {chart, made}) => sum + chart.height - made, 0), more = Math.floor(Math.max(0, left + usual - SPARE) / own.length);
+    for (const {chart, made, most} of sizes) {
+      const height = Math.min(made + more, most);
+      lab.heights.set(chart, {made, now: height});
+      if (height !== chart.height) chart.setSize({width: chart.width, height});
+    }
+  };
+
   const fill = () => {
-    const all = lab.large ? [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []] : [];
+    const all = [...column()?.querySelectorAll('.ol-caption[data-figure]') ?? []];
     const captions = all.filter(each => each.checkVisibility());
     const view = captions[0]?.closest('[data-scrollarea-viewport]'), room = view?.clientHeight;
     if (!room) return;
     const charts = Object.values(window.__viserTestpoints?.uplots ?? {}).map(held => held.chart);
+    if (!lab.large) return share(view, captions, room, charts);
     const gap = parseFloat(getComputedStyle(captions[0]).marginBottom) || 0;
     let page = 0, before = null, late = 0;  // where the screenful begins, as it is scrolled to; px that charts are yet to grow
     for (const caption of captions) {
@@ -65,7 +86,7 @@
       for (const each of known) if (!each.isConnected) { known.delete(each); sizes.unobserve(each); }
       for (const view of column()?.querySelectorAll('[data-scrollarea-viewport]') ?? []) for (const each of [view, view.firstElementChild])
         if (each && !known.has(each)) { known.add(each); sizes.observe(each); }
-      if (lab.large && all.some(({target}) => own(target))) lab.fill();
+      if (all.some(({target, addedNodes}) => (lab.large || [...addedNodes].some(node => node.matches?.(DRAWN))) && own(target))) lab.fill();
     });
     lab.seen.observe(document.body, {childList: true, subtree: true});
     // Figures that are still being drawn would draw a column that snaps along with them: it snaps once a hand is at it. Until then
