@@ -115,7 +115,7 @@ class LoopMargins:
     @cached_property
     def input_disk(self) -> DiskMargin:
         """`all_inputs.disk` alone, for who needs nothing else of it."""
-        return _structured_disk(self.loop, slice(0, self.loop.inputs))
+        return _structured_disk(self.loop)
 
     @cached_property
     def all_inputs(self) -> MultiMargins:
@@ -205,11 +205,13 @@ def _phase(loop: Sensitivity, s: np.ndarray, at: Response) -> tuple[tuple[float,
     return phase, delay
 
 
-def _structured_disk(loop: Sensitivity, part: slice) -> DiskMargin:
+def _structured_disk(loop: Sensitivity) -> DiskMargin:
+    """Of all inputs at once, which come first among the signals."""
     if not loop.stable:
         return DiskMargin(0.0, float("nan"))
-    S, half = loop.values[:, part, part], 0.5 * np.eye(part.stop - part.start)
-    return _disk(*highest(loop.omega, _structured(S - half), lambda w: _structured(loop.at(w)[..., part, part] - half)))
+    count = loop.inputs
+    S, half = loop.values[:, :count, :count], 0.5 * np.eye(count)
+    return _disk(*highest(loop.omega, _structured(S - half), lambda w: _structured(loop.corner(w, count) - half)))
 
 
 # --- many channels -----------------------------------------------------------------------------------------------------
@@ -223,14 +225,19 @@ def _together(loop: Sensitivity, part: slice) -> MultiMargins:
 
     def peak(norm: Response, less: float) -> tuple[float, float]:
         """The largest norm of S − less · I, and where."""
-        return highest(loop.omega, norm(S - less * identity), lambda w: norm(loop.at(w)[..., part, part] - less * identity))
+        return highest(loop.omega, norm(S - less * identity), lambda w: norm(loop.corner(w, part.stop)[..., part, part] - less * identity))
 
     top, frequency = peak(_largest, 0.0)
     return MultiMargins(_disk(*peak(_structured, 0.5)), _disk(*peak(_largest, 0.5)), top, frequency)
 
 
 def _largest(matrices: np.ndarray) -> np.ndarray:
-    """Largest singular value of each matrix of a stack."""
+    """Largest singular value of each matrix of a stack; of two rows and columns without a search, sums of squares alone."""
+    if matrices.shape[-2:] == (2, 2):
+        size = matrices.real**2 + matrices.imag**2
+        first, second = size[..., 0, :].sum(axis=-1), size[..., 1, :].sum(axis=-1)
+        along = (matrices[..., 0, :] * matrices[..., 1, :].conj()).sum(axis=-1)
+        return np.sqrt((first + second + np.hypot(first - second, 2 * np.abs(along))) / 2)
     return np.linalg.svd(matrices, compute_uv=False)[..., 0]
 
 
@@ -246,7 +253,7 @@ def _structured(matrices: np.ndarray) -> np.ndarray:
     power += power.max(axis=(-2, -1), keepdims=True) / UNEVEN + 1e-200
     power[..., np.arange(size), np.arange(size)] = 0.0
     d = np.ones(matrices.shape[:-1])  # squares of the scalings
-    for _ in range(BALANCING):
+    for _ in range(BALANCING if size > 2 else 1):  # one round balances two
         for i in range(size):
             d[..., i] = np.sqrt((power[..., :, i] * d).sum(axis=-1) / (power[..., i, :] / d).sum(axis=-1))
         d = np.clip(d / d[..., :1], 1 / UNEVEN, UNEVEN)

@@ -73,6 +73,10 @@ def held_scan(Phi: np.ndarray, Gamma: np.ndarray, inputs: np.ndarray, z0: np.nda
 def _one_by_one(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndarray:
     states = np.empty((len(forcing) + 1, len(z0)))
     states[0] = z = z0
+    quick = kernel(scan_steps) if len(z0) <= NARROW else None
+    if quick is not None:
+        quick(given(Phi.T), given(forcing), states)
+        return states
     for k, push in enumerate(forcing):
         states[k + 1] = z = Phi @ z + push
     return states
@@ -92,16 +96,11 @@ def _doubling(Phi: np.ndarray, z0: np.ndarray, steps: int) -> np.ndarray:
 
 
 def _blocks(Phi: np.ndarray, forcing: np.ndarray, z0: np.ndarray) -> np.ndarray:
-    """By its kernel, or in two passes: every block from zero at once, the block ends among themselves, then add what each start gives."""
+    """One by one where the kernel makes that quick, else in two passes: every block from zero at once, the block ends among
+    themselves, then add what each start gives."""
     steps, N = forcing.shape
-    if steps < SHORT:
+    if steps < SHORT or (N <= NARROW and kernel(scan_steps) is not None):
         return _one_by_one(Phi, forcing, z0)
-    quick = kernel(scan_steps) if N <= NARROW else None
-    if quick is not None:
-        states = np.empty((steps + 1, N))
-        states[0] = z0
-        quick(given(Phi.T), given(forcing), states)
-        return states
     count = -(-steps // BLOCK)
     if steps == count * BLOCK:
         push = forcing.reshape(count, BLOCK, N)

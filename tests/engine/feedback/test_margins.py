@@ -20,7 +20,7 @@ from app.engine import (
     recover,
     sensitivity,
 )
-from app.engine.feedback import DiskMargin, state_feedback_margins
+from app.engine.feedback import DiskMargin, margins, state_feedback_margins
 from app.engine.systems import discretise
 from app.plants import platform
 
@@ -282,3 +282,13 @@ def test_the_disk_margin_of_all_inputs_by_itself_is_that_of_the_whole_report() -
         assert found.input_disk == found.all_inputs.disk
     runaway = Plant(np.eye(1), np.eye(1), np.eye(1))
     assert loop_margins(runaway, np.array([[1.0]])).input_disk.alpha == 0
+
+
+def test_the_largest_singular_value_is_the_one_of_a_decomposition() -> None:
+    rng = np.random.default_rng(3)
+    for size in (1, 2, 3):
+        matrices = rng.standard_normal((2, 60, size, size, 2)) @ [1, 1j] * 10.0 ** rng.uniform(-8, 8, (2, 60, size, 1))
+        matrices[0, :20, -1] = matrices[0, :20, 0] * (1 + 1e-9)  # nearly singular
+        matrices[1, 0] = 0.0
+        assert np.allclose(margins._largest(matrices), np.linalg.svd(matrices, compute_uv=False)[..., 0], rtol=1e-13, atol=0)
+        assert np.all(margins._structured(matrices) <= (1 + 1e-12) * margins._largest(matrices))
