@@ -18,6 +18,12 @@ def test_in_large_print_every_word_takes_a_fiftieth_of_the_height_and_the_stage_
     assert f"{100 * LARGE:g}vh" in page.source("lecture.css")
 
 
+@pytest.mark.parametrize("width", [1024.0, 1100.0, 1366.0, 2560.0])
+def test_in_normal_print_the_panel_of_the_run_covers_no_column(width: float) -> None:
+    sizes = Sizes(State(window=(width, 600.0)))
+    assert sizes.left + sizes.right + sizes.run < width
+
+
 def test_a_drawing_that_stands_alone_fills_its_column_in_a_hall_and_is_a_square_at_a_desk_but_not_on_a_phone() -> None:
     hall, desk = (Sizes(State(lecture=large, window=(1920.0, 1080.0))) for large in (True, False))
     assert 0.6 * 1080 < hall.drawing(1) * hall.right / W < 0.8 * 1080

@@ -14,6 +14,7 @@ from . import scripted
 from .axes import H, W
 
 LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of the run
+LEAST_RUN = 250.0  # px of that panel, where its buttons stand in more rows
 LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
 LARGE = 0.021  # of the window's height: a letter's size in large print; `lecture.css` says the same
 PHONE = 576.0  # px of a window's width below which a sheet lies over the stage; `page.css` says the same
@@ -48,7 +49,7 @@ class Sizes:
     def run(self) -> float:
         """px of the panel of the run: all the stage has in large print, so that its buttons stand in one row."""
         stage = self.state.window[0] - self.left - self.right - 2 * BAR
-        return max(stage, 300.0) if self.state.lecture else min(RUN, max(stage, 300.0))
+        return max(stage, 300.0) if self.state.lecture else min(RUN, max(stage, LEAST_RUN))
 
     @property
     def lists_keys(self) -> bool:
