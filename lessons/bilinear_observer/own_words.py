@@ -52,7 +52,7 @@ def live(design: Design, s: Story, m: Mapping[str, float]) -> Text:
         return claim(text("The sensors' noise moves ĝ by {rms:.2g} of g (rms, second half of the run); at rest and u = 0 its law says "
                           "{promised:.2g}.", rms=m["noise_rms"], promised=m["noise_promised"]), m["noise_rms"], above=0.0)
     poles = pole_words(listed(s.poles)[:6])
-    follows = text("Case {case}: an observer of order {order} watches g, and ε dies out with the poles {poles} under this u.",
+    follows = text("Case {case}: an observer of order {order} watches g, and ε dies out under this u; poles: {poles}.",
                    case=o.case, order=o.order, poles=poles)
     return claim(follows, m["law_gap"], below=LAW, otherwise=text(
         "The poles are {poles}, but something still drives ε: when the run ends it is {late:.2g} of g.", poles=poles, late=late))

@@ -78,13 +78,13 @@ def fitted(model: Model) -> Here:
     """What the lesson needs of a plant. Raises KnobError, in one sentence, where it does not fit."""
     plant = model.plant
     if observability(plant).unobservable:
-        raise KnobError(text("The plant has modes that leave no trace in its outputs; this lesson is about "
-                             "observable plants."))
+        raise KnobError(text("The plant has modes that leave no trace in its outputs; measure more, or take it to the "
+                             "lesson on hidden modes."))
     units = scaled(model)
     highest = plant.n - seen_by(units)
     if highest < 1:
         raise KnobError(text("The outputs of this plant give its whole state at once, so u = −Kx needs no "
-                             "observer."))
+                             "observer; leave out an output, or take a plant with more states."))
     K = np.zeros((plant.m, plant.n)) if model.controller is None else model.controller.gain
     wanted = tuple((f"u{i + 1}", text("input {name}: its row of K", name=called(plant, name)))
                    for i, name in enumerate(plant.input_names) if np.any(K[i]))

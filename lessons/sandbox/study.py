@@ -196,7 +196,7 @@ def _structure(found: Structure) -> tuple[Row, ...]:
     else:
         n, both = sum(d.sizes), d.sizes[0]
         rows.append((text("minimal"), both == n, text(
-            "{both} of {n} states act from u to y", both=both, n=n)))
+            "states that act from u to y: {both} of {n}", both=both, n=n)))
     return tuple(rows)
 
 

@@ -38,7 +38,8 @@ TABLES = (LOOPS, SENSORS, VARIANCES, NOISE, FUNCTIONS, FAULTS, EFFORT, ARM)
 WITNESSES: Mapping[str, Witness] = {said: witness for table in TABLES for said, witness in table.items()}  # by message
 AIMED: Mapping[str, Mapping[str, Any]] = {"nonlinear": {"kick": -1.0}}  # no bound holds for a kick that no filter is told of
 LONG = re.compile(r"(?<![\d.])\d{5,}")  # a number of five digits or more, written out
-RAW = re.compile(r"\d[eE][+−-]?\d|\d-\d|[+−-] ?[+−-]\d|\d{8,}")  # as a computer writes: 1e-08, a plain minus, + −3, −43718053745.3
+RAW = re.compile(r"\d[eE][+−-]?\d|\d-\d|[+−-] ?[+−-]\d|\d{8,}|(?:^|[ (])1 (?:sensors|poles|states|values|outputs|inputs)\b")
+# as a computer writes: 1e-08, a plain minus, + −3, −43718053745.3, 1 sensors
 
 
 def _at_one_effort(lesson: Lesson, outcome: Outcome) -> Outcome:

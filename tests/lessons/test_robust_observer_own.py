@@ -178,8 +178,8 @@ def test_the_ghost_is_the_whole_state_where_z_and_y_give_it() -> None:
 
 # --- refusals ------------------------------------------------------------------------------------------------------
 @pytest.mark.parametrize(("plant", "words"), [
-    (Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.array([[1.0, 0.0]])), ("leave no trace", "能观")),
-    (Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.eye(2)), ("needs no observer", "不需要观测器")),
+    (Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.array([[1.0, 0.0]])), ("leave no trace", "不留痕迹")),
+    (Plant(np.diag([-1.0, -2.0]), np.ones((2, 1)), np.eye(2)), ("needs no observer", "更多的对象")),
 ])
 def test_a_plant_that_does_not_fit_is_refused_in_one_sentence(plant: Plant, words: tuple[str, str]) -> None:
     with pytest.raises(KnobError) as problem:

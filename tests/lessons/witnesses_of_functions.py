@@ -127,7 +127,7 @@ WITNESSES: Mapping[str, Witness] = {
     "|ε| follows e^({pole}t) to within {law_gap:.0e} of its peak, whatever u does.": _law,
     "|ε| follows ẇ = A_L w to within {law_gap:.0e} of its peak, whatever u does.": _silenced,
     "Case {case}: one state watches g, and ε dies out as e^({pole}t) under this u.": _dies_out,
-    "Case {case}: an observer of order {order} watches g, and ε dies out with the poles {poles} under this u.": _dies_out,
+    "Case {case}: an observer of order {order} watches g, and ε dies out under this u; poles: {poles}.": _dies_out,
     "The sensors' noise moves ĝ by {rms:.2g} (rms, second half of the run); at rest and u = 0 its law says {promised:.2g}.": _noise_of,
     "The sensors' noise moves ĝ by {rms:.2g} of g (rms, second half of the run); at rest and u = 0 its law says {promised:.2g}.": _noise_of,
     "With the true plant the loop is unstable.": _unstable_loop,
