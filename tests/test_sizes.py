@@ -7,7 +7,7 @@ import pytest
 from app.tab.picture import State
 from app.view import page
 from app.view.axes import H, W
-from app.view.sizes import LARGE, Sizes
+from app.view.sizes import ASIDE, BAR, LARGE, LEFT, RIGHT, SHEET, Sizes
 
 
 @pytest.mark.parametrize("window", [(1024.0, 768.0), (1280.0, 720.0), (1920.0, 1080.0), (3840.0, 2160.0)], ids=str)
@@ -18,10 +18,27 @@ def test_in_large_print_every_word_takes_a_fiftieth_of_the_height_and_the_stage_
     assert f"{100 * LARGE:g}vh" in page.source("lecture.css")
 
 
-@pytest.mark.parametrize("width", [1024.0, 1100.0, 1366.0, 2560.0])
-def test_in_normal_print_the_panel_of_the_run_covers_no_column(width: float) -> None:
-    sizes = Sizes(State(window=(width, 600.0)))
-    assert sizes.left + sizes.right + sizes.run < width
+@pytest.mark.parametrize("across", [900.0, 1024.0, 1280.0, 1366.0, 1920.0, 3840.0])
+@pytest.mark.parametrize("up", [560.0, 768.0, 1366.0])
+def test_columns_leave_the_stage_two_fifths_of_any_window_and_the_run_covers_none(across: float, up: float) -> None:
+    sizes = Sizes(State(window=(across, up)))
+    assert not sizes.sheet and across - sizes.left - sizes.right >= 0.4 * across
+    assert sizes.left + sizes.right + sizes.run + 2 * BAR <= across + 1e-9
+    assert (sizes.left, sizes.right) == (LEFT, RIGHT) or across < 1366
+
+
+@pytest.mark.parametrize("window, below", [((320.0, 568.0), True), ((390.0, 844.0), True), ((768.0, 1024.0), True), ((896.0, 896.0), True),
+                                           ((844.0, 390.0), False), ((683.0, 384.0), False)], ids=str)
+def test_a_window_without_room_for_columns_has_a_sheet_below_the_stage_or_beside_it(window: tuple[float, float], below: bool) -> None:
+    sizes = Sizes(State(window=window))
+    assert sizes.sheet and sizes.below == below
+    assert sizes.right == pytest.approx(window[0] if below else ASIDE * window[0])
+
+
+def test_the_page_and_its_server_agree_where_a_sheet_begins() -> None:
+    widest = f"(max-width:{SHEET / 16:g}em)"
+    assert f"@media {widest}{{" in page.source("page.css") and f"@media {widest} and (orientation:landscape)" in page.source("page.css")
+    assert widest.replace(":", ": ") in page.source("breadth.js") and f"width:{100 * ASIDE:g}vw" in page.source("page.css")
 
 
 def test_a_drawing_that_stands_alone_fills_its_column_in_a_hall_and_is_a_square_at_a_desk_but_not_on_a_phone() -> None:

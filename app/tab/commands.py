@@ -251,7 +251,7 @@ class Recalled:
     """What the browser's tab kept before it was loaded again, None if nothing.
 
     `token` stands in the address bar, "" where none does; `known` says that this tab itself has put it there. `earlier` is what
-    the browser's last tab kept, for a new one; `shelf` the designs that it keeps under names.
+    the browser's last tab kept, for a new one; `shelf` the designs that it keeps under names; `window` is what `SeeWindow` says.
     """
 
     text: str | None
@@ -259,6 +259,7 @@ class Recalled:
     known: bool = False
     earlier: str | None = None
     shelf: str | None = None
+    window: tuple[object, object, object] | None = None
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,14 @@ def named(words: object) -> str:
     return name
 
 
+LEAST_PIXELS, MOST_PIXELS = 200.0, 20_000.0  # of a window's side
+
+
+def pixels(value: object) -> float:
+    """A side of a window out of what a browser sent. Raises KnobError."""
+    return min(max(number(value), LEAST_PIXELS), MOST_PIXELS)
+
+
 def number(value: object, finite: bool = True) -> float:
     """A number out of what a browser sent, a finite one unless told otherwise. Raises KnobError."""
     found: float | None = None

@@ -23,12 +23,11 @@ from .commands import (
     ToggleTheme,
     TurnPage,
 )
-from .gate import number
+from .gate import number, pixels
 from .presenter import Presenter
 from .reload import recalled
 
 SAME_WINDOW = 0.01  # share of its size by which a window may differ without being another
-LEAST_PIXELS, MOST_PIXELS = 200.0, 20_000.0  # of a window's side
 
 
 def obey(show: Presenter, command: Paging) -> None:
@@ -48,7 +47,7 @@ def obey(show: Presenter, command: Paging) -> None:
         case ToggleTheme():
             show.rebuild(replace(show.state, dark=not show.state.darkness))
         case SeeWindow(across, up, night):
-            _see(show, (_pixels(across), _pixels(up)), bool(number(night)))
+            _see(show, (pixels(across), pixels(up)), bool(number(night)))
         case ToggleLandscape():
             show.change(replace(show.state, landscape=not show.state.landscape))
         case LookFrom(place):
@@ -77,10 +76,6 @@ def _see(show: Presenter, window: tuple[float, float], night: bool) -> None:
         show.change(state)
     else:
         show.state = replace(state, window=before.window)
-
-
-def _pixels(sent: object) -> float:
-    return min(max(number(sent), LEAST_PIXELS), MOST_PIXELS)
 
 
 def _language(asked: object, present: str) -> str:

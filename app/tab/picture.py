@@ -258,7 +258,7 @@ class View(Protocol):
         """The run of a picture as a page that plays by itself, seen from there; on any thread, it touches no screen. Raises FileError."""
         ...
 
-    def recall(self, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
+    def recall(self, answer: Callable[..., object]) -> None:
         """Ask for what a `Recalled` holds; the answer may come late, or never."""
 
     def remember(self, text: str) -> None:

@@ -6,11 +6,14 @@ The answer may be late, on a busy server or a bad line, and it may never come: a
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
+from ..lesson.knobs import KnobError
 from ..text import text
 from . import sharing
 from .commands import Recalled
+from .gate import number, pixels
 from .memory import Memory, read_memory
 from .presenter import Presenter
 from .shelf import read_shelf
@@ -23,7 +26,7 @@ LATE = text("Your work from before the reload has arrived late: one step of undo
 class Recall:
     """The question what the tab kept, asked until it is answered."""
 
-    def __init__(self, show: Presenter, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
+    def __init__(self, show: Presenter, answer: Callable[..., object]) -> None:
         self._show, self._answer = show, answer
         self._pause, self._next = PATIENCE, 0.0
 
@@ -51,6 +54,10 @@ def recalled(show: Presenter, said: Recalled) -> None:
         return
     show.recalled = True
     show.state = replace(show.state, shelf=read_shelf(said.shelf, show.lessons))
+    if said.window is not None and show.shown is None:  # a page that stands has told of its window by now
+        across, up, night = said.window
+        with suppress(KnobError):
+            show.state = replace(show.state, window=(pixels(across), pixels(up)), night=bool(number(night)))
     memory = read_memory(said.text, show.lessons)
     if memory is not None:
         _go_on(show, memory)

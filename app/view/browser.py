@@ -1,9 +1,10 @@
-"""What a browser keeps for a person, and what it is handed: its storage, its address bar, its downloads."""
+"""What a browser keeps for a person, and what it is handed: its storage, its address bar, its downloads, from where it looks."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from typing import Any
 
 import viser
 
@@ -11,6 +12,7 @@ from ..tab.memory import MOST
 from ..tab.picture import Picture
 from ..tab.token import LONGEST_LINK
 from . import quirks, scripted
+from .viewpoint import Viewpoint
 
 HOME = re.compile(r"https?://[\w.:\[\]-]{1,200}(?:/[\w.~/%-]{0,200})?", re.ASCII)
 STORAGE, SHELF = "observer-lab", "observer-lab-designs"  # the keys of what tabs keep, and of the designs under names
@@ -21,7 +23,22 @@ class Browser:
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
+        self._viewpoint = Viewpoint(client)
         self._home = ""  # where the browser found the page, as its address bar says
+
+    def camera(self, preset: str) -> None:
+        """Look from a named place."""
+        self._viewpoint.camera(preset)
+        self._client.flush()
+
+    def look(self, camera: tuple[float, ...] | None) -> None:
+        """Look from a position at a target, from where everything is seen for None."""
+        self._viewpoint.look(camera)
+        self._client.flush()
+
+    def eye(self) -> tuple[float, ...] | None:
+        """Position and target of the camera, None where it stands as it was put."""
+        return self._viewpoint.eye()
 
     def address(self, token: str, lesson: str, asked: int) -> None:
         """Put a state into the address bar, if it fits there."""
@@ -37,11 +54,11 @@ class Browser:
 
         return replay(picture, token, camera).encode()
 
-    def recall(self, answer: Callable[[str | None, str, bool, str | None, str | None], object]) -> None:
+    def recall(self, answer: Callable[..., object]) -> None:
         """Ask for what this tab kept through a reload, for what stands in the address bar, and for what the browser keeps."""
-        def heard(kept: str | None, token: str, known: bool, home: str, earlier: str | None, shelf: str | None) -> None:
+        def heard(kept: str | None, token: str, known: bool, home: str, *others: Any) -> None:
             self._home = home if HOME.fullmatch(home) else ""
-            answer(kept, token, known, earlier, shelf)
+            answer(kept, token, known, *others)
         quirks.ask_storage(self._client, STORAGE, SHELF, heard)
 
     def remember(self, text: str) -> None:

@@ -96,7 +96,8 @@ class Chart:
         self._shared = what_is_shared(figure, self._under(under))
         self._cursor = on_the_clock(figure, horizon)
         self._bold = 1.5 if sizes.state.lecture else 1.0
-        self._letter, self._aspect, self._room = sizes.chart_letter, (sizes.right - FRAME) / sizes.chart(mates), sizes.upright(mates)
+        self._letter, self._mates, self._room = sizes.chart_letter, mates, sizes.upright(mates)
+        self._aspect = self._wide(sizes)
         self._high = sizes.drawing(mates)
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
@@ -107,6 +108,15 @@ class Chart:
         else:
             self._html = gui.add_html(self._drawing(figure))
         self._caption = gui.add_html(self._words(figure, under))
+
+    def _wide(self, sizes: Sizes) -> float:
+        return (sizes.right - FRAME) / sizes.chart(self._mates)
+
+    def take_room(self, sizes: Sizes) -> None:
+        """The column has another width: a chart keeps its height."""
+        self._aspect = self._wide(sizes)
+        if self._plot is not None:
+            self._plot.aspect = self._aspect
 
     def _drawing(self, figure: Figure) -> str:
         return draw(figure, self._language, self._alone, self._high)

@@ -28,14 +28,21 @@ class Columns:
         self._held.append((panel, width))
         panel.set_width(width)
 
+    def resize(self, *widths: float) -> None:
+        """The panels take other widths, in the order in which they were added."""
+        for k, ((panel, before), width) in enumerate(zip(self._held, widths, strict=True)):
+            if width != before:
+                self._held[k] = panel, width
+                panel.set_width(width)
+
     def watch(self, client: viser.ClientHandle, post: Callable[[Edit], int]) -> None:
         """Hear how wide the column on the right stands, the first of these panels."""
         if len(self._held) < 2:
             return
         told = client.gui.add_number("", -1.0, visible=False)
-        panel, width = self._held[0]
 
         def tell_again() -> None:
+            panel, width = self._held[0]
             with suppress(RuntimeError):  # the page has been laid out anew meanwhile
                 panel.set_width(width)
 

@@ -200,7 +200,7 @@ def write(widget: Any, value: Any) -> None:
 
 
 def ask_storage(client: viser.ClientHandle, key: str, shelf: str,
-                answer: Callable[[str | None, str, bool, str, str | None, str | None], object]) -> None:
+                answer: Callable[..., object]) -> None:
     """Ask the page what it keeps under these keys and what stands in its address bar; `answer` is called on the event loop with
     what `kept` makes of it, when it comes, which may be never."""
     request, connection = secrets.token_hex(8), client._websock_connection

@@ -34,7 +34,7 @@ from .stage import StageView
 from .style import sheet_of
 from .take import Take
 from .transport import Transport
-from .viewpoint import Viewpoint, letters
+from .viewpoint import letters
 
 Post = Callable[[Edit], int]
 APART = 0.002  # s between two batches, so that the server's loop sends the first by itself
@@ -46,7 +46,7 @@ class Screen(Browser):
     def __init__(self, client: viser.ClientHandle) -> None:
         super().__init__(client)
         self._post: Post = lambda edit: 0
-        self._stage, self._viewpoint = StageView(client, trails=True), Viewpoint(client)
+        self._stage = StageView(client, trails=True)
         self._boards: dict[str, BoardView] = {}
         self._charts: dict[str, Chart] = {}
         self._map: MapBoard | None = None
@@ -94,9 +94,8 @@ class Screen(Browser):
             self._columns.add(gui.main_panel, sizes.left)
             self._columns.watch(self._client, self._post)
             self._commands(language)
-            charted = picture.lesson.pick is not None
-            self._stage.charted = charted
-            self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture)
+            self._stage.charted = picture.lesson.pick is not None
+            self._compose(picture)
             self._stage.furnish(picture.state.darkness)
             self._stage.build(picture.outcome.stage, language, letters(self._client.camera, picture.state.lecture))
             self._player = Player(self._client, self._stage, self._transport)
@@ -127,6 +126,8 @@ class Screen(Browser):
             time.sleep(APART)
             self._show_scene(picture, anew)
         with self._client.atomic():
+            if before is not None and before.state.window != picture.state.window:
+                self._take_room(picture)
             for part in filter(None, (self._panel, self._transport)):
                 part.show(picture)
             self._show_style(picture)
@@ -135,6 +136,18 @@ class Screen(Browser):
             if self._mark is not None:
                 self._mark.show(picture)
         self._client.flush()
+
+    def _compose(self, picture: Picture) -> None:
+        charted = picture.lesson.pick is not None
+        self._viewpoint.compose(bool(picture.boards) or charted, charted, picture.state.lecture, Sizes(picture.state).below)
+
+    def _take_room(self, picture: Picture) -> None:
+        """The window has another size; in large print the page is laid out anew instead."""
+        sizes = Sizes(picture.state)
+        self._columns.resize(*((sizes.right,) if picture.seen else ()), sizes.left)
+        for chart in self._charts.values():
+            chart.take_room(sizes)
+        self._compose(picture)
 
     def _show_scene(self, picture: Picture, anew: bool) -> None:
         with self._client.atomic():
@@ -199,11 +212,6 @@ class Screen(Browser):
             self._mark.answer(question)
             self._client.flush()
 
-    def camera(self, preset: str) -> None:
-        """Look from a named place."""
-        self._viewpoint.camera(preset)
-        self._client.flush()
-
     def open_figure(self, figure: str) -> None:
         """Bring the tab of a figure to the front."""
         picture = self._picture
@@ -221,15 +229,6 @@ class Screen(Browser):
         if self._course is not None and self._picture is not None:
             self._course.toggle(self._picture, progress)
             self._client.flush()
-
-    def look(self, camera: tuple[float, ...] | None) -> None:
-        """Look from a position at a target, from where everything is seen for None."""
-        self._viewpoint.look(camera)
-        self._client.flush()
-
-    def eye(self) -> tuple[float, ...] | None:
-        """Position and target of the camera, None where it stands as it was put."""
-        return self._viewpoint.eye()
 
     def offer(self, token: str) -> None:
         """Open the dialog in which a state can be taken away, or close it."""

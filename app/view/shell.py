@@ -29,7 +29,7 @@ def page_of_our_own(language: str) -> str:
     words = {web_code(code): {"name": NAME, "loading": phrases.LOADING(code), "lost": phrases.LOST(code)} for code in languages()}
     link = page.call("link", words=words, language=web_code(language), kept=SPOKEN)
     return _their_page(NAME, f"<style>{page.source('link.css')}</style><script>{page.call('software')}</script>"
-                             f"<script>{page.call('folded')}</script><script>{link}</script>"
+                             f"<script>{page.call('folded')}</script><script>{page.call('breadth')}</script><script>{link}</script>"
                              f"<script>{page.call('address', kept=ADDRESS)}</script>")
 
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import viser
 
 from ..tab.commands import Edit, SeeWindow
-from ..tab.picture import State
+from ..tab.picture import USUAL, State
 from . import scripted
 from .axes import H, W
 
@@ -17,7 +17,10 @@ LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of 
 LEAST_RUN = 250.0  # px of that panel, where its buttons stand in more rows
 LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
 LARGE = 0.021  # of the window's height: a letter's size in large print; `lecture.css` says the same
-PHONE = 576.0  # px of a window's width below which a sheet lies over the stage; `page.css` says the same
+PHONE = 576.0  # px of a window's width below which there are no keys
+SHEET = 896.0  # px of a window's width up to which a sheet takes the place of the columns; `page.css` and `breadth.js` say the same
+ASIDE = 0.54  # of the window's width that the sheet takes beside the stage, where the window is wider than high; likewise
+NARROWEST = 250.0, 270.0  # px of the columns in a window that just has room for them
 BAR = 12.0  # px between the panel of the run and the columns
 LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
 FILLS, TALLEST = 0.72, 1.4  # of a lone drawing in large print: its share of the window's height, its height over its width
@@ -36,14 +39,30 @@ class Sizes:
         return LARGE * self.state.window[1]
 
     @property
+    def sheet(self) -> bool:
+        """Whether a sheet takes the place of the columns."""
+        return self.state.window[0] <= SHEET
+
+    @property
+    def below(self) -> bool:
+        """Whether that sheet lies over the lower half of the stage."""
+        return self.sheet and self.state.window[1] >= self.state.window[0]
+
+    @property
     def left(self) -> float:
         """px of the column with the question and the knobs."""
-        return min(LARGE_LEFT * self.letter, 0.28 * self.state.window[0]) if self.state.lecture else LEFT
+        if self.state.lecture:
+            return min(LARGE_LEFT * self.letter, 0.28 * self.state.window[0])
+        return min(LEFT, max(NARROWEST[0], LEFT * self.state.window[0] / USUAL[0]))
 
     @property
     def right(self) -> float:
-        """px of the column with the figures."""
-        return min(LARGE_RIGHT * self.letter, 0.3 * self.state.window[0]) if self.state.lecture else RIGHT
+        """px of the column with the figures, or of the sheet."""
+        if self.sheet:
+            return self.state.window[0] * (1.0 if self.below else ASIDE)
+        if self.state.lecture:
+            return min(LARGE_RIGHT * self.letter, 0.3 * self.state.window[0])
+        return min(RIGHT, max(NARROWEST[1], RIGHT * self.state.window[0] / USUAL[0]))
 
     @property
     def run(self) -> float:

@@ -9,10 +9,11 @@ from types import MappingProxyType
 import numpy as np
 import viser
 
-PHONE = 0.62  # width over height below which the panels lie over the lower half
+PHONE = 0.58  # width over height of a canvas below which it is a phone's, whose letters are smaller and whose discs are for fingers
 NARROW = 0.90  # width over height of a canvas that just shows both boards
 SIGHT = 0.62  # radians of the field of view: the boards stay readable
-SHEET = 0.14  # of the way to what is looked at: aim this much lower on a phone, above its sheet
+ABOVE = 1.55  # times farther away that shows the whole stage in what a sheet leaves of it, however wide that is
+SHEET = 0.14  # of the way to what is looked at: aim this much lower where a sheet lies over the lower half
 LOWER = 0.04, 0.015  # of the way to what is looked at: aim this much lower above the run in large print, and above a map
 BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the boards
 CAMERAS = MappingProxyType({
@@ -53,7 +54,7 @@ class Viewpoint:
         self._client = client
         self._arrived = False  # whether the browser has said that it looks from where it was told to
         self._whole = self._seen_from = CAMERAS["all"]  # from where everything is seen, and from where the stage is
-        self._aspect, self._lower = 1.0, 0.0
+        self._aspect, self._lower, self._below = 1.0, 0.0, False
 
     def heard(self) -> None:
         """The browser has said from where it looks; called from the server's loop."""
@@ -69,12 +70,13 @@ class Viewpoint:
         self._seen_from = self._whole if camera is None else (camera[:3], camera[3:])
         self._look()
 
-    def compose(self, boards: bool, charted: bool, lecture: bool) -> None:
-        """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print."""
+    def compose(self, boards: bool, charted: bool, lecture: bool, below: bool = False) -> None:
+        """Whether boards stand behind the plant: without them the whole view is nearer; whether a map lies in front; the print;
+        whether a sheet lies over the lower half."""
         whole, lower = CAMERAS["all" if boards else "bare"], LOWER[0] * lecture + LOWER[1] * charted
         before, self._whole = self._whole, whole
-        if self._seen_from == before != whole or lower != self._lower:
-            self._lower = lower
+        if self._seen_from == before != whole or (lower, below) != (self._lower, self._below):
+            self._lower, self._below = lower, below
             self._seen_from = whole if self._seen_from == before else self._seen_from
             self._look()
 
@@ -94,8 +96,8 @@ class Viewpoint:
 
     def _fit(self, place: tuple[Sequence[float], Sequence[float]]) -> tuple[float, float]:
         """How many times farther off a narrow window looks from, and how far below the target it aims: what lies over it is below."""
-        back = retreat(self._aspect)
-        return back, (SHEET if self._aspect < PHONE else self._lower) * back * abs(place[0][1] - place[1][1])
+        back = max(retreat(self._aspect), ABOVE if self._below else 1.0)
+        return back, (SHEET if self._below else self._lower) * back * abs(place[0][1] - place[1][1])
 
     def _look(self) -> None:
         self._arrived = False

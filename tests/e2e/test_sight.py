@@ -23,6 +23,24 @@ SLID = """() => {
 FIGURES = "() => [...document.querySelectorAll('[data-dock-region=right] [data-dock-tab]')].findIndex(tab => tab.ariaSelected === 'true')"
 
 
+ROOM = """() => {
+  const steps = [...Array(24).keys()].map(k => (k + 0.5) / 24);
+  const free = steps.flatMap(x => steps.map(y => document.elementFromPoint(x * innerWidth, y * innerHeight)?.tagName === 'CANVAS'));
+  const run = [...document.querySelectorAll('.ol-note')].find(note => note.textContent.startsWith('t = ')).getBoundingClientRect();
+  const covered = [...document.querySelectorAll('[data-dock-region]')].map(region => region.getBoundingClientRect())
+    .some(region => Math.min(region.right, run.right) - Math.max(region.left, run.left) > 1);
+  return {free: free.filter(Boolean).length / free.length, covered};
+}"""
+
+
+def test_the_stage_keeps_its_room_in_windows_of_every_shape_and_no_panel_lies_on_another(tab: Tab) -> None:
+    """Projectors, tablets either way round, phones either way round, a laptop's page at twice its size."""
+    for across, up in ((1024, 768), (768, 1024), (844, 390), (320, 568), (683, 384), (1366, 1024), (900, 560)):
+        tab.page.set_viewport_size({"width": across, "height": up})
+        eventually(lambda: tab.page.evaluate(ROOM), lambda room: room["free"] >= 0.25 and not room["covered"],
+                   f"room for the stage in {across}×{up}")
+
+
 @pytest.mark.parametrize("name, size, large", [
     ("separation", (1366, 768), True), ("weak-states", (390, 844), False)], ids=str)
 def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name: str, size: tuple[int, int], large: bool) -> None:

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 
-from fakes import Tab, toy
+from fakes import FakeView, Tab, toy
 from test_reload import Again
 
-from app.tab.commands import SeeWindow, ToggleLecture, ToggleTheme
+from app.tab.commands import Recalled, SeeWindow, ToggleLecture, ToggleTheme
+from app.tab.picture import USUAL
+from app.tab.session import Session
 
 
 def test_the_page_follows_the_browser_into_the_dark_until_a_button_is_pressed() -> None:
@@ -18,6 +20,21 @@ def test_the_page_follows_the_browser_into_the_dark_until_a_button_is_pressed() 
     assert not tab.picture.state.darkness
     tab.do(SeeWindow(1366.0, 768.0, 1.0))
     assert not tab.picture.state.darkness and len(tab.view.of("build")) == 2
+
+
+def test_a_page_that_tells_of_its_window_before_it_is_laid_out_is_laid_out_for_it_once() -> None:
+    for told, window, dark in (((768, 1024, True), (768.0, 1024.0), True), ((1e9, -3, False), (20_000.0, 200.0), False),
+                               (("wide", 5, 0), USUAL, False), ((math.nan, 700, True), USUAL, False), (({}, [], None), USUAL, False)):
+        view = FakeView(answers=False)
+        session = Session({"toy": toy()}, view, "toy")
+        session.post(Recalled(None, window=told))
+        session._begin()
+        built = view.of("build")
+        assert len(built) == 1 and built[0].state.window == window and built[0].state.darkness == dark
+        if window != USUAL:
+            session.post(SeeWindow(*window, float(dark)))
+            session.step()
+            assert len(view.of("build")) == 1
 
 
 def test_a_window_that_changes_is_laid_out_anew_in_large_print_alone() -> None:
