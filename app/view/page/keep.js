@@ -60,6 +60,7 @@
   const found = () => [[column, place(column())], [figures, place(figures())]].filter(([, at]) => at);
   const scroll = lab.scroll = {wanted: !same ? [] : lab.scroll && !lab.scroll.moved ? lab.scroll.wanted : found(), moved: false};
   if (!same) Object.assign(lab, {lesson, hand: {}});
+  if (!same && document.documentElement.dataset.olPart) document.documentElement.dataset.olPart = 'predict';  // on a phone, its question
   lab.folders = folders;
 
   const done = new Set(), hands = ['wheel', 'pointerdown', 'keydown', 'touchstart'];
