@@ -82,7 +82,7 @@ class Viewpoint:
 
     def eye(self) -> tuple[float, ...] | None:
         """Position and target as `look` takes them, None where everything is seen from the usual place."""
-        now = self._eye() if self._arrived else np.ravel(self._seen_from)
+        now = self._eye() if self._arrived and not self._reshaped else np.ravel(self._seen_from)
         if not np.all(np.isfinite(now)) or np.allclose(now, np.ravel(self._whole), atol=0.02):
             return None
         return tuple(now.tolist())
@@ -111,11 +111,16 @@ class Viewpoint:
             self._client.camera.look_at = aim
             self._client.camera.fov = SIGHT
 
-    def misfits(self, em: float) -> bool:
-        """Whether the window, or a panel, has another shape than when the stage was last looked at; asked from the server's loop."""
+    @property
+    def _reshaped(self) -> bool:
+        """Whether the window, or a panel, has another shape than when the stage was last looked at from a named place."""
         return abs(aspect_of(self._client.camera) - self._aspect) > 0.03 * self._aspect
+
+    def misfits(self, em: float) -> bool:
+        """Whether `fit` has something to do; asked from the server's loop."""
+        return self._reshaped
 
     def fit(self, em: float) -> None:
         """Look again from the last named place where the window has another shape."""
-        if self.misfits(em):
+        if self._reshaped:
             self._look()

@@ -265,8 +265,15 @@ class Tab:
         """The row of a widget by its label, the smallest element that holds label and widget; one that is aside is opened."""
         found = self.page.locator(".mantine-Flex-root", has=self.page.get_by_text(label, exact=True)).last
         more = self.page.locator('[role=button][aria-expanded=false]', has_text=MORE)
-        if more.count() and not (found.count() and found.is_visible()):
-            more.first.click()
+
+        def stands() -> bool:
+            if found.count() and found.is_visible():
+                return True
+            if more.count():
+                more.first.click()
+                return False
+            return found.count() > 0
+        eventually(stands, bool, f"the row of {label}, which a page that is being laid out has not yet")
         return found
 
     def thumb(self, label: str) -> Locator:
