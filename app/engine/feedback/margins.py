@@ -234,7 +234,7 @@ def _together(loop: Sensitivity, part: slice) -> MultiMargins:
 def _largest(matrices: np.ndarray) -> np.ndarray:
     """Largest singular value of each matrix of a stack; of two rows and columns without a search, sums of squares alone."""
     if matrices.shape[-2:] == (2, 2):
-        size = matrices.real**2 + matrices.imag**2
+        size = np.real(matrices) ** 2 + np.imag(matrices) ** 2
         first, second = size[..., 0, :].sum(axis=-1), size[..., 1, :].sum(axis=-1)
         along = (matrices[..., 0, :] * matrices[..., 1, :].conj()).sum(axis=-1)
         return np.sqrt((first + second + np.hypot(first - second, 2 * np.abs(along))) / 2)
