@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from app.engine import Plant, sampled_loop, simulate_trial
 from app.engine.sampled import (
@@ -21,7 +22,6 @@ from app.lesson.lesson import Design
 from app.plants import platform
 from app.plants.platform_channels import T_y
 
-from .area import area_under
 from .players import DT, OPEN, OWN, Player, players
 
 BAND = (0.5, 3.0)  # Hz: the main resonance band
@@ -177,7 +177,7 @@ def analyse(world: World, player: Player, more: tuple[float, ...] = ()) -> Analy
 def band_rms(f: np.ndarray, density: np.ndarray, low: float, high: float) -> np.ndarray:
     """Root of the area under densities (n_f, k) between two frequencies, by cubics that do not swing between the points."""
     inside = (f >= low) & (f <= high)
-    return np.sqrt(area_under(f[inside], density[inside]))
+    return np.sqrt(PchipInterpolator(f[inside], density[inside]).integrate(*f[inside][[0, -1]]))
 
 
 def _unrounded(loop: SampledLoop) -> SampledLoop:

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pytest
 from lesson_checks import carried
-from scipy.interpolate import PchipInterpolator
 
 from app.engine import noisy_loop, sampled_lqg
 from app.engine.sampled import loop_density, mechanics_response, simulate_trials, welch_expectation
@@ -15,7 +14,6 @@ from app.lesson.lesson import Outcome
 from app.plants import platform, platform_siso
 from app.plants.platform_channels import T_y
 from app.plants.platform_lqg import Weights, coils, ground, lqg
-from lessons.showdown.area import area_under
 from lessons.showdown.lesson import LESSON
 from lessons.showdown.players import ORDER, decoupled, first_belief, full, gain_gap, players, reduced, sampled_design
 from lessons.showdown.world import band_rms, loop_of, measures, respond, world_of
@@ -57,14 +55,6 @@ def test_spectra_and_sizes_are_those_of_the_lyapunov_equation() -> None:
         variance = np.diag(loop.outputs @ loop.covariance @ loop.outputs.T)[:3]
         assert np.allclose(match.rms[i], 1e6 * np.sqrt(variance), rtol=0.02)
 
-
-def test_areas_are_those_of_scipys_monotone_cubics() -> None:
-    rng = np.random.default_rng(1)
-    for n in (3, 4, 30):
-        x, y = np.cumsum(rng.uniform(1e-3, 1.0, n)), np.exp(rng.normal(0.0, 4.0, (n, 40)))
-        y[:, 0], y[:, 1:4] = 0.0, np.rint(y[:, 1:4])  # nothing, and flat parts
-        y[:, 4:8] = np.sort(y[:, 4:8], axis=0)
-        assert np.allclose(area_under(x, y), PchipInterpolator(x, y).integrate(x[0], x[-1]), rtol=1e-12, atol=0)
 
 
 def test_the_sampled_densities_are_the_continuous_loops_at_low_frequency() -> None:
