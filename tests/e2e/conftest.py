@@ -25,6 +25,7 @@ WIDE = 800  # px from which on a window is laid out as a wide one
 START = 60.0  # s until a server must have printed its address
 PASSED = pytest.StashKey[bool]()
 LOGS: list[IO[bytes]] = []  # of the servers that run
+LOOKED_AT: list[Tab] = []  # the tabs of the test that runs
 SERVE = "from app.cli import main; raise SystemExit(main())"
 
 
@@ -135,10 +136,12 @@ def new_tab(browser: Browser, server: str, spare: list[Tab], request: pytest.Fix
                                           reduced_motion="no-preference" if motion else "reduce")
             tab = Tab(context.new_page(), server, drawn=False)
         tabs.append(tab)
+        LOOKED_AT.append(tab)
         if lends:
             lent.append(tab)
         return tab
     yield opened
+    LOOKED_AT[:] = [tab for tab in LOOKED_AT if tab not in tabs]
     complaints = [line for tab in tabs for line in tab.complaints]
     well = not complaints and request.node.stash.get(PASSED, False)
     for tab in tabs:
@@ -157,13 +160,12 @@ def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestR
         for log in LOGS:
             log.seek(0)
             report.sections.append(("what a server said last", log.read()[-8000:].decode(errors="replace")))
-        for seen in (item.funcargs.get(name) for name in ("tab", "walking")) if isinstance(item, pytest.Function) else ():
-            if isinstance(seen, Tab):
-                report.sections.append(("what its page complained of", "\n".join(seen.complaints)))
-                with suppress(Error):
-                    ARTEFACTS.mkdir(exist_ok=True)
-                    name = re.sub(r"[^\w-]+", "-", item.name)
-                    seen.page.screenshot(path=ARTEFACTS / f"failed-{name}.png", timeout=20_000)
+        for k, seen in enumerate(LOOKED_AT):
+            report.sections.append(("what a page complained of", "\n".join(seen.complaints)))
+            with suppress(Error):
+                ARTEFACTS.mkdir(exist_ok=True)
+                name = re.sub(r"[^\w-]+", "-", item.name)
+                seen.page.screenshot(path=ARTEFACTS / f"failed-{name}-{k}.png", timeout=20_000)
     item.stash[PASSED] = item.stash.get(PASSED, True) and report.passed
     return report
 
@@ -190,7 +192,9 @@ def walking(walk: list[Tab], browser: Browser, server: str, spare: list[Tab], re
         context = browser.new_context(viewport={"width": 900, "height": 560}, reduced_motion="reduce")
         walk.append(Tab(context.new_page(), server, drawn=False))
     tab = walk[0]
+    LOOKED_AT.append(tab)
     yield tab
+    LOOKED_AT.remove(tab)
     complaints, tab.complaints = tab.complaints, []
     if complaints or not request.node.stash.get(PASSED, False):
         walk.pop().page.context.close()

@@ -20,7 +20,8 @@ def test_the_map_is_cancelled_then_computed_then_clicked(new_tab: Callable[..., 
     tab.choose_lesson(LESSON.words["en"].title, LESSON.words["en"].question)
     tab.page.locator("button", has_text="Map").last.scroll_into_view_if_needed()
 
-    def cancelled() -> str:  # by quick keys, and again: the map may be done before a slow screen shows that it has begun
+    def cancelled() -> str:  # by quick keys, and again at another limit: a map may be done before the second key, and is not found twice
+        tab.slide("force limit [N]", "ArrowRight", 1)
         tab.quick_keys("j", 2)
         tab.answered()
         return tab.notices()
