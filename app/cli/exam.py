@@ -31,5 +31,5 @@ def execute(options: argparse.Namespace) -> int:
     for exam in lesson.exams:
         words, item = lesson.words[lang].exams[exam.id], exam.item(seed_of(options.key, lesson.id, exam.id, options.variant))
         statement = joined(same(fill(words.statement, item.given)), exam.digits.asked)(lang)
-        print(f"## {words.title}\n{statement}\n\n**{exam.digits.written(item.answer)}**\n\n{fill(words.derivation, exam.values(item))}\n")
+        print(f"## {words.title}\n{statement}\n\n**{exam.digits.written(item.answer)}**\n\n{exam.derived(words.derivation, item)}\n")
     return 0

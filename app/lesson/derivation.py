@@ -63,25 +63,25 @@ def put_in(step: Derived, values: Mapping[str, Value]) -> str:
     return fill(step.now, values)
 
 
-def fill(words: str, values: Mapping[str, Value | str]) -> str:
+def fill(words: str, values: Mapping[str, Value | str], digits: int = DIGITS) -> str:
     """Words with the values in their places `[[name]]`, as they stand in LaTeX; one that is written already stays as it is.
 
     Raises KeyError for a place without a value.
     """
-    return PLACE.sub(lambda place: _written(values[place[1]], words[:place.start()], words[place.end():]), words)
+    return PLACE.sub(lambda place: _written(values[place[1]], words[:place.start()], words[place.end():], digits), words)
 
 
 def _readable(value: Value) -> bool:
     return 0 < np.size(value) <= MOST_ENTRIES and bool(np.all(np.isfinite(value)))
 
 
-def _written(value: Value | str, before: str, after: str) -> str:
+def _written(value: Value | str, before: str, after: str, digits: int) -> str:
     if not isinstance(value, str) and np.ndim(value) == 2:
-        return matrix(np.asarray(value), DIGITS)
+        return matrix(np.asarray(value), digits)
     if not isinstance(value, str) and np.ndim(value) == 1:
         return r",\;".join(_complex(complex(v)) for v in np.asarray(value))
-    words = value if isinstance(value, str) else number(float(np.real(value)), DIGITS)
-    stuck = re.sub(r"(\\[,;:! ]|\\left|[ \t])+$", "", before)[-1:]
+    words = value if isinstance(value, str) else number(float(np.real(value)), digits)
+    stuck = re.sub(r"(\\[,;:! ]|\\left|\\begin\{\w+\}|[ \t])+$", "", before)[-1:]
     raised = after.lstrip().startswith("^") and not re.fullmatch(r"[\d.]+", words)
     return f"({words})" if raised or (words.startswith("-") and stuck not in BEFORE) else words
 

@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..text import Text, text
-from .derivation import Value
+from .derivation import Value, fill
 from .typed import value_of
 
 T = TypeVar("T")
@@ -21,6 +21,7 @@ DRAWS = 500  # after so many unfit ones a generator is wrong
 LONGEST_KEY = 60  # characters of a key that count
 TIE = 0.01  # of a digit: no answer lies nearer to where rounding turns from one digit to the next
 TRIVIAL = (0.0, 1.0, 2.0)  # answers that need no work, and stand in most statements
+WORKED = 6  # digits of the numbers on the way: put in as printed, they lead to the answer as printed
 ROUNDING = 1e-6  # of a digit, what floating point may add to a rounded answer
 
 
@@ -63,6 +64,10 @@ class Digits:
             return False
         rest = answer / self.unit(answer) % 1.0
         return min(rest, 1 - rest) <= ROUNDING if self.kind == "whole" else abs(rest - 0.5) >= TIE
+
+    def telling(self, answer: float) -> bool:
+        """Whether at least two of the digits asked for say something: 0.03 would pass for anything from 0.025 to 0.035."""
+        return self.kind != "decimals" or self.count == 0 or abs(answer) >= 9.5 * self.unit(answer)
 
     def written(self, answer: float) -> str:
         """The answer with the digits asked for."""
@@ -130,15 +135,21 @@ class Exam:
     draw: Callable[[Lot], ExamItem | None]
 
     def item(self, seed: object) -> ExamItem:
-        """The item of a seed: the first that is drawn whose answer is fair, not trivial and none of the numbers given."""
+        """The item of a seed: the first drawn whose answer is fair, not trivial, has two digits to give and is no number given."""
         return _item(self, str(seed))
 
     def values(self, item: ExamItem) -> dict[str, Value | str]:
         """The numbers for the places of the derivation; `answer` bears the digits asked for."""
         return {**item.given, **item.steps, "answer": self.digits.written(item.answer)}
 
+    def derived(self, words: str, item: ExamItem) -> str:
+        """The derivation with the numbers of this item."""
+        return fill(words, self.values(item), WORKED)
+
     def _fit(self, item: ExamItem | None) -> bool:
         if item is None or not self.digits.fair(item.answer):
+            return False
+        if not self.digits.telling(item.answer):
             return False
         near = self.digits.unit(item.answer) * (0.5 + ROUNDING)
         shown = (*TRIVIAL, *(abs(float(v)) for value in item.given.values() for v in np.ravel(value)))

@@ -13,7 +13,7 @@ def number(value: float, digits: int = 3) -> str:
     """A number for a live formula: short, with a true minus sign, powers of ten only where they help."""
     if value == 0 or not np.isfinite(value):
         return "0" if value == 0 else r"\infty"
-    if abs(value) >= 1e5 or abs(value) < 10 ** (-digits):
+    if abs(value) >= 10 ** max(5, digits) or abs(value) < 10 ** -min(digits, 4):
         mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
         return rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
     short = f"{value:.{digits}g}"

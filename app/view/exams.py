@@ -102,11 +102,10 @@ class _Form:
         if verdict is None:
             noted = picture.state.withheld and said
             return f'<div class="ol-note">{with_minus(html.escape(phrases.NOTED.format(said=said)(self._lang)))}</div>' if noted else ""
-        values = self._exam.values(item_of(picture.state, picture.lesson.id, self._exam))
         if picture.state.predicted is None:  # formulas would answer the prediction
             return judged(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-note">{phrases.HOW_LATER(self._lang)}</p>'
         return (judged(verdict.solved, verdict.text(self._lang)) + f'<p class="ol-caption">{phrases.HOW(self._lang)}</p>'
-                + derived(fill(self._words.derivation, values)))
+                + derived(self._exam.derived(self._words.derivation, item_of(picture.state, picture.lesson.id, self._exam))))
 
 
 def derived(words: str) -> str:

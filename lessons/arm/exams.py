@@ -20,7 +20,7 @@ def _bias(lot: Lot) -> ExamItem | None:
     """J θ̈ = T − τ without a state for τ, both poles p: 0 = −p² e₁ − τ/J."""
     J, tau, p = lot.part(5, 40, 100), lot.part(2, 30), -float(lot.whole(4, 25))
     lag = DEGREES * tau / (J * p * p)
-    return ExamItem({"J": J, "tau": tau, "p": p}, lag, {"turn": DEGREES}) if 0.5 < lag < 20 else None
+    return ExamItem({"J": J, "tau": tau, "p": p}, lag, {"radians": lag / DEGREES}) if 0.5 < lag < 20 else None
 
 
 def _product(lot: Lot) -> ExamItem:
@@ -35,7 +35,7 @@ def _play(lot: Lot) -> ExamItem:
     n, Jr, k, i, gap = float(lot.whole(8, 60)), float(lot.whole(5, 150)), lot.part(2, 9, 100), lot.part(5, 40), lot.part(3, 25)
     rotor, delta = n**2 * Jr * 1e-7, gap / DEGREES
     return ExamItem({"n": n, "Jr": Jr, "k": k, "i": i, "gap": gap}, 1000 * math.sqrt(2 * delta * rotor / (n * k * i)),
-                    {"rotor": rotor, "delta": delta, "torque": n * k * i})
+                    {"rotor": rotor, "delta": delta, "torque": n * k * i, "seconds": math.sqrt(2 * delta * rotor / (n * k * i))})
 
 
 EXAMS = (

@@ -18,7 +18,8 @@ def _pole(lot: Lot) -> ExamItem:
 def _patience(lot: Lot) -> ExamItem:
     """ε = ε(0) e^{pt} whatever the input does."""
     p, e0, e1 = -float(lot.whole(8, 40)), float(lot.whole(3, 40)), lot.one((0.01, 0.02, 0.05, 0.1, 0.2))
-    return ExamItem({"p": p, "e0": e0, "u": lot.part(10, 40), "run": lot.part(10, 60), "e1": e1}, 1000 * math.log(e0 / e1) / -p)
+    return ExamItem({"p": p, "e0": e0, "u": lot.part(10, 40), "run": lot.part(10, 60), "e1": e1}, 1000 * math.log(e0 / e1) / -p,
+                    {"seconds": math.log(e0 / e1) / -p})
 
 
 def _silence(lot: Lot) -> ExamItem | None:
@@ -36,7 +37,7 @@ def _silence(lot: Lot) -> ExamItem | None:
 def _lag(lot: Lot) -> ExamItem:
     """ε̇ = p ε − L ÿ τ rests at L ÿ τ/p."""
     p, L, tau, c = -float(lot.whole(4, 30)), lot.part(20, 190), float(lot.whole(3, 40)), float(lot.whole(2, 20))
-    return ExamItem({"p": p, "L": L, "tau": tau, "c": c}, L * c * tau / (1000 * p))
+    return ExamItem({"p": p, "L": L, "tau": tau, "c": c}, L * c * tau / (1000 * p), {"seconds": tau / 1000})
 
 
 EXAMS = (

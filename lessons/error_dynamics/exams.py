@@ -28,7 +28,7 @@ def _decay(lot: Lot) -> ExamItem | None:
 
 def _form(lot: Lot) -> ExamItem:
     """Observer form: l₁ = c₀ − a₀ with c₀ = σ² + ω²."""
-    a0, a1, re, im = float(lot.whole(-6, 9)), float(lot.whole(-5, 5)), -float(lot.whole(2, 7)), float(lot.whole(1, 6))
+    a0, a1, re, im = float(lot.whole(-6, 9)), float(lot.whole(-5, 5)), -float(lot.whole(2, 7)), float(lot.whole(2, 6))
     c0 = re**2 + im**2
     return ExamItem({"A": np.array([[0.0, -a0], [1.0, -a1]]), "re": re, "im": im}, c0 - a0, {"c0": c0, "a0": a0})
 

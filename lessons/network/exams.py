@@ -31,7 +31,9 @@ def _late(lot: Lot) -> ExamItem | None:
     """z² − λ z + g K has a product of one at K = s/(λ − 1), while λ < 2."""
     s, h = lot.part(2, 40), float(lot.whole(2, 30) * 10)
     lam = math.exp(s * h / 1000)
-    return ExamItem({"s": s, "h": h}, s / (lam - 1), {"lam": lam, "g": (lam - 1) / s}) if 1.02 < lam < 1.9 and s != 1 else None
+    if not 1.02 < lam < 1.9 or s == 1:
+        return None
+    return ExamItem({"s": s, "h": h}, s / (lam - 1), {"sh": s * h / 1000, "lam": lam, "g": (lam - 1) / s})
 
 
 EXAMS = (

@@ -14,12 +14,12 @@ def _sigma(lot: Lot) -> ExamItem:
 
 
 def _update(lot: Lot) -> ExamItem | None:
-    """x̂⁺ = m + K (y − a m²) with H = 2 a m."""
+    """x̂⁺ = m + M (y − a m²) with H = 2 a m."""
     a, m, P, R = lot.part(2, 20), lot.part(10, 50), lot.part(2, 15), float(lot.whole(2, 9))
     y = round(a * m * m + lot.part(-40, 40), 1)
     H = 2 * a * m
-    K = P * H / (H * H * P + R)
-    return ExamItem({"m": m, "P": P, "a": a, "R": R, "y": y}, m + K * (y - a * m * m), {"H": H, "K": K}) if y > 0 and a != 1 else None
+    M = P * H / (H * H * P + R)
+    return ExamItem({"m": m, "P": P, "a": a, "R": R, "y": y}, m + M * (y - a * m * m), {"H": H, "M": M}) if y > 0 and a != 1 else None
 
 
 def _spread(lot: Lot) -> ExamItem:

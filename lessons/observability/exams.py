@@ -32,7 +32,7 @@ def _stroboscope(lot: Lot) -> ExamItem:
     """Sampled at half its period a swing shows no velocity: h = π/ω."""
     m, k = lot.part(2, 30), float(lot.whole(2, 60) * 5)
     omega = math.sqrt(k / m)
-    return ExamItem({"m": m, "k": k}, 1000 * math.pi / omega, {"omega": omega, "pi": math.pi})
+    return ExamItem({"m": m, "k": k}, 1000 * math.pi / omega, {"omega": omega, "h": math.pi / omega})
 
 
 def _energy(lot: Lot) -> ExamItem | None:

@@ -14,11 +14,11 @@ def _criterion(lot: Lot) -> ExamItem | None:
     return ExamItem({"a": a, "b": b, "c": c, "s": s}, J, sizes) if J not in (30, 50) else None  # both stand in the statement
 
 
-def _direct(lot: Lot) -> ExamItem:
+def _direct(lot: Lot) -> ExamItem | None:
     """T = [t 1] with t = b + s; N = k₂ and M = k₁ − k₂ t."""
     k, b, s = float(lot.whole(2, 9)), lot.part(2, 12, 2), -float(lot.whole(2, 9))
     k1, k2 = float(lot.whole(-9, 9)), float(lot.whole(2, 6))
-    return ExamItem({"k": k, "b": b, "k1": k1, "k2": k2, "s": s}, k1 - k2 * (b + s), {"t": b + s})
+    return ExamItem({"k": k, "b": b, "k1": k1, "k2": k2, "s": s}, k1 - k2 * (b + s), {"t": b + s}) if abs(k1) > 1 else None
 
 
 def _aside(lot: Lot) -> ExamItem | None:

@@ -36,7 +36,7 @@ def _static(lot: Lot) -> ExamItem | None:
 def _held(lot: Lot) -> ExamItem:
     """λ = ln z/h."""
     z, h = lot.part(15, 140, 100), float(lot.whole(5, 200))
-    return ExamItem({"z": z, "h": h}, 1000 * math.log(z) / h)
+    return ExamItem({"z": z, "h": h}, 1000 * math.log(z) / h, {"seconds": h / 1000})
 
 
 EXAMS = (

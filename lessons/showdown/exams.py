@@ -18,20 +18,21 @@ def _passive(lot: Lot) -> ExamItem | None:
     m, k, f = float(lot.whole(5, 20)), float(lot.whole(10, 80) * 10), lot.part(15, 80)
     omega = 2 * math.pi * f
     ratio = omega**2 * m / k - 1
-    return ExamItem({"m": m, "k": k, "f": f}, 20 * math.log10(ratio), {"omega": omega, "pi": math.pi}) if 2 < ratio < 1000 else None
+    return ExamItem({"m": m, "k": k, "f": f}, 20 * math.log10(ratio), {"omega": omega}) if 2 < ratio < 1000 else None
 
 
 def _late(lot: Lot) -> ExamItem:
     """k/(m s) e^{−sτ} is stable up to k = π m/(2 τ)."""
     m, tau = float(lot.whole(4, 24)), float(lot.whole(2, 40))
-    return ExamItem({"m": m, "tau": tau}, 1000 * math.pi * m / (2 * tau), {"pi": math.pi})
+    return ExamItem({"m": m, "tau": tau}, 1000 * math.pi * m / (2 * tau), {"seconds": tau / 1000})
 
 
 def _rounding(lot: Lot) -> ExamItem:
     """Steps of 2U/2^N volts: a deviation of one step over √12, in µV."""
     bits, U = lot.whole(8, 16), lot.one((2.0, 2.5, 3.0, 4.0, 5.0, 10.0))
     width = 2 * U / 2**bits
-    return ExamItem({"bits": float(bits), "U": U}, 1e6 * width / math.sqrt(12), {"steps": 2.0**bits, "width": width})
+    return ExamItem({"bits": float(bits), "U": U}, 1e6 * width / math.sqrt(12),
+                    {"steps": 2.0**bits, "width": width, "volts": width / math.sqrt(12)})
 
 
 EXAMS = (

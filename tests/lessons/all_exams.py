@@ -28,6 +28,11 @@ from lessons import LESSONS
 EQUATION = re.compile(r"\$\$(.+?)\$\$", re.S)
 MARKED = re.compile(r"[_^](\{[^{}]*\}|\\?\w+)")  # indices and powers are no numbers given
 NUMBER = re.compile(r"\d+(?:\.\d+)?")
+CARRIED = 3e-5  # relative, of a number on the way that is printed with six digits
+MAGNITUDE = re.compile(r"how (?:large|strongly|far|much|many|long|late)\b|by how", re.I)  # asks for what has no sign
+IDLE = re.compile(r"(?<![\d._^{])[01]\s*(?:\\,|\\cdot)?\s*(?:[a-z](?!\w)|\\(?:hat|dot|omega|theta)\b)")  # 1 x, 0 x
+ENTRY = re.compile(r"(?:matrix\}|&|\\\\)\s*\(-[\d.]+\)\s*(?:&|\\\\|\\end)")  # a bracket about an entry of a matrix
+SCALE = re.compile(r"(?<![\d.])(?<!\]\]\}\{)1000|10\^6|\\frac\{180\}")  # of milliseconds, microvolts, degrees
 CLOSE = 1e-6  # relative, of an answer beside its oracle and of the two sides of an equation
 FEW, OF = 10, 50  # so many different answers at least over so many seeds
 
@@ -51,11 +56,25 @@ def wrong_item(lesson: Lesson, exam: Exam, item: ExamItem) -> Iterator[str]:
         given = [abs(float(v)) for name in PLACE.findall(prose.exams[exam.id].statement) for v in np.ravel(item.given[name])]
         if not all(any(math.isclose(v, n, rel_tol=1e-9) for n in shown) for v in given):
             yield f"{language}: the statement rounds a number: {item.given}: {statement}"
+    if answer < 0 and MAGNITUDE.search(lesson.words["en"].exams[exam.id].statement):
+        yield f"the statement asks how large, the answer is {answer}"
+    shown = fill(lesson.words["en"].exams[exam.id].statement, item.given), exam.derived(lesson.words["en"].exams[exam.id].derivation, item)
+    yield from (f"written raw: {found[0]}" for text in shown for law in (IDLE, ENTRY) for found in law.finditer(text))
+    yield from (f"printed: {line}" for line in EQUATION.findall(shown[1]) if not printed_leads(line, digits.written(answer), unit))
     for line in EQUATION.findall(lesson.words["en"].exams[exam.id].derivation):
         for equation, both in sides(line.replace(r"\approx", "="), {**values, "answer": answer}):
             scale = max((float(np.max(np.abs(v))) for v in (*values.values(), answer)), default=1.0)
             if any(np.shape(v) != np.shape(both[0]) or not np.allclose(v, both[0], rtol=CLOSE, atol=CLOSE * scale) for v in both[1:]):
                 yield f"{equation} gives {both}"
+
+
+def printed_leads(line: str, said: str, unit: float) -> bool:
+    """Whether what is printed last in each equation follows from the numbers printed before it: the answer to its last digit."""
+    for equation, both in sides(line.replace(r"\approx", "="), {}):
+        answers = equation.rpartition("=")[2].strip().strip(",") == said
+        if any(abs(v - both[-1]) > (0.5001 * unit if answers else CARRIED * abs(v)) for v in both[:-1]):
+            return False
+    return True
 
 
 def wrong_words(lesson: Lesson, exam: Exam) -> Iterator[str]:
@@ -72,6 +91,8 @@ def wrong_words(lesson: Lesson, exam: Exam) -> Iterator[str]:
             yield f"{language}: no number for {missing}"
         if PLACE.search(re.sub(r"\$\$?.+?\$\$?", "", words.statement + words.derivation, flags=re.S)):
             yield f"{language}: a number stands outside mathematics"
+        if any(SCALE.search(line) and re.search(r"[a-z]\s*=", line) for line in lines[language]):
+            yield f"{language}: a factor of units stands beside symbols that have none"
         if "[[answer]]" not in words.derivation:
             yield f"{language}: the derivation does not end in the answer"
     if not any(list(sides(line.replace(r"\approx", "="), {**item.given, **item.steps, "answer": item.answer})) for line in lines["en"]):

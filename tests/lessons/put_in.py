@@ -23,6 +23,8 @@ class Reader:
     def __init__(self, latex: str, values: Mapping[str, Any]) -> None:
         self._values, self._tokens, at = values, [], 0
         plain = SKIPPED.sub("", latex)
+        if plain == "\\pi":  # alone it is a name
+            raise Unread(latex)
         while at < len(plain):
             found = TOKEN.match(plain, at)
             if found is None:
@@ -106,6 +108,8 @@ class Reader:
             return self._atom() / self._atom()
         if word in FUNCTIONS:
             return FUNCTIONS[word](self._atom())
+        if word == "\\pi":
+            return np.pi
         if word == "\\det":
             return np.linalg.det(self._atom())
         raise Unread(word)

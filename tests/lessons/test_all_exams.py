@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 import pytest
-from all_exams import wrong
+from all_exams import printed_leads, wrong
 from exam_oracles import ORACLES
 from laws import each
 from lesson_checks import CJK, check_markdown, every_lesson, without_math
@@ -57,6 +57,17 @@ def test_what_is_no_number_is_refused(said: str) -> None:
         number_of(said)
 
 
+def test_an_answer_of_one_digit_tells_too_little() -> None:
+    assert decimals(2).telling(-0.10) and decimals(2).telling(0.0951) and not decimals(2).telling(0.09)
+    assert decimals(0).telling(3.2) and WHOLE.telling(3.0) and significant(3).telling(1e-9)
+
+
+@each("line, follows", [(r"K=\frac{1.3}{1.058-1}=22.4", True), (r"K=\frac{1.3}{1.058-1}=22.5", False), (r"0.8\cdot19.33=15.47", False),
+                        (r"0.8\cdot19.3333=15.47", True)])
+def test_the_printed_numbers_lead_to_what_is_printed_last(line: str, follows: bool) -> None:
+    assert printed_leads(line, line.rpartition("=")[2], 0.1 if "K" in line else 0.01) is follows
+
+
 def test_draws_are_the_same_on_every_machine_and_evenly_spread() -> None:
     lot = Lot(7)
     assert [lot.whole(1, 100) for _ in range(5)] == list(map(Lot(7).whole, [1] * 5, [100] * 5))
@@ -97,8 +108,8 @@ def test_exams_are_told_shortly_and_drawn(lesson: Lesson, language: str) -> None
         for text in (told.title, told.statement):
             assert bool(CJK.search(text)) == (language == "zh"), text
         assert "$" not in told.title and exam.digits.asked(language)
-        for text, values in ((told.statement, item.given), (told.derivation, exam.values(item))):
-            check_markdown(fill(text, values), f"exam {exam.id} {language}")
+        for text in (fill(told.statement, item.given), exam.derived(told.derivation, item)):
+            check_markdown(text, f"exam {exam.id} {language}")
         size = _words if language == "en" else _signs
         most = (MOST_ASKED, MOST_DERIVED) if language == "en" else (MOST_ASKED_ZH, MOST_DERIVED_ZH)
         assert size(told.statement) <= most[0] and size(told.derivation) <= most[1], exam.id
