@@ -13,7 +13,6 @@ from scipy.linalg import (
     LinAlgWarning,
     solve_continuous_are,
     solve_discrete_are,
-    solve_discrete_lyapunov,
 )
 from scipy.linalg.lapack import dgees, dtrsyl  # pyright: ignore[reportAttributeAccessIssue]
 
@@ -26,6 +25,8 @@ __all__ = ["RiccatiProblem", "continuous_residual", "discrete_residual", "solve_
 NEWTON_STEPS = 4  # at most; none or one nearly always does
 GOOD_RESIDUAL = 2e-15
 DOUBTFUL = 1e8  # condition of R beyond which the Hamiltonian matrix is not trusted
+DOUBLINGS = 50  # of the steps that a loop is followed for: poles to within 1e-13 of the circle
+WELL = 1e6  # condition of A up to which the symplectic matrix, which needs its inverse, is trusted
 ALIKE = 1e-3  # relative difference of two poles that are the same
 FAIR_RESIDUAL = 1e-13  # above it the equation is solved once more, from another beginning
 
@@ -73,7 +74,8 @@ def solve_continuous(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, f
     def newton(p: RiccatiProblem, K: np.ndarray, residual: np.ndarray) -> np.ndarray:
         return lyapunov((p.A - p.B @ K).T, -residual)
 
-    return _solve(problem, solve_continuous_are, newton, continuous_residual, by_hamiltonian)
+    return _solve(problem, solve_continuous_are, newton, continuous_residual, by_hamiltonian,
+                  lambda poles: -float(poles.real.max()))
 
 
 def by_hamiltonian(problem: RiccatiProblem) -> tuple[np.ndarray, float] | None:
@@ -95,6 +97,25 @@ def by_hamiltonian(problem: RiccatiProblem) -> tuple[np.ndarray, float] | None:
     return symmetric(np.linalg.solve(U[:n, :n].T, U[n:, :n].T)), float(np.abs(real).min())
 
 
+def by_symplectic(problem: RiccatiProblem) -> tuple[np.ndarray, float] | None:
+    """The same in discrete time, from the symplectic matrix, with 1 − |λ| of the slowest pole; None too where A − BR⁻¹Nᵀ has no
+    good inverse."""
+    A, B, Q, R, N = problem.A, problem.B, problem.Q, problem.R, problem.N
+    n, weight = len(A), _size(R) * _size(np.linalg.inv(R))
+    if not weight < DOUBTFUL:
+        return None
+    drift = np.linalg.solve(R, np.hstack([B.T, N.T]))
+    F = A - B @ drift[:, n:]
+    back = np.linalg.inv(F).T
+    if not _size(F) * _size(back) < WELL:
+        return None
+    late, costs = B @ drift[:, :n] @ back, Q - N @ drift[:, n:]
+    _, stable, real, imag, U, _, failure = dgees(_is_inside, np.block([[F + late @ costs, -late], [-back @ costs, back]]), sort_t=1)
+    if failure or stable != n:
+        return None
+    return symmetric(np.linalg.solve(U[:n, :n].T, U[n:, :n].T)), 1 - float(np.hypot(real[:n], imag[:n]).max())
+
+
 def lyapunov(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
     """X of M X + X Mᵀ = Q, by Schur's form of M and back substitution. Raises LinAlgError where M and −M share a pole."""
     T, _, _, _, U, _, failure = dgees(_is_stable, M)
@@ -102,6 +123,19 @@ def lyapunov(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
     if failure or singular:
         raise np.linalg.LinAlgError
     return U @ (X / scale) @ U.T
+
+
+def summed(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """X = Q + MᵀXM = Σ (Mᵀ)ᵏ Q Mᵏ, by doubling: SciPy's bilinear map loses six digits more where M is large. Raises LinAlgError for
+    an M that is not stable."""
+    X, least = Q, 1e-20 * _size(Q)
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(DOUBLINGS):
+            more = M.T @ X @ M
+            X, M = X + more, M @ M
+            if _size(more) <= least:
+                return X
+    raise np.linalg.LinAlgError
 
 
 def _size(M: np.ndarray) -> float:
@@ -114,13 +148,18 @@ def _is_stable(real: float, imag: float) -> bool:
     return real < 0
 
 
+def _is_inside(real: float, imag: float) -> bool:
+    return real * real + imag * imag < 1
+
+
 def solve_discrete(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, float]:
-    """Stabilising S, K and the relative residual of the DARE (A may be singular: SciPy's extended pencil)."""
+    """Stabilising S, K and the relative residual of the DARE (where A is nearly singular by SciPy's extended pencil)."""
 
     def newton(p: RiccatiProblem, K: np.ndarray, residual: np.ndarray) -> np.ndarray:
-        return solve_discrete_lyapunov((p.A - p.B @ K).T, residual)
+        return summed(p.A - p.B @ K, residual)
 
-    return _solve(problem, solve_discrete_are, newton, discrete_residual)
+    return _solve(problem, solve_discrete_are, newton, discrete_residual, by_symplectic,
+                  lambda poles: 1 - float(np.abs(poles).max()))
 
 
 def _solve(
@@ -128,7 +167,8 @@ def _solve(
     library: Callable[..., np.ndarray],
     newton: Callable[[RiccatiProblem, np.ndarray, np.ndarray], np.ndarray],
     evaluate: Callable[[RiccatiProblem, np.ndarray], tuple[np.ndarray, float, np.ndarray]],
-    quick: Callable[[RiccatiProblem], tuple[np.ndarray, float] | None] = lambda problem: None,
+    quick: Callable[[RiccatiProblem], tuple[np.ndarray, float] | None],
+    inside: Callable[[np.ndarray], float],
 ) -> tuple[np.ndarray, np.ndarray, float]:
     plain, first_cost, first_input = unit_scale(problem)  # a common factor of the weights changes not even a bit
     own, states, inputs = in_balanced_units(plain)
@@ -139,7 +179,7 @@ def _solve(
         if (guess := quick(scaled)) is not None:
             residual, _, K = evaluate(scaled, guess[0])  # a first step in any case: it keeps apart what the plant keeps apart
             found = _polished(scaled, symmetric(guess[0] + newton(scaled, K, residual)), newton, evaluate)
-            slowest = -float(np.linalg.eigvals(scaled.A - scaled.B @ found[1]).real.max())
+            slowest = inside(np.linalg.eigvals(scaled.A - scaled.B @ found[1]))
             best = found if found[2] < GOOD_RESIDUAL and abs(slowest - guess[1]) <= ALIKE * guess[1] else None
     for balanced in (True, False) if best is None else ():  # where SciPy's balancing makes its reordering fail, we do without
         with suppress(np.linalg.LinAlgError, ValueError):

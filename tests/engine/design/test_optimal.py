@@ -12,6 +12,7 @@ from mpmath import mp
 from scipy.linalg import solve_continuous_lyapunov
 
 from app.engine import EngineError, Plant, RiccatiError, ShapeError, dlqe, dlqr, lqe, lqr
+from app.engine.design import riccati
 from app.engine.systems.noise import step_covariance
 from app.engine.systems.sampling import discretise
 
@@ -258,6 +259,26 @@ def test_singular_A_is_no_obstacle_in_discrete_time():
     optimal = dlqr(A, B, np.eye(3), 1)
     np.testing.assert_allclose(optimal.gain, 0, atol=1e-14)
     np.testing.assert_allclose(optimal.solution, np.diag([1, 2, 3]), rtol=1e-13, atol=1e-14)
+
+
+def test_the_symplectic_way_agrees_with_the_pencil(monkeypatch):
+    """On sampled plants, with cross weights and poles close to the circle; where A has no good inverse it does not answer."""
+    problems, found = [], []
+    for seed in range(12):
+        A, B = pair(seed, 2 + seed % 7, 1 + seed % 2)
+        n, m = B.shape
+        A, N = discretise(Plant(A, B, np.eye(n)), 10.0 ** -(1 + seed % 3)).A, 0.05 * np.ones((n, m))
+        problems.append(riccati.RiccatiProblem(A, B, weight(seed, n, 0.5), weight(seed + 1, m, 0.5), N))
+    for problem in problems:
+        assert riccati.by_symplectic(problem) is not None
+        found.append(riccati.solve_discrete(problem))
+    assert riccati.by_symplectic(riccati.RiccatiProblem(np.diag([0.5, 1e-9]), ONES, ONES + np.eye(2), np.eye(2), 0 * ONES)) is None
+    monkeypatch.setattr(riccati, "by_symplectic", lambda problem: None)
+    for problem, (S, K, residual) in zip(problems, found, strict=True):
+        pencil = riccati.solve_discrete(problem)
+        np.testing.assert_allclose(S, pencil[0], rtol=0, atol=1e-9 * np.abs(S).max())
+        np.testing.assert_allclose(K, pencil[1], rtol=0, atol=1e-9 * np.abs(K).max())
+        assert residual <= max(2e-15, pencil[2])
 
 
 def test_cross_weight_equals_a_change_of_input():
