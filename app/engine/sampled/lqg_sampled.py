@@ -22,6 +22,8 @@ from ..systems.scan import affine_scan
 
 __all__ = ["SampledLqg", "SampledRun", "sampled_cost", "sampled_lqg"]
 
+PART = 1000  # samples whose steps are made at once
+
 
 @dataclass(frozen=True, eq=False)
 class SampledRun:
@@ -120,9 +122,12 @@ class SampledLqg:
         z = np.concatenate([_vector(x0, "x0", n), _vector(np.zeros(n) if xhat0 is None else xhat0, "xhat0", n)])
         early, M = (0, self.filter.steady.filter_gain) if gains is None else (min(steps, len(gains.gains)), gains.gains[-1])
         path = np.empty((steps, 2 * n))
-        for k in range(early):  # gains that still change
-            path[k] = z
-            z = self._next(real, z, gains.gains[k], w[k], v[k])  # type: ignore[union-attr]
+        for first in range(0, early, PART):  # gains that still change
+            part = slice(first, min(first + PART, early))
+            A, forcing = self._changing(real, gains.gains[part], w[part], v[part])  # type: ignore[union-attr]
+            for k in range(part.start, part.stop):
+                path[k] = z
+                z = A[k - first] @ z + forcing[k - first]
         if early < steps:
             A, E = self._step(real, M)
             forcing = v[early:-1] @ E.T
@@ -135,13 +140,17 @@ class SampledLqg:
             xhat[:early] = predicted[:early] + np.einsum("knp,kp->kn", gains.gains[:early], seen[:early])  # type: ignore[union-attr]
         return SampledRun(p.dt * np.arange(steps), x, xhat, -xhat @ self.K.T, x @ real.C.T + v)
 
-    def _next(self, real: Plant, z: np.ndarray, M: np.ndarray, w: np.ndarray, v: np.ndarray) -> np.ndarray:
-        """(x, x̂⁻) one sample later, with the filter gain M at this one."""
+    def _changing(self, real: Plant, M: np.ndarray, w: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(x, x̂⁻)⁺ = A (x, x̂⁻) + forcing at each sample, with its own filter gain M (k, n, p): A (k, 2n, 2n), forcing (k, 2n)."""
         p, n = self.plant, self.plant.n
-        x, predicted = z[:n], z[n:]
-        xhat = predicted + M @ (real.C @ x + v - p.C @ predicted)
-        u = -self.K @ xhat
-        return np.concatenate([real.A @ x + real.B @ u + w, p.A @ xhat + p.B @ u])
+        enter = np.vstack([-real.B @ self.K, p.A - p.B @ self.K])  # what x̂ after the reading does
+        believed = M @ np.hstack([real.C, -p.C])
+        believed[:, :, n:] += np.eye(n)
+        A = enter @ believed
+        A[:, :n, :n] += real.A
+        forcing = np.einsum("knp,kp->kn", M, v) @ enter.T
+        forcing[:, :n] += w
+        return A, forcing
 
     def _step(self, real: Plant, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(x, x̂⁻)⁺ = A (x, x̂⁻) + E v with the filter gain M."""

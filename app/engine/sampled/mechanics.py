@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..systems.arrays import as_covariance, frozen
+from ..systems.arrays import frozen
 from ..systems.errors import EngineError, ShapeError
 from ..systems.noise import step_covariance
 from ..systems.plant import Plant
@@ -22,16 +22,6 @@ Packed = tuple[bytes, tuple[int, ...]] | None
 def packed(M: np.ndarray | None) -> Packed:
     """A matrix as a key of what is kept."""
     return None if M is None else (np.ascontiguousarray(M).tobytes(), M.shape)
-
-
-def covariance(value: object, name: str, size: int) -> np.ndarray:
-    """`as_covariance`, which has judged most arrays before."""
-    return _judged(packed(value), name, size) if type(value) is np.ndarray and value.dtype == float else as_covariance(value, name, size)
-
-
-@lru_cache(maxsize=32)
-def _judged(value: Packed, name: str, size: int) -> np.ndarray:
-    return as_covariance(_unpacked(value), name, size)
 
 
 def _unpacked(packed: Packed) -> np.ndarray | None:

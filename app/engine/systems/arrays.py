@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sized
+from functools import lru_cache
 from numbers import Real
 
 import numpy as np
@@ -16,6 +17,7 @@ ASYMMETRY = 1e-9  # beside the roots of the diagonal entries; below ROUNDING of 
 ROUNDING = 1e-15
 NEGATIVE = 1e-9  # how far below zero rounding may push an eigenvalue of the correlation matrix
 LARGEST = 10_000_000  # entries of one matrix
+KEPT = 1024  # entries: a weight or covariance up to this size is judged once, however often a loop is built from it
 
 
 def as_numbers(value: object, name: str, *, missing: bool = False, imaginary: bool = False,
@@ -157,15 +159,29 @@ def _square_and_even(matrix: np.ndarray, name: str, size: int) -> np.ndarray:
     if matrix.shape != (size, size):
         raise ShapeError("{name} must be {size}×{size}; it is {rows}×{columns}.",
                          name=name, size=size, rows=matrix.shape[0], columns=matrix.shape[1])
-    spread = np.sqrt(np.abs(np.diag(matrix)))
-    allowed = np.maximum(ASYMMETRY * np.outer(spread, spread), ROUNDING * np.abs(matrix).max(initial=0.0))
-    if np.any(np.abs(matrix - matrix.T) > allowed):
+    if not (_kept_symmetry if matrix.size <= KEPT else _symmetry)(matrix.tobytes(), size):
         raise EngineError("{name} must be symmetric; replace it by ({name} + {name}ᵀ)/2.", name=name)
     return symmetric(matrix)
+
+
+def _symmetry(entries: bytes, size: int) -> bool:
+    """Whether a matrix is symmetric but for rounding."""
+    matrix = np.frombuffer(entries).reshape(size, size)
+    spread = np.sqrt(np.abs(np.diag(matrix)))
+    allowed = np.maximum(ASYMMETRY * np.outer(spread, spread), ROUNDING * np.abs(matrix).max(initial=0.0))
+    return not np.any(np.abs(matrix - matrix.T) > allowed)
 
 
 def _negative(matrix: np.ndarray) -> bool:
     """Whether an eigenvalue lies below zero by more than rounding, in units of each entry's own."""
     if not len(matrix):
         return False
-    return bool(np.diag(matrix).min() < 0 or np.linalg.eigvalsh(correlations(matrix)[0])[0] < -NEGATIVE * len(matrix))
+    return (_kept_sign if matrix.size <= KEPT else _sign)(matrix.tobytes(), len(matrix))
+
+
+def _sign(entries: bytes, size: int) -> bool:
+    matrix = np.frombuffer(entries).reshape(size, size)
+    return bool(np.diag(matrix).min() < 0 or np.linalg.eigvalsh(correlations(matrix)[0])[0] < -NEGATIVE * size)
+
+
+_kept_symmetry, _kept_sign = lru_cache(maxsize=256)(_symmetry), lru_cache(maxsize=256)(_sign)
