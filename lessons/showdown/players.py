@@ -23,6 +23,7 @@ NAMES = (
 )
 OWN, PUBLISHED = "own", "published"
 SCALES = ((V_MAG, 2), (V_MAG, 2), (H_MAG, 1))  # of each channel: its unit of velocity, and coils that share its force
+Steps = tuple[np.ndarray, np.ndarray, np.ndarray]  # A, G, H of a filter's step in its covariance, stacks
 STRIDE, STRIDES = 512, 40  # samples between two looks at the recursive gain, and how many: 20 s
 
 
@@ -127,25 +128,30 @@ def recursion(v: float, steps: int) -> SampledController:
 def gain_gap(v: float) -> tuple[np.ndarray, np.ndarray]:
     """Times (s) and ‖M − M∞‖/‖M∞‖ of the recursive gain there, without the samples in between.
 
-    P⁺ = H + A P (I + G P)⁻¹Aᵀ is the step of the filter; two equal steps are again one of this form, with
-    A (I + H G)⁻¹A, G + AᵀG(I + H G)⁻¹A and H + A (I + H G)⁻¹H Aᵀ: doubled up to the stride, then repeated.
+    P⁺ = H + A P (I + G P)⁻¹Aᵀ is the step of the filter; one step after another is again one of this form: doubled up to the
+    stride, and doubled again to all strides at once.
     """
-    kf, eye = sampled_design(v).filter, np.eye(8)
-    A: np.ndarray = kf.A
-    G: np.ndarray = kf.C.T @ np.linalg.solve(kf.R, kf.C)
-    H: np.ndarray = kf.Q
+    kf, far = sampled_design(v).filter, np.arange(STRIDES)
+    step: Steps = kf.A[None], (kf.C.T @ np.linalg.solve(kf.R, kf.C))[None], kf.Q[None]
     for _ in range(round(np.log2(STRIDE))):
-        both: np.ndarray = np.linalg.solve(eye + H @ G, np.hstack([A, H]))
-        A, G, H = A @ both[:, :8], G + A.T @ G @ both[:, :8], H + A @ both[:, 8:] @ A.T
-        H, G = symmetric(H), symmetric(G)
-    goal = kf.steady.filter_gain
-    P: np.ndarray = first_belief(v).covariance
-    away = np.empty(STRIDES)
-    for i in range(STRIDES):
-        CP = kf.C @ P
-        away[i] = np.linalg.norm(np.linalg.solve(CP @ kf.C.T + kf.R, CP).T - goal)
-        P = H + A @ P @ np.linalg.solve(eye + G @ P, A.T)
-    return DT * STRIDE * np.arange(STRIDES), away / np.linalg.norm(goal)
+        step = _after(step, step)
+    while len(step[0]) < STRIDES - 1:
+        last = tuple(part[-1:] for part in step)
+        step = tuple(np.concatenate(parts) for parts in zip(step, _after(step, last), strict=True))  # type: ignore[assignment,arg-type]
+    A, G, H = (part[:STRIDES - 1] for part in step)
+    P = first_belief(v).covariance
+    P = np.concatenate([P[None], H + A @ P @ np.linalg.solve(np.eye(8) + G @ P, A.swapaxes(1, 2))])
+    CP = kf.C @ P
+    away = np.linalg.norm(np.linalg.solve(CP @ kf.C.T + kf.R, CP).swapaxes(1, 2) - kf.steady.filter_gain, axis=(1, 2))
+    return DT * STRIDE * far, away / np.linalg.norm(kf.steady.filter_gain)
+
+
+def _after(first: Steps, second: Steps) -> Steps:
+    """Steps P⁺ = H + A P (I + G P)⁻¹Aᵀ of stacks (k, 8, 8), each one of `first` and then that of `second`."""
+    (A, G, H), (B, F, E) = first, second
+    both = np.linalg.solve(np.eye(8) + H @ F, np.concatenate([A, H], axis=2))
+    return (B @ both[:, :, :8], symmetric(G + A.swapaxes(1, 2) @ F @ both[:, :, :8]),
+            symmetric(E + B @ both[:, :, 8:] @ B.swapaxes(1, 2)))
 
 
 SHORT = (text_in("showdown", "none"), text("SISO"), same("LQE"), text("recursive"), text("decoupled"))
