@@ -29,7 +29,7 @@ KNOBS = (
     Number("amplitude", r"u_0", text("amplitude"), low=0.0, high=MOST_INPUT, default=1.0, step=0.05,
            when=("input", SHAPED), hint=text("A constant u of 3 makes the plant itself unstable.")),
     Number("omega", r"\omega", text_in("bilinear-observer", "frequency"), "rad/s", low=0.5, high=40.0, default=2.0, scale="log",
-           when=("input", MOVING), hint=text("The sweep is cos ωt².")),
+           when=("input", MOVING), hint=text("The sweep is cos ωt², with ω in rad/s².")),
     Number("seed", r"s_0", text("random seed"), low=0, high=9999, default=1, scale="integer",
            when=("input", ("random",)), hint=text("The same seed gives the same input.")),
     Track("hand", "u", text("input by hand"), low=-MOST_INPUT, high=MOST_INPUT, when=("input", ("hand",)),

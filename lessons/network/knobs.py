@@ -23,7 +23,7 @@ KNOBS = (
     Number("loss", "p", text("measurements lost"), low=0.0, high=0.99, default=0.3, step=0.01, group=SENSOR,
            hint=text("Each packet is lost with this probability, whatever happened to the others.")),
     Number("jitter", "J", text("late by up to (samples)"), low=0, high=4, default=0, scale="integer", group=SENSOR,
-           hint=text("Each measurement comes 0 to J samples late, so they may overtake each other.")),
+           hint=text("Each measurement comes late by none to this many samples, so they may overtake each other.")),
     Choice("order", "", text("late measurements"), default="stamped", group=SENSOR, when=("jitter", (1.0, 2.0, 3.0, 4.0)),
            options=(("stamped", text("put in place by time stamp")), ("arrival", text("taken "
                                                                                                             "for "

@@ -24,7 +24,7 @@ KNOBS = (
     Number("hardening", r"\gamma", text("hardening γ"), low=0.0, high=1.0, default=0.3, step=0.05, when=("case", (PLATFORM,)),
            hint=text("A spring stretched by 5 mm pulls 1 + γ times as hard as a linear one.")),
     Number("weakening", r"\nu", text("weakening of the coils ν"), low=0.0, high=1.0, default=0.2, step=0.05,
-           when=("case", (PLATFORM,)), hint=text("The force falls by e^(−ν) for every 5 mm of gap.")),
+           when=("case", (PLATFORM,)), hint=text("The force is multiplied by e^(−ν) for every 5 mm of gap.")),
     Number("force", "F", text("known force"), "N", low=0.0, high=4.0, default=1.0, step=0.1, when=("case", (PLATFORM,)),
            hint=text("Amplitude at 0.16 Hz, and every filter is told.")),
     Number("size", r"\sigma_0", text("unknown start, times"), low=0.2, high=2.0, default=1.0, step=0.05,
