@@ -76,6 +76,7 @@ def test_one_english_word_with_two_meanings_has_a_context() -> None:
     (-2.5, "g", "−2.5"), (1200.0, ".2g", "1200"), (3e-6, ".3g", "3·10⁻⁶"), (1e-15, ".0e", "10⁻¹⁵"), (np.inf, "g", "∞"),
     (-np.inf, "g", "−∞"), (7, "", "7"), (np.float64(0.25), ".2f", "0.25"), (-1 - 2j, ".3g", "−1−2j"), (1e6, ".3g", "10⁶"),
     (0.5, ".0%", "50%"), (-43718053745.3, ".1f", "−4.37·10¹⁰"), (123456.7, ".1f", "123456.7"), (-0.0014, ".2g", "−0.0014"),
+    (60.9685, "g", "60.97"), (31250.5, "g", "31250"), (147258.0, "g", "147258"), (0.0295, "g", "0.0295"),
 ])
 def test_one_formatter_writes_numbers(value: complex, spec: str, words: str) -> None:
     assert written(value, spec) == words

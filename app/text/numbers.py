@@ -14,6 +14,7 @@ RAISED = str.maketrans("-−0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 POWER = re.compile(r"(\d+(?:\.\d+)?)e([+-]\d+)")
 PLAIN = range(-3, 5)  # powers of ten that are written out
 BESIDE = range(-3, 4)  # and those where another number of the sentence is written as a power of ten
+SHORT = 4  # digits of a number in a sentence whose format asks for as many as it has: 60.97 of 60.9685
 LARGE, INFINITE = 1e6, float("inf")  # from here on decimals would only be noise: −4.37·10¹⁰ instead of −43718053745.3
 POWERS = re.compile("10[⁻⁰¹²³⁴⁵⁶⁷⁸⁹]")
 
@@ -36,6 +37,8 @@ def written(value: object, spec: str = "", language: str = "en", *, beside_power
     plain = BESIDE if beside_powers else PLAIN
     if spec.endswith("f") and isinstance(value, (int, float)) and LARGE <= abs(value) < INFINITE:
         spec = ".3g"
+    if spec == "g" and isinstance(value, (int, float)) and "." in f"{value:g}":
+        spec = f".{SHORT}g"
     words = POWER.sub(lambda found: _power(found, plain), format(value, spec)).replace("-", "−").replace("inf", "∞")
     sign = decimal_sign(language)
     if sign == "." or "." not in words:

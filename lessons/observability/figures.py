@@ -162,7 +162,9 @@ def _modes(found: Study) -> TableFigure:
 def _sweep(sweep: Sweep, found: Study) -> PlaneFigure:
     now = float(decades(np.array([found.weakest.distance]))[0])
     best = float(sweep.along[np.argmax(sweep.distance)])
-    words = written(10**best, ".2g") if sweep.log else written(best, ".3g")
+    name, _, unit = sweep.label.rstrip("]").partition(" [")
+    number = written(10**best, ".2g") if sweep.log else written(best, ".3g")
+    words = f"{name} = {number}{unit if unit == '°' else ' ' + unit if unit else ''}"
     return PlaneFigure(
         "sweep", text("one knob moved, all else kept"),
         (Curve(text("weakest mode"), sweep.distance, "plant", "solid", 2.4, sweep.along),

@@ -192,6 +192,11 @@ def _beyond(poles: Poles, boundary: float) -> np.ndarray:
     return np.abs(poles) - 1.0 if boundary else poles.real
 
 
+def _named(pole: complex, boundary: float) -> str:
+    """A pole as an error says it: of a sampled model as z = …, which of a plant in continuous time is none of its own."""
+    return ("z = " if boundary else "") + pole_text(pole)
+
+
 def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> RiccatiError:
     """The error that names the mode at fault, as far as it can be found."""
     problem = in_balanced_units(problem)[0]
@@ -204,7 +209,7 @@ def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> Ricca
         shifted = A - pole * np.eye(n)
         if _deficient(np.hstack([shifted / scale, B / max(float(np.linalg.norm(B, 2)), 1e-300)])):
             return RiccatiError("The mode at {pole} is not stable and is {hidden}: no {gain} can stabilise it; change the "
-                                "plant.", pole=pole_text(pole), hidden=words.hidden, gain=words.gain)
+                                "plant.", pole=_named(pole, boundary), hidden=words.hidden, gain=words.gain)
     A_bar = A - B @ np.linalg.solve(problem.R, N.T)
     Q_bar = Q - N @ np.linalg.solve(problem.R, N.T)
     poles = np.linalg.eigvals(A_bar).astype(complex)
@@ -212,7 +217,7 @@ def _diagnosis(problem: RiccatiProblem, boundary: float, words: _Words) -> Ricca
         shifted = A_bar - pole * np.eye(n)
         if _deficient(np.vstack([shifted / scale, Q_bar / max(float(np.linalg.norm(Q_bar, 2)), 1e-300)])):
             return RiccatiError("The mode at {pole} lies on the stability boundary and {blind}: make {weight} act on it.",
-                                pole=pole_text(pole), blind=words.blind, weight=words.weight)
+                                pole=_named(pole, boundary), blind=words.blind, weight=words.weight)
     return RiccatiError("The Riccati equation is too ill-conditioned to be solved; bring the weights or the units of the "
                         "states closer.")
 

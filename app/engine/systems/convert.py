@@ -103,7 +103,8 @@ def from_json(text: str) -> Plant:
     """
     data = parse(text)
     if data.get("format", _FORMAT) != _FORMAT or data.get("version", 1) != 1:
-        raise EngineError("This JSON is not a plant of version 1; export it again with this version of the lab.")
+        raise EngineError("This JSON is not a plant of version 1; leave out its keys \"format\" and \"version\", or write "
+                          "\"{format}\" and 1.", format=_FORMAT)
     matrices = {key: rows(data[key], key) for key in _MATRICES if data.get(key) is not None}
     return _build(matrices, number(data.get("dt", 0.0), "dt"), data)
 

@@ -55,8 +55,12 @@ def parse(text: str) -> dict[str, Any]:
         data = json.loads(text, parse_constant=_constant)
     except EngineError:
         raise
+    except json.JSONDecodeError as problem:
+        raise EngineError("This is not readable JSON: look at line {line}, column {column} for a comma, a quotation mark or a "
+                          "bracket that is missing or too many.", line=problem.lineno, column=problem.colno) from problem
     except (ValueError, RecursionError) as problem:
-        raise EngineError("This is not readable JSON; save the plant again from the lab.") from problem
+        raise EngineError("This is not readable JSON: a number has too many digits or brackets stand in each other too deeply; "
+                          "write them shorter.") from problem
     if not isinstance(data, dict):
         raise EngineError("The JSON must be one object with the matrices A, B, C and optionally D.")
     return data
@@ -99,4 +103,4 @@ def text_of(data: bytes) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as problem:
-        raise EngineError("The JSON file must be UTF-8 text; save it again from the lab.") from problem
+        raise EngineError("The JSON file must be UTF-8 text; choose UTF-8 as its encoding when you save it in your editor.") from problem

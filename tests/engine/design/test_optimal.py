@@ -302,8 +302,8 @@ def test_cross_weight_equals_a_change_of_input():
         (lambda: lqe(np.diag([1.0, -1.0]), np.eye(2), [[0, 1]], np.eye(2), 1), "mode at 1 .* unobservable: no L"),
         (lambda: lqr([[0, 1], [0, 0]], [[0], [1]], np.diag([0, 1]), 1), "mode at 0 lies on the stability boundary"),
         (lambda: lqe(0, 1, 1, 0, 1), "mode at 0 lies on the stability boundary and the noise w does not excite it"),
-        (lambda: dlqr(np.diag([2.0, 0.5]), [[0], [1]], np.eye(2), 1), "mode at 2 is not stable and is uncontrollable"),
-        (lambda: dlqr(1, 1, 0, 1), "mode at 1 lies on the stability boundary"),
+        (lambda: dlqr(np.diag([2.0, 0.5]), [[0], [1]], np.eye(2), 1), "mode at z = 2 is not stable and is uncontrollable"),
+        (lambda: dlqr(1, 1, 0, 1), "mode at z = 1 lies on the stability boundary"),
     ],
 )
 def test_problems_without_a_stabilising_gain_name_the_mode(design, sentence):

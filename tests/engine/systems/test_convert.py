@@ -95,7 +95,7 @@ def edited(**changes):
 
 
 @each(("text", "says"), [
-    ("", "JSON"), ("{", "JSON"), ("[1]", "object"), ("null", "object"), ("[" * 100_000, "JSON"),
+    ("", "JSON"), ("{", "line 1, column 2"), ("{\n\"A\": 1,,", "line 2, column 8"), ("[1]", "object"), ("null", "object"), ("[" * 100_000, "JSON"),
     ("{\"A\": " + "9" * 5000 + "}", "JSON|real|rows"), ("{}", "no matrix A"), (" " * 1_000_001, "1 MB"),
     (edited(A="eye(2)"), "rows"), (edited(A=[[1, 2], [3]]), "equally long"), (edited(A=[]), "rows"),
     (edited(A=[[[1]]]), "real numbers"), (edited(A=[[True, 0], [0, 1]]), "real numbers"),
@@ -114,6 +114,7 @@ def test_broken_json_is_one_sentence(text, says):
     with pytest.raises(EngineError, match=says) as caught:
         from_json(text)
     assert str(caught.value).endswith(".") and len(str(caught.value)) < 200
+    assert "again" not in str(caught.value), "a file written by hand is not saved again: say what to change in it"
 
 
 @pytest.mark.slow
