@@ -95,7 +95,8 @@ def edited(**changes):
 
 
 @each(("text", "says"), [
-    ("", "JSON"), ("{", "line 1, column 2"), ("{\n\"A\": 1,,", "line 2, column 8"), ("[1]", "object"), ("null", "object"), ("[" * 100_000, "JSON"),
+    ("", "JSON"), ("{", "line 1, column 2"), ("{\n\"A\": 1,,", "line 2, column 8"),
+    ("[1]", "object"), ("null", "object"), ("[" * 100_000, "JSON"),
     ("{\"A\": " + "9" * 5000 + "}", "JSON|real|rows"), ("{}", "no matrix A"), (" " * 1_000_001, "1 MB"),
     (edited(A="eye(2)"), "rows"), (edited(A=[[1, 2], [3]]), "equally long"), (edited(A=[]), "rows"),
     (edited(A=[[[1]]]), "real numbers"), (edited(A=[[True, 0], [0, 1]]), "real numbers"),
