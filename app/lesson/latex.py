@@ -14,8 +14,8 @@ def number(value: float, digits: int = 3) -> str:
     if value == 0 or not np.isfinite(value):
         return "0" if value == 0 else r"\infty"
     if abs(value) >= 10 ** max(5, digits) or abs(value) < 10 ** -min(digits, 4):
-        mantissa, exponent = f"{value:.{max(digits - 2, 0)}e}".split("e")
-        return rf"{mantissa} \cdot 10^{{{int(exponent)}}}"
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        return rf"{float(mantissa):g} \cdot 10^{{{int(exponent)}}}"
     short = f"{value:.{digits}g}"
     return f"{value:.0f}" if "e" in short else short
 

@@ -11,6 +11,8 @@ from app.lesson.lesson import Outcome
 
 from .study import Study
 
+ROUNDING = 1e-12  # of the size of C
+
 
 def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     """Sizes of rows, the n-th derivative of the first output in two ways, and the weakest mode."""
@@ -26,11 +28,14 @@ def derived(outcome: Outcome[Study]) -> Mapping[str, Value]:
     values, vectors = np.linalg.eig(A)
     weakest = int(np.argmin(np.abs(values - found.weakest.pole)))
     v = vectors[:, weakest]
+    near, far = float(np.linalg.norm(C @ v)), float(np.linalg.norm(C @ np.linalg.matrix_power(A, n) @ v))
+    if near <= ROUNDING * float(np.linalg.norm(C, 2)):  # what is hidden: two roundings would not obey the equation
+        near = far = 0.0
     return {
         "p": float(plant.p), "n": float(n), "rows": float(plant.p * n), "normA": float(np.linalg.norm(A, 2)),
         "norm0": float(np.linalg.norm(C, 2)), "norm1": float(np.linalg.norm(C @ A, 2)),
         "bound": float(np.linalg.norm(C, 2) * np.linalg.norm(A, 2)),
         "direct": float(lower[-1]), "combined": float(-coefficients @ np.array(lower[-2::-1])),
-        "size": float(abs(values[weakest])), "near": float(np.linalg.norm(C @ v)),
-        "far": float(np.linalg.norm(C @ np.linalg.matrix_power(A, n) @ v)), "distance": found.weakest.distance,
+        "size": float(abs(values[weakest])), "near": near,
+        "far": far, "distance": found.weakest.distance,
         "least": float(np.linalg.svd(np.vstack([A - values[weakest] * np.eye(n), C]), compute_uv=False)[-1])}

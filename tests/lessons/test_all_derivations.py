@@ -27,6 +27,8 @@ from lessons import LESSONS
 MOST_WORDS, MOST_CHARACTERS = 120, 260  # of a step with its why, in English and in Chinese
 RANDOM = 6  # designs of a lesson tried here; `python tests/lessons/test_all_derivations.py` tries two hundred
 CLOSE = 1e-6  # relative to the largest number in the line
+PRINTED = 2e-3  # relative: a few factors of four digits
+SUM = re.compile(r"(?<=[\d)}])\s*[-+]")
 
 
 @every_lesson
@@ -69,6 +71,23 @@ def broken(lesson: Lesson, outcome: Outcome) -> Iterator[str]:
                 yield f"{step.heading}: {equation}: {found}"
 
 
+def apart(line: str) -> Iterator[str]:
+    """The equations of a line whose sides, computed from the numbers as they are printed, are not one number."""
+    for equation, found in sides(line, {}):
+        plain = re.sub(r"\^\{[^{}]*\}", "", equation)
+        scale = max(float(np.max(np.abs(v))) for v in found)
+        if SUM.search(plain):  # what cancels is known to the digits of its terms
+            scale = max(scale, *(float(n) for n in re.findall(r"\d+(?:\.\d+)?", plain)))
+        if any(np.max(np.abs(v - found[-1])) > PRINTED * scale for v in found[:-1]):
+            yield f"{equation}: {found}"
+
+
+@each("line, fine", [(r"4.437 \cdot 10^{-11}=7.492^{6}\cdot6.488 \cdot 10^{-17}", False), ("0.7252-4.725+4=0", True),
+                     (r"2196\cdot2.21 \cdot 10^{8}=4.86 \cdot 10^{11}", True), (r"2\cdot3=6.1", False)])
+def test_what_is_printed_is_compared_as_printed(line: str, fine: bool) -> None:
+    assert (not list(apart(line))) is fine
+
+
 @every_lesson
 def test_the_numbers_put_in_obey_their_equations_at_the_start_and_at_random_knobs(lesson: Lesson) -> None:
     start = lesson.compute(lesson.start())
@@ -77,6 +96,7 @@ def test_the_numbers_put_in_obey_their_equations_at_the_start_and_at_random_knob
         assert put_in(step, values), f"{step.heading}: no numbers at the start"
         for line in put_in(step, values).split("\n"):
             check_mathml(mathml(line, True), step.heading)
+            assert not list(apart(line)), step.heading
     assert list(sides(lesson.words["en"].derivation[-1].now, values)), "the last line has no two sides to compare"
     outcomes = (start, *(outcome_of(lesson, design) for design in random_designs(lesson, RANDOM)))
     assert not [line for outcome in outcomes if outcome is not None for line in broken(lesson, outcome)]
