@@ -7,7 +7,9 @@ import pytest
 from app.tab.picture import State
 from app.view import page
 from app.view.axes import H, W
-from app.view.sizes import ASIDE, BAR, LARGE, LEFT, RIGHT, SHEET, Sizes
+from app.view.lettering import LARGE as LETTER
+from app.view.lettering import SIZE
+from app.view.sizes import ASIDE, BAR, FRAME, LARGE, LEFT, RIGHT, SHEET, Sizes
 
 
 @pytest.mark.parametrize("window", [(1024.0, 768.0), (1280.0, 720.0), (1920.0, 1080.0), (3840.0, 2160.0)], ids=str)
@@ -41,8 +43,21 @@ def test_the_page_and_its_server_agree_where_a_sheet_begins() -> None:
     assert widest.replace(":", ": ") in page.source("breadth.js") and f"width:{100 * ASIDE:g}vw" in page.source("page.css")
 
 
-def test_a_drawing_that_stands_alone_fills_its_column_in_a_hall_and_is_a_square_at_a_desk_but_not_on_a_phone() -> None:
+@pytest.mark.parametrize("across", [900.0, 1024.0, 1200.0, 1280.0, 1366.0, 3840.0])
+def test_words_of_drawings_are_legible_in_columns_of_any_width(across: float) -> None:
+    sizes = Sizes(State(window=(across, 768.0)))
+    assert (LETTER if sizes.large_words else SIZE) * (sizes.right - FRAME) / W >= 9.4
+
+
+@pytest.mark.parametrize("window, listed", [
+    ((390.0, 844.0), False), ((844.0, 390.0), False), ((768.0, 1024.0), True), ((900.0, 560.0), True)], ids=str)
+def test_a_phone_has_no_keys_however_it_is_held(window: tuple[float, float], listed: bool) -> None:
+    assert Sizes(State(window=window)).lists_keys == listed
+
+
+def test_a_drawing_that_stands_alone_fills_its_column_in_a_hall_and_is_a_square_at_a_desk_but_not_in_a_sheet() -> None:
     hall, desk = (Sizes(State(lecture=large, window=(1920.0, 1080.0))) for large in (True, False))
     assert 0.6 * 1080 < hall.drawing(1) * hall.right / W < 0.8 * 1080
     assert desk.drawing(1) == W
-    assert hall.drawing(2) == desk.drawing(2) == Sizes(State(window=(390.0, 844.0))).drawing(1) == H
+    assert hall.drawing(2) == desk.drawing(2) == H
+    assert all(Sizes(State(window=window)).drawing(1) == H for window in ((390.0, 844.0), (844.0, 390.0), (768.0, 1024.0)))

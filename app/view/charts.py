@@ -16,7 +16,7 @@ from ..tab.picture import Picture
 from ..text import raised, wording
 from .lettering import width
 from .prose import with_minus
-from .sizes import Sizes
+from .sizes import FRAME, Sizes
 from .style import of_figure
 from .svg import draw
 from .ticks import ticks
@@ -24,7 +24,6 @@ from .ticks import ticks
 DASHES: Mapping[str, tuple[float, ...] | None] = MappingProxyType({
     "solid": None, "dash": (9, 5), "dot": (2, 4), "pin1": (3, 3), "pin2": (14, 3), "pin3": (10, 3, 2, 3), "pin4": (6, 2, 2, 2, 2, 2)})
 
-FRAME = 36.0  # px of a column of figures beside its charts
 LAST = 1.15  # letters right of a chart, for half of the last number below it: 1000
 
 
@@ -98,7 +97,7 @@ class Chart:
         self._bold = 1.5 if sizes.state.lecture else 1.0
         self._letter, self._mates, self._room = sizes.chart_letter, mates, sizes.upright(mates)
         self._aspect = self._wide(sizes)
-        self._high = sizes.drawing(mates)
+        self._high, self._large = sizes.drawing(mates), sizes.large_words
         self._range: tuple[float, float] | None = None
         self._plot: viser.GuiUplotHandle | None = None
         self._html: viser.GuiHtmlHandle | None = None
@@ -113,13 +112,17 @@ class Chart:
         return (sizes.right - FRAME) / sizes.chart(self._mates)
 
     def take_room(self, sizes: Sizes) -> None:
-        """The column has another width: a chart keeps its height."""
+        """The column has another width: a chart keeps its height, a drawing is drawn for it."""
         self._aspect = self._wide(sizes)
         if self._plot is not None:
             self._plot.aspect = self._aspect
+        shape = self._high, self._large
+        self._high, self._large = sizes.drawing(self._mates), sizes.large_words
+        if self._html is not None and shape != (self._high, self._large):
+            self._html.content = self._drawing(self._figure)
 
     def _drawing(self, figure: Figure) -> str:
-        return draw(figure, self._language, self._alone, self._high)
+        return draw(figure, self._language, self._large, self._high)
 
     def _under(self, under: Figure | None) -> Figure | None:
         return None if self._alone else under

@@ -12,16 +12,19 @@ from ..tab.commands import Edit, SeeWindow
 from ..tab.picture import USUAL, State
 from . import scripted
 from .axes import H, W
+from .lettering import SIZE
 
 LEFT, RIGHT, RUN = 345.0, 395.0, 600.0  # px of the columns and of the panel of the run
 LEAST_RUN = 250.0  # px of that panel, where its buttons stand in more rows
 LARGE_LEFT, LARGE_RIGHT = 22.0, 25.0  # the same in large print, in letters
 LARGE = 0.021  # of the window's height: a letter's size in large print; `lecture.css` says the same
-PHONE = 576.0  # px of a window's width below which there are no keys
+PHONE, HELD_ACROSS = 576.0, 480.0  # px of a window's width or height below which there are no keys
 SHEET = 896.0  # px of a window's width up to which a sheet takes the place of the columns; `page.css` and `breadth.js` say the same
 ASIDE = 0.54  # of the window's width that the sheet takes beside the stage, where the window is wider than high; likewise
 NARROWEST = 250.0, 270.0  # px of the columns in a window that just has room for them
+LEGIBLE = 10.0  # px of the words in a drawing
 BAR = 12.0  # px between the panel of the run and the columns
+FRAME = 36.0  # px of a column of figures beside its charts and drawings
 LEAST_CHART, CHARTS = 180, MappingProxyType({1: 320, 2: 230})  # px of a chart's height, and where it stands alone or with one figure more
 FILLS, TALLEST = 0.72, 1.4  # of a lone drawing in large print: its share of the window's height, its height over its width
 LEAST_FILLED = 0.26  # of the window's height: a chart in large print is no lower; `fill.js` has it as a share of the column
@@ -73,7 +76,7 @@ class Sizes:
     @property
     def lists_keys(self) -> bool:
         """Whether a button opens the list of keys: in a hall a key does, and its row is full; a phone has no keys."""
-        return not self.state.lecture and self.state.window[0] >= PHONE
+        return not self.state.lecture and self.state.window[0] >= PHONE and self.state.window[1] >= HELD_ACROSS
 
     @property
     def chart_letter(self) -> int:
@@ -86,10 +89,15 @@ class Sizes:
 
     def drawing(self, figures: int) -> float:
         """The height of a plane or a map, whose width is `axes.W`: one that stands alone in its tab is a square, and fills the column
-        in a hall; on a phone none takes more than others."""
-        if figures > 1 or self.state.window[0] < PHONE:
+        in a hall; in a sheet none takes more than others."""
+        if figures > 1 or self.sheet:
             return float(H)
         return min(FILLS * self.state.window[1] * W / self.right, TALLEST * W) if self.state.lecture else float(W)
+
+    @property
+    def large_words(self) -> bool:
+        """Whether the words of drawings are those of large print: in a hall, and where a narrow column makes drawings small."""
+        return self.state.lecture or (self.right - FRAME) / W * SIZE < LEGIBLE
 
     def upright(self, figures: int) -> float:
         """px along a chart's vertical axis that its name may take, however little of the column is left to the chart."""

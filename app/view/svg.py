@@ -10,7 +10,7 @@ import numpy as np
 from ..lesson.figures import COLOURS, Figure, MapFigure, MatrixFigure, PlaneFigure, TableFigure, finite
 from ..text import wording
 from .axes import ROW, Axes, H, W
-from .lettering import DASHES, LARGE, Box, Name, along, beside, folded, key, width
+from .lettering import DASHES, LARGE, SIZE, Box, Name, along, beside, folded, key, width
 from .matrices import matrix
 from .prose import with_minus
 
@@ -45,7 +45,7 @@ def _svg(drawn: tuple[str, float], figure: Figure, language: str, large: bool) -
     said = "".join(f'<text x="{W / 2}" y="{16 + k * ROW - more:.1f}" text-anchor="middle" font-size="{size:.1f}" font-weight="600">'
                    f"{html.escape(line)}</text>" for k, line in enumerate(lines))
     return (f'<div class="ol-figure" data-figure="{figure.id}"><svg viewBox="0 {0 - more:.0f} {W} {height + more:.0f}" role="img" '
-            f'aria-label="{html.escape(title)}" font-family="sans-serif" font-size="11" fill="#333a44">'
+            f'aria-label="{html.escape(title)}" font-family="sans-serif" font-size="{LARGE if large else SIZE:g}" fill="#333a44">'
             f"{said}{body}</svg></div>")
 
 

@@ -19,7 +19,7 @@ BOARDS_BEHIND = 0.9  # stage units from what the composed view looks at to the b
 CAMERAS = MappingProxyType({
     "all": ((0.0, -13.4, 3.4), (0.0, 0.6, 1.38)),
     "plant": ((0.0, -8.2, 2.9), (0.0, 0.0, 1.0)),
-    "bare": ((0.0, -11.2, 3.1), (0.0, 0.3, 1.05)),  # all there is where no boards stand
+    "bare": ((0.0, -11.2, 2.8), (0.0, 0.3, 0.75)),  # all there is where no boards stand, in the middle of what the run leaves free
     "boards": ((0.0, -10.2, 3.6), (0.0, 1.6, 3.3)),
 })
 

@@ -1,9 +1,9 @@
-"""Measures every lesson on the page in both languages at four sizes: first knob, smallest words, what is cut, what overlaps.
+"""Measures every lesson on the page in both languages at seven sizes: first knob, smallest words, what is cut, what overlaps.
 
-`PYTHONPATH=. python tests/benchmarks/bench_sight.py [LESSON …] [--size laptop|hall|wall|phone] [--language en|zh] [--sheets]`; a line
-for each page, and at the end how many keep each law. One tab walks through all lessons of a size, a few seconds a page without a
-graphics card. With `--sheets` a picture of every page stays in artefacts/<size>, and all of a size and a language on one contact
-sheet, artefacts/sheet-<size>-<language>.png.
+`PYTHONPATH=. python tests/benchmarks/bench_sight.py [LESSON …] [--size laptop|…] [--language en|zh] [--sheets]`; a line for each page,
+and at the end how many keep each law. One tab walks through all lessons of a size, a few seconds a page without a graphics card. With
+`--sheets` a picture of every page, or of three parts of a sheet, stays in artefacts/<size>, and all of a size and a language on one
+contact sheet, artefacts/sheet-<size>-<language>.png.
 """
 
 from __future__ import annotations
@@ -19,12 +19,15 @@ from conftest import ARTEFACTS, chromium, serving
 from PIL import Image
 from playwright.sync_api import sync_playwright
 from sight import Sight, look
-from tab import FLAGS, Tab
+from tab import FLAGS, ON_TOP, Tab
 
 from app.view import phrases
 from lessons import LESSONS
 
-SIZES = {"laptop": (1366, 768, False), "hall": (1920, 1080, True), "wall": (3840, 2160, True), "phone": (390, 844, False)}
+SIZES = {"laptop": (1366, 768, False), "hall": (1920, 1080, True), "wall": (3840, 2160, True), "projector": (1024, 768, False),
+         "tablet": (768, 1024, False), "phone": (390, 844, False), "across": (844, 390, False)}
+BY_HAND = ("tablet", "phone", "across")  # a finger presses, and a sheet takes the place of the columns
+SHOWN = "predict", "knobs", "curves"  # the parts of it that are pictured
 THUMB, ACROSS, GAP = 640, 4, 8  # px of a picture's width on a contact sheet, how many in a row, px between two
 
 
@@ -63,16 +66,19 @@ def sheet(pictures: list[Path]) -> Image.Image:
     return whole
 
 
-def keep(tab: Tab, size: str, lesson: str, language: str) -> Path:
-    """A picture of the page as it stands; on a phone of its part with the prediction."""
+def keep(tab: Tab, size: str, lesson: str, language: str) -> list[Path]:
+    """Pictures of the page as it stands: one, or one of each part that a sheet shows of it."""
     folder = ARTEFACTS / size
     folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{LESSONS[lesson].number:02d}-{lesson}-{language}.png"
-    if size == "phone":
-        tab.page.locator(".ol-parts [data-part=knobs]").click()
-    tab.page.evaluate("document.querySelector('.ol-question').closest('[data-scrollarea-viewport]').scrollTo(0, 0)")
-    tab.picture(path)
-    return path
+    kept = list[Path]()
+    for part in SHOWN if size in BY_HAND else ("",):
+        if part:
+            tab.page.locator(f".ol-parts [data-part={part}]").click()
+            tab.answered(rests=True)
+        tab.page.evaluate(ON_TOP)
+        kept.append(folder / f"{LESSONS[lesson].number:02d}-{lesson}-{language}{part and '-'}{part}.png")
+        tab.picture(kept[-1])
+    return kept
 
 
 def main() -> None:
@@ -88,15 +94,15 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=chromium(), headless=True, args=FLAGS)
         for size in asked.size or SIZES:
             across, up, large = SIZES[size]
-            context = browser.new_context(viewport={"width": across, "height": up}, has_touch=size == "phone", reduced_motion="reduce")
+            context = browser.new_context(viewport={"width": across, "height": up}, has_touch=size in BY_HAND, reduced_motion="reduce")
             tab, kept = Tab(context.new_page(), address, drawn=False), dict[str, list[Path]]()
             for lesson, language, sight in pages(tab, asked.lessons, asked.language or ["en", "zh"], large):
                 seen.append((large, sight))
-                print(f"{size:6} {lesson:18} {language}  knob {sight.knob or 'in view'}  words {sight.words:g} px = 1/{sight.one_over:g} "
+                print(f"{size:9} {lesson:18} {language}  knob {sight.knob or 'in view'}  words {sight.words:g} px = 1/{sight.one_over:g} "
                       f"({sight.smallest})  cut {list(sight.cut)[:4]}  over {list(sight.over)[:3]}  empty {sight.empty:.0%}  "
                       f"screens {sight.screens:g}  hall {list(sight.hall)}", flush=True)
                 if asked.sheets:
-                    kept.setdefault(language, []).append(keep(tab, size, lesson, language))
+                    kept.setdefault(language, []).extend(keep(tab, size, lesson, language))
             context.close()
             for language, pictures in kept.items():
                 sheet(pictures).save(ARTEFACTS / f"sheet-{size}-{language}.png")

@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 
 from tab import Tab
 
+from app.view.sizes import SHEET
+
 AGAIN = 4  # times that a page with faults is looked at
 MOST_EMPTY = 0.4  # of the figures' column in large print, where there is more to show
-PHONE = 576  # px of width below which viser lays a sheet over the stage
 PARTS = ("predict", "knobs", "curves", "why", "tasks")
 MEASURE = """() => {
   const seen = e => e.checkVisibility({opacityProperty: true, visibilityProperty: true}) && e.getClientRects().length > 0;
@@ -165,10 +166,10 @@ def _measured(tab: Tab, large: bool) -> tuple[dict[str, Any], list[str]]:
 
 
 def look(tab: Tab, large: bool = False, every: bool = False) -> Sight:
-    """Measure the page as it stands, in large print or not; on a phone part by part, elsewhere with `every` tab of the figures."""
+    """Measure the page as it stands, in large print or not; in a sheet part by part, elsewhere with `every` tab of the figures."""
     size = tab.page.viewport_size
     assert size is not None
-    parts: tuple[str, ...] = PARTS if size["width"] < PHONE else ("",)
+    parts: tuple[str, ...] = PARTS if size["width"] <= SHEET else ("",)
     found: list[dict[str, Any]] = []
     knob, screens, further = "", 0.0, list[str]()
     for part in parts:
