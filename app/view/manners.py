@@ -23,6 +23,7 @@ ONCE = (
     "again",  # bring a second question into view when it comes under the knobs
     "reading",  # say what the curves of a chart are where the pointer is; viser hands no function to its charts that could
     "names",  # write the names of a chart's curves beside them; viser has a key below the chart and nothing else
+    "cursor",  # put the cursor of every chart over time where the clock stands
     "snapshot",  # let the dialog keep the stage as a picture, drawn with all its pixels on the ground that the page gives it
     "parts",  # let a phone show one part of the lesson at a time
     "floor",  # keep the camera from turning or sliding under the floor, from where nothing can be seen
