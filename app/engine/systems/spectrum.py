@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.linalg import matrix_balance
 
+from .arrays import frozen
 from .balance import balance
 from .errors import EngineError, ShapeError
 from .plant import as_matrix
@@ -15,6 +17,7 @@ __all__ = ["Spectrum", "amplitude_response", "frequency_response", "modal_coordi
 
 CANCELLATION = 1e-6  # of the sum of the sizes of the residues' terms: less is not told by them
 ABSENT, FEW = 1e-12, 64
+KEPT = 40  # states of a system whose modes are kept
 WORST_EIGENVECTORS = 1e6  # condition beyond which modal residues lose too many digits
 
 
@@ -75,11 +78,25 @@ def modal_coordinates(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.n
     """
     if not len(A):
         return np.empty(0, dtype=complex), np.empty((len(C), 0), dtype=complex), np.empty((0, B.shape[1]), dtype=complex)
+    if len(A) > KEPT:
+        return _in_modes(A, B, C)
+    a, b, c = (np.ascontiguousarray(M, dtype=float).tobytes() for M in (A, B, C))
+    return _kept(a, b, c, len(A))
+
+
+def _in_modes(A: np.ndarray, B: np.ndarray, C: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     balanced, (scale, _) = matrix_balance(A, permute=False, separate=True)
     poles, vectors = np.linalg.eig(balanced)
     if np.linalg.cond(vectors) > WORST_EIGENVECTORS:
         return None
-    return poles.astype(complex), (C * scale) @ vectors, np.linalg.solve(vectors, B / scale[:, None])
+    return frozen(poles.astype(complex)), frozen((C * scale) @ vectors), frozen(np.linalg.solve(vectors, B / scale[:, None]))
+
+
+@lru_cache(maxsize=64)
+def _kept(a: bytes, b: bytes, c: bytes, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Of a plant or a controller that stays while a hand changes the world about it."""
+    A, B, C = (np.frombuffer(M) for M in (a, b, c))
+    return _in_modes(A.reshape(n, n), B.reshape(n, -1), C.reshape(-1, n))
 
 
 def frequency_response(A: object, B: object, C: object, D: object, omega: object, *, dt: float = 0.0) -> np.ndarray:

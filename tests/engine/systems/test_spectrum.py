@@ -6,6 +6,7 @@ import pytest
 
 from app.engine import EngineError, ShapeError, frequency_response, psd
 from app.engine.systems import amplitude_response
+from app.engine.systems.spectrum import modal_coordinates
 
 RNG = np.random.default_rng(1)
 
@@ -53,6 +54,15 @@ def test_defective_matrix_falls_back_to_solving() -> None:
     omega = np.array([0.0, 0.5, 3.0])
     gain = amplitude_response(A, [[0], [0], [0], [1]], [[1, 0, 0, 0]], [[0]], omega)
     assert np.allclose(gain[:, 0, 0], (1 + omega**2) ** -2.0, rtol=1e-12)
+
+
+def test_modes_are_kept_by_what_a_matrix_holds() -> None:
+    """A matrix that is changed in place has a response of its own; what is kept cannot be written."""
+    A, B, C = np.diag([-1.0, -2.0]), np.ones((2, 1)), np.ones((1, 2))
+    first = frequency_response(A, B, C, [[0]], [0.0])
+    A[0, 0] = -4.0
+    assert first[0, 0, 0] == pytest.approx(1.5) and frequency_response(A, B, C, [[0]], [0.0])[0, 0, 0] == pytest.approx(0.75)
+    assert not any(part.flags.writeable for part in modal_coordinates(A, B, C) or ())
 
 
 @pytest.mark.parametrize("A", [[[0, 1], [-4, 0]], [[0, 1, 0, 0], [-4, 0, 1, 0], [0, 0, 0, 1], [0, 0, -4, 0]]])
