@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 
 import numpy as np
 
@@ -138,12 +137,15 @@ def _shared(a: np.ndarray, b: np.ndarray) -> str:
 
 def _residual(a: np.ndarray, b: np.ndarray, E: np.ndarray, F: np.ndarray, phi: np.ndarray) -> float:
     """Largest coefficient of A E + B F − Φ beside the sum of the sizes of its terms, nothing rounded on the way."""
-    gap = [Fraction(-float(c)) for c in phi]
+    ratios = [[float(c).as_integer_ratio() for c in p] for p in (a, b, E, F, phi)]
+    bits = max(under.bit_length() for p in ratios for _, under in p)  # every coefficient is a whole number of 2^-bits
+    x, y, e, f, right = ([over * ((1 << bits) // under) for over, under in p] for p in ratios)
+    gap = [-c << bits for c in right]
     size = [abs(c) for c in gap]
-    for x, y in ((a, E), (b, F)):
-        first = len(phi) - (len(x) + len(y) - 1)
-        for i, j in np.ndindex(len(x), len(y)):
-            term = Fraction(float(x[i])) * Fraction(float(y[j]))
-            gap[first + i + j] += term
-            size[first + i + j] += abs(term)
-    return max((float(abs(g) / s) for g, s in zip(gap, size, strict=True) if s), default=0.0)
+    for left, factor in ((x, e), (y, f)):
+        first = len(phi) - (len(left) + len(factor) - 1)
+        for i, c in enumerate(left):
+            for j, d in enumerate(factor):
+                gap[first + i + j] += c * d
+                size[first + i + j] += abs(c * d)
+    return max((abs(g) / s for g, s in zip(gap, size, strict=True) if s), default=0.0)
