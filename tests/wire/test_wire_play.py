@@ -86,7 +86,7 @@ def test_a_run_that_is_stopped_in_the_middle_stands_where_its_clock_stands(enter
     index = max(0, int(np.searchsorted(stage.t, picture.state.t + 1e-9, side="right")) - 1)
     for name, pose in stage.body.pose(stage.x[index].tolist(), stage.body.gain).items():
         assert np.allclose(sent[f"/plant/{name}", "position"], pose.position) and np.allclose(sent[f"/plant/{name}", "wxyz"], pose.wxyz)
-    clocks = [m["updates"]["content"] for m in tab.messages[since:] if "ol-clock" in str(m.get("updates", {}).get("content"))]
+    clocks = [m["updates"]["content"] for m in tab.messages[since:] if 'ol-note ol-clock' in str(m.get("updates", {}).get("content"))]
     assert f"t = {picture.state.t:.2f} s" in clocks[-1]
     assert not any("<style" in words for words in clocks), "a rule that changes makes the browser look through its whole page anew"
     assert tab.unasked() == []

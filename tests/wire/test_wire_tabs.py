@@ -166,7 +166,7 @@ def test_the_clock_names_the_length_of_a_run_that_a_job_made_longer(enter: Enter
 
     def length() -> float:
         shown = [str(w["props"].get("content")) for w in tab.widgets.values()]
-        clocks = [words for words in shown if "ol-clock" in words]
+        clocks = [words for words in shown if 'class="ol-note ol-clock"' in words]
         return float(clocks[0].split("/ ")[1].split(" s")[0]) if clocks else 0.0
     draft = length()
     assert draft == round(newest().picture.horizon, 5)  # type: ignore[union-attr]
