@@ -14,6 +14,7 @@ import app
 from app.engine import EngineError, Plant, RiccatiError, lqr
 from app.text import NO_WORDS, Text, joined, languages, listed, name_of, raised, same, text, text_in, told, written
 from app.text.languages import catalogue, decimal_sign
+from app.text.plurals import COUNTED, IRREGULAR, NOUNS
 
 OTHERS = [code for code in languages() if code != "en"]
 HAN = re.compile(r"[\u4e00-\u9fff]")
@@ -59,6 +60,22 @@ def test_a_translation_has_the_places_of_its_message_and_no_others(language: str
         if lost:
             wrong.append(f"{english!r} loses {lost}")
     assert not wrong, "\n".join(wrong)
+
+
+VERBS = frozenset((
+    "as", "claims", "cuts", "delivers", "differs", "does", "fails", "follows", "gives", "goes", "has", "holds", "is", "keeps",
+    "lacks", "leads", "lies", "minus", "ms", "needs", "others", "says", "stands", "stays", "takes", "times", "watches", "yes",
+    "yours"))
+
+
+def test_a_noun_behind_a_number_is_known_so_that_one_of_it_is_singular() -> None:
+    """`{n} samples` says "1 sample" where n is 1; a new noun wants its place in app/text/plurals.py."""
+    behind = {found["noun"]: english for _, english in said() for found in COUNTED.finditer(english)}
+    assert {noun: english for noun, english in behind.items() if noun not in NOUNS | IRREGULAR.keys() | VERBS} == {}
+    late = text("arrive {late} samples late", late=1)
+    assert late() == "arrive 1 sample late" and late.format(late=2)() == "arrive 2 samples late" and "1" in late("zh")
+    assert text("x0 must have {n} entries.", n=np.int64(1))() == "x0 must have 1 entry."
+    assert text("{who} runs, {n:.1f} steps", who="1", n=1.0)() == "1 runs, 1.0 steps"
 
 
 def test_a_message_is_a_record_of_its_id_and_values() -> None:

@@ -8,6 +8,7 @@ from functools import reduce
 
 from .languages import closed_up, known_name, translated
 from .numbers import Written, has_powers, written
+from .plurals import counted
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Text:
         template = translated(self.id, self.context, language)
         if not self.values:
             return template
+        if template == self.id:  # English, or not translated
+            template = counted(template, dict(self.values))
         places = {name: _Place(value, language, beside_powers) for name, value in self.values}
         return closed_up(template.format_map(places), language)
 

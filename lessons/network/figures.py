@@ -73,7 +73,7 @@ def longest(heard: np.ndarray) -> int:
 def _input(outcome: Outcome[Study]) -> LineFigure:
     s, d, unit = outcome.study, outcome.design, KINDS[outcome.design["case"]].input_unit
     lost = int(np.sum(s.run.draw.acted < 0))
-    how = text("zero stands in for them") if d["lost"] == ZERO else text("the last one is held")
+    how = text("zero stands in") if d["lost"] == ZERO else text("the last one is held")
     return LineFigure("input", text("input asked for and applied"), times(outcome),
                       (Curve(text("asked"), _steps(s.asked[:, 0]), "second", "dash", 1.6),
                        Curve(text("applied"), _steps(s.applied[:, 0]), "force")), f"u [{unit}]" if unit else "u",
@@ -83,6 +83,8 @@ def _input(outcome: Outcome[Study]) -> LineFigure:
 def _fate(lost: int, how: Text, late: int) -> Text:
     """What became of the inputs."""
     when = text("arrive {late} samples late", late=late) if late else text("arrive at once")
+    if lost == 1:
+        return text("One input is lost, {how}; the others {when}.", how=how, when=when)
     if lost:
         return text("{lost} inputs lost, {how}; the others {when}.", lost=lost, how=how, when=when)
     return text("No input is lost; all {when}.", when=when)

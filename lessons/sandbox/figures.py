@@ -93,6 +93,8 @@ def modes_table(found: Structure) -> TableFigure:
                   text("does not settle"), _bar(a), _bar(b)) for a, b in pairs[:MOST_MODES])
     left = len(pairs) - len(rows)
     more = text("The {left} others are farther from hidden.", left=left) if left > 0 else NO_WORDS
+    if left == 1:
+        more = text("The other one is farther from hidden.")
     hidden, fixed = len(found.seen.unobservable), len(found.reached.uncontrollable)
     return TableFigure("modes", title, heads, rows, tab=VERDICT_TAB, caption=joined(
         text("Hidden from y: {hidden}. Out of reach of u: {fixed}.", hidden=hidden, fixed=fixed), more))

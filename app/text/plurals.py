@@ -1,0 +1,29 @@
+"""English in the singular: a message counts `{n} samples`, and where n is 1 it says 1 sample."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from .numbers import Written, written
+
+__all__ = ["IRREGULAR", "NOUNS", "counted"]
+
+COUNTED = re.compile(r"\{(?P<name>\w+)(?::(?P<spec>[^{}]*))?\} (?P<noun>[a-z]+s)\b")
+IRREGULAR = MappingProxyType({"axes": "axis", "entries": "entry", "frequencies": "frequency"})
+NOUNS = frozenset((
+    "changes", "channels", "characters", "columns", "counts", "decimals", "designs", "dimensions", "directions", "gains",
+    "inputs", "members", "names", "numbers", "outputs", "perturbations", "places", "points", "poles", "predictions", "readings",
+    "rows", "runs", "samples", "seconds", "starts", "states", "steps", "windows", "years", "zeros"))
+
+
+def counted(template: str, values: Mapping[str, object]) -> str:
+    """An English template, in which a noun behind a count of one stands in the singular."""
+    def noun(found: re.Match[str]) -> str:
+        value, words = values.get(found["name"]), found["noun"]
+        one = words in NOUNS or words in IRREGULAR
+        if not one or not isinstance(value, Written) or written(value, found["spec"] or "") != "1":
+            return found[0]
+        return found[0].removesuffix(words) + IRREGULAR.get(words, words[:-1])
+    return COUNTED.sub(noun, template)
