@@ -91,6 +91,8 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
   const folder = document.querySelector('div:has(>.ol-part-knobs) + .mantine-Paper-root'), head = folder.firstElementChild;
   const own = e => heads.filter(each => each.parentElement.contains(e)).at(-1) === head;
   const knobs = [...folder.querySelectorAll('label')].filter(e => seen(e) && e.textContent && own(e)).map(e => e.textContent);
+  const box = folder.querySelector(':scope > div:nth-child(2) > div');
+  if (box.scrollHeight > box.clientHeight + 1) out.push(`knobs cut by their box: ${box.scrollHeight} px in ${box.clientHeight}`);
   if (knobs.length < 1 || knobs.length > 3) out.push(`knobs: ${knobs}`);
   const charts = [...document.querySelectorAll('[data-dock-region=right] .uplot')].filter(e => {
     const view = e.closest('[data-scrollarea-viewport]').getBoundingClientRect();
