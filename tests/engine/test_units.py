@@ -65,3 +65,10 @@ def test_a_gain_follows_the_units_of_the_states() -> None:
     d = np.array([1e-6, 1e6])
     plain, moved = place(A, B, [-1, -2]), place(A * d / d[:, None], B / d[:, None], [-1, -2])
     np.testing.assert_allclose(moved.gain / d, plain.gain, rtol=1e-12, atol=1e-14)
+
+
+def test_the_ranks_of_a_functional_observer_do_not_hang_on_units() -> None:
+    """Directions were chosen in the units given, so that ranks told of an observer that was found that there was none."""
+    rng = np.random.default_rng((1, 12))
+    case = random_case(rng)
+    assert not breach("functional", case, random_units(case, rng))

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from ..structure.coprime import coprime_factors
+from ..systems.balance import UNLIKE, balance
 from ..systems.plant import Plant
 from ..systems.pole_sets import check_poles
 from .directions import choose_directions, seen_rows, upper
-from .functional import check_functional, real_rows
+from .functional import check_functional, like_units, real_rows
 
 __all__ = ["Existence", "existence"]
 
@@ -50,6 +51,9 @@ def existence(plant: Plant, K: object, poles: Any) -> Existence:
     1
     """
     wanted = check_functional(plant, K)
+    own = balance(plant.A, None, plant.C)
+    if own.states.max() > UNLIKE * own.states.min():  # as `functional_observer` does
+        plant, wanted, _ = like_units(plant, wanted, own)
     seen, d = seen_rows(plant.A, plant.C)
     asked, T = np.zeros(0, dtype=complex), np.zeros((0, plant.n))
     if np.size(poles):

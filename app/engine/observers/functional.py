@@ -127,13 +127,20 @@ def _in_like_units(plant: Plant, K: np.ndarray, own: Balance, poles: Poles, wron
                    norm: Norm) -> FunctionalObserver:
     """The observer found in balanced states and outputs, told in those of the plant; J is of the plant's own units."""
     x, y = own.states, own.outputs
-    like = Plant(own.A(plant.A), plant.B / x[:, None], own.C(plant.C), np.asarray(plant.D) / y[:, None], plant.dt)
-    unit = 2.0 ** np.round(np.log2(np.abs(K * x).max(axis=1, keepdims=True) + SLOWEST))
-    found = functional_observer(like, K * x / unit, len(poles), poles=poles)
+    like, wanted, unit = like_units(plant, K, own)
+    found = functional_observer(like, wanted, len(poles), poles=poles)
     T, L, M, N = found.T / x, found.L / y, found.M / y * unit, found.N * unit
     return FunctionalObserver(plant, K, found.F, T, L, N, M, found.poles,
                               np.array([normalised(g / y) for g in found.directions]), found.W,
                               criterion(T, L, M, wrong, norm=norm), wrong, norm)
+
+
+def like_units(plant: Plant, K: np.ndarray, own: Balance) -> tuple[Plant, np.ndarray, np.ndarray]:
+    """Plant and K (r×n) in balanced states and outputs, and the units (r, 1) in which K is told there."""
+    x, y = own.states, own.outputs
+    like = Plant(own.A(plant.A), plant.B / x[:, None], own.C(plant.C), np.asarray(plant.D) / y[:, None], plant.dt)
+    unit = 2.0 ** np.round(np.log2(np.abs(K * x).max(axis=1, keepdims=True) + SLOWEST))
+    return like, K * x / unit, unit
 
 
 def exists(observer: FunctionalObserver) -> bool:
