@@ -10,7 +10,7 @@ from tab import Tab, eventually
 
 from lessons import LESSONS
 
-CLOCK = "() => Number(document.querySelector('.ol-clock').dataset.share)"
+CLOCK = "() => Number(document.querySelector('.ol-clock')?.dataset.share ?? 0)"  # there is none while a lesson is laid out
 
 
 def test_a_lesson_opens_in_motion_where_motion_is_welcome_and_the_first_drag_moves_the_ghost(new_tab: Callable[..., Tab]) -> None:
