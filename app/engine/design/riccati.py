@@ -75,7 +75,7 @@ def solve_continuous(problem: RiccatiProblem) -> tuple[np.ndarray, np.ndarray, f
         return lyapunov((p.A - p.B @ K).T, -residual)
 
     return _solve(problem, solve_continuous_are, newton, continuous_residual, by_hamiltonian,
-                  lambda poles: -float(poles.real.max()))
+                  lambda poles: -float(np.real(poles).max()))
 
 
 def by_hamiltonian(problem: RiccatiProblem) -> tuple[np.ndarray, float] | None:
