@@ -33,6 +33,7 @@ def directions() -> tuple[np.ndarray, ...]:
     return tuple(found)
 
 
+@lru_cache(maxsize=256)
 def rank_of(faults: frozenset[int]) -> int:
     """Rank of the columns of these faults in H(z), at all z but single ones: the number of courses that can be told apart in y."""
     return max(int(np.sum(np.linalg.svd(_even(H[:, sorted(faults)]), compute_uv=False) > RANK)) for H in directions())
@@ -51,6 +52,7 @@ def rivals() -> dict[Pair, tuple[Pair, ...]]:
     return {p: tuple(q for q in PAIRS if q != p and rank_of(frozenset(p + q)) < len({*p, *q})) for p in PAIRS}
 
 
+@lru_cache(maxsize=32)
 def isolable(pair: Pair) -> str:
     """SURE: told from any other pair whatever both faults do; SPECIAL: but for special courses; NEVER: another pair does all it does."""
     others = rivals()[pair]
