@@ -43,6 +43,7 @@ def rows_of(study: Study, missing: Sequence[int] | None = None) -> dict[int, Row
     return {row.index: row for chunk in executors.in_process(study, every) for row in chunk}
 
 
+@pytest.mark.slow
 def test_every_lesson_gives_a_study_of_two_points_whose_first_is_its_own_run() -> None:
     def law(lesson: Lesson) -> None:
         knob = next(k for k in lesson.knobs if isinstance(k, Number) and not k.hidden)

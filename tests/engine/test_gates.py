@@ -37,6 +37,7 @@ def test_every_public_function_stands_behind_a_gate() -> None:
     assert not bare
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="memory is bounded by the operating system")
 @pytest.mark.parametrize("part", range(2))
 def test_nonsense_is_one_sentence(part: int) -> None:

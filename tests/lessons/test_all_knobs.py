@@ -44,6 +44,7 @@ def moves_something(lesson: Lesson, knob: Knob) -> None:
     pytest.fail(f"nothing changed in {tried} tries")
 
 
+@pytest.mark.slow
 @every_lesson
 def test_every_knob_changes_what_is_seen(lesson: Lesson) -> None:
     holds_for_all([knob for knob in lesson.knobs if not knob.hidden], partial(moves_something, lesson), lambda knob: knob.name)
@@ -69,6 +70,7 @@ def test_boards_are_dragged_through_knobs_that_hold_poles(lesson: Lesson) -> Non
             assert board.re_low <= pole.real <= board.re_high and abs(pole.imag) <= board.im_high
 
 
+@pytest.mark.slow
 @every_lesson
 @settings(max_examples=EXAMPLES, deadline=None, derandomize=True, database=None,
           suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])

@@ -91,6 +91,7 @@ def test_a_run_lost_within_its_first_step_is_said_in_a_sentence() -> None:
         Stage(spring_damper.MODEL.body, run.t, run.x)
 
 
+@pytest.mark.slow
 @adaptable
 @settings(max_examples=12, deadline=None, derandomize=True, database=None,
           suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])

@@ -19,6 +19,7 @@ def every_task() -> list[Any]:
     return [pytest.param(lesson, task, id=f"{lesson.id}-{task.id}") for lesson in LESSONS.values() for task in lesson.tasks]
 
 
+@pytest.mark.slow
 @each("lesson, task", every_task())
 def test_a_task_fails_at_the_start_and_passes_at_its_own_solution(lesson: Lesson, task: Any) -> None:
     start = lesson.start()

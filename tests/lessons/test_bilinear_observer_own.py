@@ -46,6 +46,7 @@ def random_plant(seed: int, shape: tuple[int, int, int, int], decades: float) ->
                      Beyond(tau * F * np.kron(U, X) / X[:, None], K * X / S[:, None]))
 
 
+@pytest.mark.slow
 def test_what_the_page_says_of_random_plants_is_so() -> None:
     """The case that counting leads to expect, the law of the error and every claim: every other plant in units up to 10^±6 away."""
     for seed, (n, m, r, k, case) in enumerate(SHAPES):

@@ -80,6 +80,7 @@ def test_tuned_nis_is_the_number_of_measurements_and_nees_of_states(tried):
         assert low < tried[name]["trials_nees"] < high, name
 
 
+@pytest.mark.slow
 def test_the_decoy_has_a_fitting_nis_and_a_hopeless_nees(tried):
     assert 3.6 < tried["decoy"]["trials_nis"] < 4.5
     assert tried["decoy"]["trials_nees"] > 30

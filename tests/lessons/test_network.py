@@ -129,6 +129,7 @@ def test_a_deck_that_loses_everything_stays_bounded() -> None:
     assert s.radius < 1 and s.edge.bounded(1.0)
 
 
+@pytest.mark.slow
 def test_nothing_is_said_to_leave_the_error_alone_where_the_meter_reads() -> None:
     quiet = 0
     for design in designs(60):

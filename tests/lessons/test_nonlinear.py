@@ -124,6 +124,7 @@ def test_on_the_falling_body_most_ensembles_of_the_unscented_filter_lie_in_the_b
     assert 0.14 < errors[0] < 0.18 and 0.04 < errors[1] < 0.06  # the prediction's 0.16 and 0.05 per km
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_pole_makes_the_extended_filter_overconfident_and_falls_with_the_linear_one(seed):
     by = {name: many(case=PENDULUM, filter=name, seed=seed) for name in FILTERS}
@@ -151,6 +152,7 @@ def test_on_the_platform_the_extended_filter_is_honest_up_to_an_amplitude(seed):
     assert two.nees[EKF].max() > 20 * two.nees[UKF].max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("task", by_knobs(LESSON.tasks), ids=lambda t: t.id)
 def test_tasks_hold_for_any_seed(task):
     for seed in range(20):
@@ -174,6 +176,7 @@ def test_the_job_keeps_what_only_the_view_changes():
 
 
 # --- what the page claims ----------------------------------------------------------------------------------------------------
+@pytest.mark.slow
 def test_a_known_start_leaves_the_kf_five_times_overconfident_and_the_ekf_honest():
     """Solution of the second task, by the two hundred runs of the button."""
     first = LESSON.compute(LESSON.apply(LESSON.start(), {"case": PLATFORM, "hardening": 0.6, "size": 0.3}))
@@ -181,6 +184,7 @@ def test_a_known_start_leaves_the_kf_five_times_overconfident_and_the_ekf_honest
     assert last.metrics["nees_kf"] > 5 and 0.8 < last.metrics["nees_ekf"] < 1.2
 
 
+@pytest.mark.slow
 def test_innovations_of_the_falling_ekf_average_about_two():
     ratios = []
     for seed in SEEDS:

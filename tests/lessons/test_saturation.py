@@ -204,6 +204,7 @@ def test_the_map_goes_along_with_a_new_start_and_with_nothing_else(told_truth: O
         assert np.all(LESSON.figures(other)[-1].values == UNKNOWN)
 
 
+@pytest.mark.slow
 def test_a_dropped_job_goes_on_where_it_was(told_wish: Outcome) -> None:
     def parts(job: Iterator[tuple[float, Outcome]]) -> Iterator[Outcome]:
         return (outcome for _, outcome in job if outcome.study.starts is not None)

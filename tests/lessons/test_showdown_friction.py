@@ -59,6 +59,7 @@ def test_without_friction_the_run_is_that_of_the_engine() -> None:
             np.testing.assert_allclose(ours, theirs, atol=1e-9 * np.abs(theirs).max())
 
 
+@pytest.mark.slow
 def test_a_deck_that_sticks_moves_as_the_ground_does_and_the_step_says_by_how_much() -> None:
     """Of one seed no two digits could be said: which lie between 0.17 and 0.41 for the SISO loops. The step says the medians of sixty,
     near which these three lie."""

@@ -37,6 +37,7 @@ def test_what_is_no_number_is_refused_in_a_sentence(said: str) -> None:
     assert not solved and why("en").endswith(".") and why("zh") != why("en")
 
 
+@pytest.mark.slow
 @given(st.text(max_size=60))
 def test_whatever_is_typed_is_a_number_or_unreadable(said: str) -> None:
     with contextlib.suppress(Unreadable):

@@ -101,6 +101,7 @@ def test_the_clock_changes_ranks_and_not_hankel_values():
 
 
 # --- Hankel values and truncation ---------------------------------------------------------------------------------------------
+@pytest.mark.slow
 def test_hankel_values_are_those_of_forty_digits():
     assert system(NOMINAL).hankel == pytest.approx(balanced_by_svd()[0].ravel(), rel=1e-6)
 

@@ -208,6 +208,7 @@ def growth_errors(filter_, seed, runs=100, steps=500):
     return float(np.mean(squares)), float(np.mean(scaled))
 
 
+@pytest.mark.slow
 def test_growth_model_makes_the_extended_filter_overconfident_for_every_seed_and_not_the_unscented():
     ekf = ExtendedKalmanFilter(growth.step, growth.seen, np.eye(1), np.eye(1), growth.step_expanded, growth.seen_expanded)
     ukf = UnscentedKalmanFilter(growth.step, growth.seen, np.eye(1), np.eye(1))

@@ -61,6 +61,7 @@ def test_an_error_that_does_not_settle_has_no_variance() -> None:
             error_parts(Plant(A, np.eye(1), np.eye(1), None, dt), [[0.0]], [[1.0]], [[1.0]], [[1.0]])
 
 
+@pytest.mark.slow
 def test_the_growing_variance_is_that_of_many_simulated_runs_and_ends_at_its_limit() -> None:
     plant, W, V, dt = plant_of(4, 3, 0.0), 0.3 * np.eye(2), 0.05 * np.eye(2), 0.02
     stable = Plant(plant.A - 3 * np.eye(3), plant.B, plant.C)

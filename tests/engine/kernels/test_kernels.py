@@ -246,6 +246,7 @@ def differing(steps: int, kernels: dict) -> list[str]:
     return found
 
 
+@pytest.mark.slow
 def test_kernels_are_plain_functions_that_say_what_the_plain_ways_say() -> None:
     assert not differing(24, {f: f for f in SIGNATURES})
 

@@ -145,6 +145,7 @@ def test_the_solution_is_a_fixed_point_and_rises_with_the_loss(loss: float) -> N
 
 
 # --- how much may be lost ----------------------------------------------------------------------------------------------
+@pytest.mark.slow
 def test_two_unstable_modes_and_one_sensor_leave_a_gap_between_the_bounds() -> None:
     edge = critical_loss(TWO[0], TWO[1])
     assert (edge.safe, edge.lost) == pytest.approx((SAFE, LOST), rel=1e-12) and not edge.exact

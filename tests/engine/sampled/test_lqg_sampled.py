@@ -88,6 +88,7 @@ def test_after_convergence_the_recursive_filter_closes_the_same_loop_at_1_khz() 
     assert recursive.variance(steady.inputs()) == pytest.approx(steady.variance(steady.inputs()), rel=1e-5)
 
 
+@pytest.mark.slow
 def test_on_one_seed_both_filters_run_into_each_other() -> None:
     """The same noise, other starts of the covariance: after the transient the velocities agree to 1e-4 of their size."""
     s = report(1e-11, 5e-3)

@@ -68,6 +68,7 @@ def test_the_expectation_is_calibrated() -> None:
     assert np.allclose(area, promised, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_the_density_at_a_fine_resolution_is_the_transfer_functions() -> None:
     """Away from the sharp peaks of the open loop, a long window and the transfer function agree."""
     loop = loop_of(Hardware(bandwidth=100.0, delay=1.4e-3, step=1e-6))

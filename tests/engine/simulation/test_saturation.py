@@ -119,6 +119,7 @@ def stiff(seed: int) -> Scenario:
                     seed=seed, u_min=-0.1, u_max=0.1)
 
 
+@pytest.mark.slow
 def test_what_a_stiff_loop_does_within_a_step_is_seen() -> None:
     """Each step from the run's own state, by a solver that resolves the fastest mode."""
     def law(seed: int) -> None:

@@ -193,6 +193,7 @@ def test_broken_mat_is_one_sentence(data, says):
     assert str(caught.value).endswith(".") and len(str(caught.value)) < 200
 
 
+@pytest.mark.slow
 def test_a_compressed_bomb_is_not_unpacked():
     import tracemalloc
 
