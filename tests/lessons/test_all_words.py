@@ -221,6 +221,30 @@ def test_one_thing_has_one_chinese_word() -> None:
     assert len(others) > 5 and [(file.name, word) for file in files for word in others if word in file.read_text("utf-8")] == []
 
 
+# Where a Latin letter, a number or a formula touches a Chinese sign, a half-width mark follows one, or one dash joins two.
+CROWDED = re.compile(r"[\u4e00-\u9fff][A-Za-z0-9$,;:!?]|[A-Za-z0-9$%°,;:!?][\u4e00-\u9fff]|[\u4e00-\u9fff]—[\u4e00-\u9fff]")
+
+
+def test_chinese_stands_apart_from_latin_and_has_its_own_marks() -> None:
+    assert all(CROWDED.search(words) for words in ("就是Hankel", "秩为$n$", "成员数, 故障数", "卡尔曼—布西"))
+    assert not CROWDED.search("秩为 $n$，离 −1 最近；卡尔曼–布西")
+    files = sorted((Path(app.__file__).parent / "locale" / "zh").iterdir())
+    assert [(file.name, found) for file in files for found in CROWDED.findall(file.read_text("utf-8"))] == []
+
+
+@every_lesson
+def test_chinese_quotes_what_english_sets_apart_as_the_page_calls_it(lesson: Lesson) -> None:
+    names = [words for knob in lesson.knobs for words in (knob.label, *(words for _, words in getattr(knob, "options", ())))]
+    names += [words for figure in shown(lesson.start())[1] for words in (figure.tab, figure.title)]
+    called: dict[str, set[str]] = {}
+    for name in names:
+        called.setdefault(name("en"), set()).add(f"\u201c{name('zh')}\u201d")
+    pages = (folder(lesson.id) / "en.md", Path(app.__file__).parent / "locale" / "zh" / f"{lesson.id}.md")
+    for english, chinese in zip(*(page.read_text("utf-8").splitlines() for page in pages), strict=True):
+        for found in re.findall(r"(?<!\*)\*([^*]+)\*(?!\*)", MATH.sub("", english)):
+            assert any(it in chinese for it in called.get(found, {""})), found
+
+
 @each("id", TERMS)
 def test_a_lesson_names_its_english_terms_once(id: str) -> None:
     chinese = (Path(app.__file__).parent / "locale" / "zh" / f"{id}.md").read_text("utf-8")
