@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import warnings
@@ -12,7 +13,8 @@ from hypothesis import Phase, settings
 
 HERE = Path(__file__).parent
 SLOW = frozenset({"e2e", "wire"})  # folders in which a server or a browser is started; elsewhere a test says so itself
-LONG = "test_package.py"  # the longest of all begins first, so that no worker is left alone with it at the end
+FIRST = ("test_package.py",  # the longest of all begins first, so that no worker is left alone with it at the end
+         "test_architecture.py", "test_public_names.py", "test_reached.py", "test_text.py")  # one worker reads the house for all these
 
 os.environ["OBSERVER_LAB_KERNELS"] = "off"  # no server of a test compiles anything; tests/engine/kernels does
 
@@ -29,10 +31,15 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     strange = sorted({item.nodeid.split("[")[0] for item in items if len(item.name) > LONGEST or " at 0x" in item.name})
     if strange:
         raise pytest.UsageError(f"a test's name must be short and the same in every worker; these want ids=: {', '.join(strange)}")
-    items.sort(key=lambda item: item.path.name != LONG)  # stable
+    place = {name: k for k, name in enumerate(FIRST)}
+    items.sort(key=lambda item: place.get(item.path.name, len(FIRST)))  # stable
     for item in items:
         if item.path.relative_to(HERE).parts[0] in SLOW:
             item.add_marker(pytest.mark.slow)
+
+
+def pytest_collection_finish() -> None:
+    gc.freeze()  # thousands of tests and all they import stay to the end: nobody needs to look whether they are garbage
 
 
 def pytest_configure(config: pytest.Config) -> None:
