@@ -245,6 +245,18 @@ def test_chinese_quotes_what_english_sets_apart_as_the_page_calls_it(lesson: Les
             assert any(it in chinese for it in called.get(found, {""})), found
 
 
+# Behind a rise the Chinese "times" is read as what is added, so that ten times would be eleven; behind a fall it says nothing.
+RISE_OR_FALL = r"\u589e\u5927|\u5347\u9ad8|\u4e0b\u964d|\u964d\u4f4e|\u51cf\u5c0f|\u7f29\u5c0f|[\u4f4e\u5c11\u591a]"
+NUMERALS = "\u4e00\u4e24\u4e8c\u4e09\u56db\u4e94\u516d\u4e03\u516b\u4e5d\u5341\u767e\u5343\u4e07\u51e0"
+TIMES = re.compile(rf"(?<![\u6700\u81f3])(?:{RISE_OR_FALL})\u4e86?\s?(?!\u4e00\u500d)(?:\{{[^}}]*\}}|[{NUMERALS}\u221a\d./^$]+)\s?\u500d")
+GAP = re.compile(r"[\u4e00-\u9fff\uff0c\u3002\uff1b\uff1a] +[\u4e00-\u9fff]")
+
+
+def test_chinese_counts_no_fall_in_times_and_leaves_no_gap() -> None:
+    texts = {file.name: file.read_text("utf-8") for file in sorted((Path(app.__file__).parent / "locale" / "zh").iterdir())}
+    assert texts and [(name, found[0]) for name, text in texts.items() for law in (TIMES, GAP) for found in law.finditer(text)] == []
+
+
 @each("id", TERMS)
 def test_a_lesson_names_its_english_terms_once(id: str) -> None:
     chinese = (Path(app.__file__).parent / "locale" / "zh" / f"{id}.md").read_text("utf-8")
