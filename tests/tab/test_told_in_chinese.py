@@ -93,7 +93,7 @@ def test_a_sampled_plant_that_no_continuous_one_stands_behind() -> None:
     delay = Plant([[0.0, 1.0], [0.0, 0.5]], [[0.0], [1.0]], [[1.0, 0.0]], dt=0.1)
     tab = Tab({"separation": LESSONS["separation"]}, language="zh")
     tab.do(UploadPlant("mine.json", to_json(delay).encode()))
-    assert "：这个采样对象在零处有极点（即纯延迟），连续对象不会有这样的极点。请在“沙盒”课中使用它。" in told(tab)
+    assert "：这个采样对象在零处有极点（即纯时延），连续对象不会有这样的极点。请在“沙盒”课中使用它。" in told(tab)
 
 
 @pytest.mark.parametrize("values", [
