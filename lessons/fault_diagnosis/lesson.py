@@ -24,5 +24,5 @@ LESSON = Lesson(
     place=PLACES["fault-diagnosis"],
     again=Again(("window",), 0, {"bias": 1.5, "window": 100}, ("sensors", "isolation", "members", "cusum")),
     words=read_prose(Path(__file__).parent), key=("place", "bias", "drift", "loss", "rate"),
-    aside=("place2", "bias2", "loss2", "at2", "force", "tone", "stiffer"), job=JOB, code=code,
+    aside=("at", "place2", "bias2", "loss2", "at2", "force", "tone", "stiffer"), job=JOB, code=code,
     derived=derived)

@@ -24,5 +24,6 @@ LESSON = Lesson(
            "Mo, Sinopoli: Kalman filtering with intermittent observations, tail distribution and critical value, 2012",
     place=PLACES["network"],
     again=Again(("delay",), 2, {"delay": 1}, ("spectrum", "state", "blocks")),
-    words=read_prose(Path(__file__).parent), key=("a", "stretch", "loss", "delay"), aside=("order", "lost", "told"), job=JOB, code=code,
+    words=read_prose(Path(__file__).parent), key=("a", "stretch", "loss", "delay"), aside=("noise", "order", "lost", "told"), job=JOB,
+    code=code,
     derived=derived)

@@ -72,10 +72,13 @@ MEASURE = """() => {
   out.words = Math.round(10 * out.words) / 10;
   return out;
 }"""
-KNOB = """() => {
+KNOB = """sheet => {  // what keeps the first knob out of view, or in a column any of those that are turned often
   const folder = document.querySelector('div:has(>.ol-part-knobs) + .mantine-Paper-root');
   const row = [...folder?.querySelectorAll('input, [role=slider]') ?? []].find(e => e.checkVisibility() && e.type !== 'hidden');
   if (!row) return 'no knob';
+  const rows = folder.querySelector(':scope > div:nth-child(2) > div');
+  if (innerWidth > sheet && innerHeight >= 768 && rows.scrollHeight > rows.clientHeight + 1)
+    return `knobs cut by their box: ${rows.scrollHeight} px in ${rows.clientHeight}`;
   const box = row.getBoundingClientRect(), x = box.x + box.width / 2, y = box.y + box.height / 2;
   if (x < 0 || y < 0 || x > innerWidth || y > innerHeight) return `at ${Math.round(x)}, ${Math.round(y)}`;
   const top = document.elementFromPoint(x, y);
@@ -91,8 +94,6 @@ HALL = """() => {  // what is not as a hall needs it: the question on top, prose
   const folder = document.querySelector('div:has(>.ol-part-knobs) + .mantine-Paper-root'), head = folder.firstElementChild;
   const own = e => heads.filter(each => each.parentElement.contains(e)).at(-1) === head;
   const knobs = [...folder.querySelectorAll('label')].filter(e => seen(e) && e.textContent && own(e)).map(e => e.textContent);
-  const box = folder.querySelector(':scope > div:nth-child(2) > div');
-  if (box.scrollHeight > box.clientHeight + 1) out.push(`knobs cut by their box: ${box.scrollHeight} px in ${box.clientHeight}`);
   if (knobs.length < 1 || knobs.length > 3) out.push(`knobs: ${knobs}`);
   const charts = [...document.querySelectorAll('[data-dock-region=right] .uplot')].filter(e => {
     const view = e.closest('[data-scrollarea-viewport]').getBoundingClientRect();
@@ -181,7 +182,7 @@ def look(tab: Tab, large: bool = False, every: bool = False) -> Sight:
             if part != "curves":  # charts are looked at one after the other
                 screens = max(screens, tab.page.evaluate(REACH))
         if part in ("", "knobs"):
-            knob = tab.page.evaluate(KNOB)
+            knob = tab.page.evaluate(KNOB, SHEET)
         seen, faults = _measured(tab, large)
         found.append(seen)
         further += faults
