@@ -18,7 +18,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "e2e"))
 from conftest import ARTEFACTS, chromium, serving
 from PIL import Image
 from playwright.sync_api import sync_playwright
-from sight import Sight, look
+from sight import WAITING, Sight, look
 from tab import FLAGS, ON_TOP, Tab
 
 from app.view import phrases
@@ -45,11 +45,13 @@ def pages(tab: Tab, lessons: list[str], languages: list[str], large: bool) -> It
             if tab.page.locator(".ol-parts").is_visible():  # of a phone
                 tab.page.locator(".ol-parts [data-part=predict]").click()
             tab.choose_lesson(words.title, words.question, phrases.LESSON(language))
+            hidden = tab.page.evaluate(WAITING) if not tab.page.locator(".ol-parts").is_visible() else []
             if tab.page.locator(".ol-option:enabled").count():
                 tab.predict(phrases.SKIP(language))
             tab.answered(rests=True)
             tab.close_any_notices()
-            yield lesson, language, look(tab, large, every=True)
+            seen = look(tab, large, every=True)
+            yield lesson, language, seen._replace(cut=(*hidden, *seen.cut))
 
 
 def sheet(pictures: list[Path]) -> Image.Image:

@@ -84,6 +84,14 @@ KNOB = """sheet => {  // what keeps the first knob out of view, or in a column a
   const top = document.elementFromPoint(x, y);
   return folder.contains(top) ? '' : `under ${top?.className}`;
 }"""
+WAITING = """() => {  // of a prediction that waits: the sentences that cannot be read without scrolling, but the last, which skips it
+  const options = [...document.querySelectorAll('.ol-option:enabled')].filter(e => e.checkVisibility()), out = [];
+  for (const option of options.filter(e => e.dataset.to === options[0].dataset.to).slice(0, -1)) {
+    const box = option.getBoundingClientRect(), top = document.elementFromPoint(box.x + box.width / 2, box.bottom - 3);
+    if (!option.contains(top)) out.push(`out of sight: ${option.textContent.slice(0, 30)}`);
+  }
+  return out;
+}"""
 HALL = """() => {  // what is not as a hall needs it: the question on top, prose folded, three knobs at most, one chart
   const out = [], seen = e => e.checkVisibility() && e.getClientRects().length > 0, y = e => e.getBoundingClientRect().top;
   const question = document.querySelector('.ol-question'), column = question.closest('[data-scrollarea-viewport]');

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from sight import HALL, KNOB, MEASURE, TABS, look
+from sight import HALL, KNOB, MEASURE, TABS, WAITING, look
 from tab import Tab, eventually
 
 from app.view import phrases
@@ -88,9 +88,11 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
 @pytest.mark.parametrize("name, language", [("showdown", "en"), ("fault-diagnosis", "zh")])
 def test_tabs_stand_in_one_row_that_shows_the_chosen_one_and_no_figure_is_cut(walking: Tab, name: str, language: str) -> None:
     tab, words = walking, LESSONS[name].words
-    tab.open_lesson(words["en"].title, words["en"].question, (1920, 1080))
+    tab.open_lesson(words["en"].title, words["en"].question, (1366, 768))
     if tab.page.locator(".ol-option:enabled").count():
+        eventually(lambda: tab.page.evaluate(WAITING), lambda hidden: not hidden, "all sentences of a prediction before the knobs")
         tab.predict("skip")
+    tab.page.set_viewport_size({"width": 1920, "height": 1080})
     if language == "zh":
         tab.press("中文")
     tab.key("m")
