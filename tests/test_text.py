@@ -68,6 +68,13 @@ VERBS = frozenset((
     "yours"))
 
 
+def test_no_plural_verb_stands_behind_a_count_that_may_be_one() -> None:
+    """The noun of `{n} samples are …` turns singular, its verb does not; a count that is many by what it tells may have one."""
+    plural = re.compile(r"(?<!of its )\{\w+(?::[^{}]*)?\} (?P<noun>[a-z]+s) (?:are|have|were|do)\b")
+    found = {english for _, english in said() for it in plural.finditer(english) if it["noun"] in NOUNS | IRREGULAR.keys()}
+    assert {english for english in found if "too many" not in english and "more than" not in english and "{most}" not in english} == set()
+
+
 def test_a_noun_behind_a_number_is_known_so_that_one_of_it_is_singular() -> None:
     """`{n} samples` says "1 sample" where n is 1; a new noun wants its place in app/text/plurals.py."""
     behind = {found["noun"]: english for _, english in said() for found in COUNTED.finditer(english)}

@@ -122,7 +122,7 @@ def _gear_words(outcome: Outcome[Study]) -> Text:
     flank = claim(on, rests, below=0.5, otherwise=text("In the last tenth of the run the contact still changes."))
     unseen = text("The encoder at the joint sees the arm itself.") if design["encoder"] == JOINT else text(
         "The encoder on the motor knows nothing of it, however fast the observer.")
-    changed = text("The contact changed {count} times.", count=int(m["changes"]))
+    changed = text("Changes of contact: {count}.", count=int(m["changes"]))
     return joined(flank if outcome.study.played.contact[-1] else NO_WORDS, changed, unseen)
 
 

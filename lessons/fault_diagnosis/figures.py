@@ -105,8 +105,8 @@ def _unclear(alarms: np.ndarray) -> Text:
         return text("Every member gives an alarm: this is none of the seven faults alone.")
     names = listed(map(same, quiet[:3]))
     if len(quiet) > 3:
-        return text("No row fits: {count} members are quiet, {names} …", count=len(quiet), names=names)
-    return text("No row fits: {count} members are quiet, {names}.", count=len(quiet), names=names)
+        return text("No row fits. Quiet ({count}): {names} …", count=len(quiet), names=names)
+    return text("No row fits. Quiet: {names}.", names=names)
 
 
 def _members() -> TableFigure:

@@ -152,6 +152,6 @@ def live_of(found: Study, m: dict[str, float]) -> Text:
         return text("No mode is hidden (nearest: {d}), yet this run fixes only {known} of {n} directions to a "
                     "tenth; rank(O) = {rank}.",
                     d=d, known=known, n=n, rank=rank)
-    return text("Observable: the nearest mode is {d} from being hidden, and all {n} directions are known to a "
+    return text("Observable: the nearest mode is {d} from being hidden, and each of the {n} directions is known to a "
                 "tenth.",
                 d=d, n=n)

@@ -56,5 +56,5 @@ WITNESSES: Mapping[str, Witness] = {
     "Not observable: {poles} leave no trace in y. Known to a tenth: {known} of {n} directions.": _leaves_a_trace(False),
     "No mode is hidden (nearest: {d}), yet this run fixes only {known} of {n} directions to a tenth; rank(O) = {rank}.":
         _leaves_a_trace(True),
-    "Observable: the nearest mode is {d} from being hidden, and all {n} directions are known to a tenth.": _leaves_a_trace(True),
+    "Observable: the nearest mode is {d} from being hidden, and each of the {n} directions is known to a tenth.": _leaves_a_trace(True),
 }

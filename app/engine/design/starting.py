@@ -160,6 +160,6 @@ def _changed(before: Sequence[complex], after: Sequence[complex]) -> tuple[np.nd
         else:
             old.pop(same)
     if len(old) != len(new):
-        raise PoleError("{count} poles stand on the board, but {count2} were asked for; give as many.",
+        raise PoleError("Give as many poles as stand on the board: {count}, not {count2}.",
                         count=len(before), count2=len(after))
     return np.array(old, dtype=complex), np.array(new, dtype=complex)

@@ -48,7 +48,7 @@ def check_poles(poles: Iterable[complex], count: int) -> Poles:
     except (TypeError, ValueError) as problem:
         raise PoleError("The poles must be numbers, real or complex.") from problem
     if asked.size != count:
-        raise PoleError("{count} poles are needed, one for each state, but {asked_size} were asked for.",
+        raise PoleError("Give one pole for each state: {count}, not {asked_size}.",
                         count=count, asked_size=asked.size)
     if not np.all(np.isfinite(asked)):
         raise PoleError("A requested pole is NaN or infinite; every pole must be a finite number.")

@@ -48,8 +48,8 @@ def test_an_uncontrollable_pair_is_named():
 @pytest.mark.parametrize(
     ("poles", "sentence"),
     [
-        ([-1], "2 poles are needed"),
-        ([-1, -2, -3], "2 poles are needed"),
+        ([-1], "each state: 2, not"),
+        ([-1, -2, -3], "each state: 2, not"),
         ([-1 + 1j, -2], "lacks its conjugate -1 - 1j"),
         ([-1 - 1j, -2], "lacks its conjugate -1 \\+ 1j"),
         ([-1 + 1j, -1 - 1.1j], "lacks its conjugate"),
