@@ -14,6 +14,7 @@ from hypothesis import Phase, settings
 HERE = Path(__file__).parent
 SLOW = frozenset({"e2e", "wire"})  # folders in which a server or a browser is started; elsewhere a test says so itself
 FIRST = ("test_package.py",  # the longest of all begins first, so that no worker is left alone with it at the end
+         "test_kernels.py",  # a compiler of low priority, which waits for whatever else runs
          "test_architecture.py", "test_public_names.py", "test_reached.py", "test_text.py")  # one worker reads the house for all these
 
 os.environ["OBSERVER_LAB_KERNELS"] = "off"  # no server of a test compiles anything; tests/engine/kernels does
