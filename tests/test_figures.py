@@ -39,7 +39,7 @@ from app.text import same, text
 from app.view.charts import what_is_shared
 from lessons import LESSONS
 
-quick = settings(max_examples=200, deadline=None, derandomize=True, database=None)
+quick = settings(max_examples=200, derandomize=True, database=None)
 sane = st.floats(-1e9, 1e9)
 anything = st.floats(allow_nan=True, allow_infinity=True)
 

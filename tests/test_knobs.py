@@ -24,7 +24,7 @@ POLES = Poles("poles", "p", text("poles"), default=(-1 + 1j, -1 - 1j, -2 + 0j), 
 TRACK = Track("hand", "h", text("hand"), low=-1.0, high=1.0)
 KNOBS = (LINEAR, LOG, INTEGER, CHOICE, SWITCH, POLES, TRACK)
 every_knob = pytest.mark.parametrize("knob", KNOBS, ids=lambda k: k.name)
-quick = settings(max_examples=150, deadline=None, derandomize=True, database=None)
+quick = settings(max_examples=150, derandomize=True, database=None)
 
 
 @every_knob

@@ -72,7 +72,7 @@ def test_boards_are_dragged_through_knobs_that_hold_poles(lesson: Lesson) -> Non
 
 @pytest.mark.slow
 @every_lesson
-@settings(max_examples=EXAMPLES, deadline=None, derandomize=True, database=None,
+@settings(max_examples=EXAMPLES, derandomize=True, database=None,
           suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(data=st.data())
 def test_any_valid_design_gives_a_finite_picture_or_one_sentence(lesson: Lesson, data: st.DataObject) -> None:

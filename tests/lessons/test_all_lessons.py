@@ -120,7 +120,7 @@ def test_lessons_are_in_order_and_the_opening_is_one_of_them() -> None:
 
 
 @every_lesson
-@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@settings(max_examples=40, derandomize=True, database=None)
 @given(data=st.data())
 def test_random_values_pass_the_gate_unchanged(lesson: Lesson, data: st.DataObject) -> None:
     """A strategy that a knob refuses would make the random tests above say nothing."""

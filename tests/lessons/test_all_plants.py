@@ -93,7 +93,7 @@ def test_a_run_lost_within_its_first_step_is_said_in_a_sentence() -> None:
 
 @pytest.mark.slow
 @adaptable
-@settings(max_examples=12, deadline=None, derandomize=True, database=None,
+@settings(max_examples=12, derandomize=True, database=None,
           suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(plant=plants())
 def test_any_plant_gives_a_finite_picture_or_one_sentence(lesson: Lesson, plant: str) -> None:
@@ -106,7 +106,7 @@ def test_no_figure_contradicts_another(lesson: Lesson) -> None:
     assert {wrong_on(lesson, random_plant((2, k), sampled=k == 1, bilinear=lesson.bilinear)) for k in range(2)} <= {"", "refused"}
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=60, derandomize=True, database=None)
 @given(plant=plants())
 def test_every_plant_becomes_a_model_whose_numbers_make_sense(plant: str) -> None:
     model = own_model(plant_of(plant))
@@ -123,7 +123,7 @@ def test_every_plant_becomes_a_model_whose_numbers_make_sense(plant: str) -> Non
         assert all(window.re_low <= p.real <= window.re_high and abs(p.imag) <= window.im_high for p in poles)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@settings(max_examples=60, derandomize=True, database=None)
 @given(plant=plants())
 def test_the_canonical_text_is_its_own_canonical_text(plant: str) -> None:
     assert canonical(plant_of(plant)) == plant and from_json(plant) == plant_of(plant)

@@ -52,7 +52,7 @@ def test_in_the_table_of_proof_positions_part_and_errors_share_every_digit(chose
     assert all(row[3] == row[4] for row in proof.rows) and any(row[1] != row[2] for row in proof.rows)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.lists(st.tuples(st.floats(0, HORIZON), st.floats(-2, 2)), max_size=12, unique_by=lambda p: p[0]))
 def test_no_hand_can_move_the_error(hand):
     assert outcome(input="hand", hand=tuple(hand)).metrics["error_moved"] < 1e-13
@@ -111,7 +111,7 @@ def test_the_printed_pair_settles_at_two_thirds_and_minus_five_sixths():
     assert o.metrics["error_moved"] > 0.5 and not o.checks[0].holds
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.floats(-5, 10), st.floats(-10, 20))
 def test_no_gain_lets_the_force_into_the_error(l1, l2):
     o = outcome(method="numbers", l1=l1, l2=l2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from lesson_checks import carried
 from scipy.linalg import expm
@@ -204,7 +204,7 @@ def observable(draw: st.DrawFn) -> Plant:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=40, derandomize=True, database=None)
 @given(plant=observable())
 def test_any_observable_plant_gives_an_observer_or_one_sentence(plant: Plant) -> None:
     try:
@@ -224,7 +224,7 @@ def test_any_observable_plant_gives_an_observer_or_one_sentence(plant: Plant) ->
 
 
 @pytest.mark.slow
-@settings(max_examples=8, deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=8, derandomize=True, database=None)
 @given(plant=observable())
 def test_rlo_on_any_plant_is_no_worse_than_the_start_or_one_sentence(plant: Plant) -> None:
     try:

@@ -148,7 +148,7 @@ def test_the_power_is_a_burst_and_a_rest():
     assert len(u) == 501 and u[0] == u[99] == 8.0 and u[100] == u[199] == 2.0 and u[200] == 8.0
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.sampled_from(["chip", RUNAWAY]), st.floats(0, 2), st.floats(-4, 1), st.floats(-4, 1), st.floats(-50, 50),
        st.floats(0, 2), st.floats(-1, 15))
 def test_every_setting_gives_figures_of_one_length(plant, trust, p, q, air, noise, kick):

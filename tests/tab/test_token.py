@@ -49,7 +49,7 @@ def saves(lesson: Lesson) -> st.SearchStrategy[Saved]:
 
 
 @pytest.mark.parametrize("lesson", LESSONS.values(), ids=list(LESSONS))
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(data=st.data())
 def test_every_state_survives_its_token(lesson: Lesson, data: st.DataObject) -> None:
     saved = data.draw(saves(lesson))

@@ -29,7 +29,7 @@ def queued(turns: Turns, clock: Clock, ranks: list[bool], served: list[int]) -> 
     return threads
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.lists(st.booleans(), max_size=14))
 def test_hands_come_first_in_order_and_leave_room_for_three_short_turns(ranks: list[bool]) -> None:
     clock, served = Clock(), list[int]()

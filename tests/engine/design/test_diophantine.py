@@ -48,7 +48,7 @@ coefficients = st.lists(st.floats(-3, 3), min_size=1, max_size=3)
 
 
 @pytest.mark.slow
-@settings(max_examples=80, deadline=None, derandomize=True, database=None)
+@settings(max_examples=80, derandomize=True, database=None)
 @given(order=st.integers(1, 4), data=st.data(), size=st.floats(1e-2, 1e3))
 def test_the_identity_holds_for_any_plant(order: int, data: st.DataObject, size: float) -> None:
     """Whatever the unit of time: s is scaled by `size`."""

@@ -42,7 +42,7 @@ def test_senseless_moves_are_refused(index, to, refusal):
         move_pole((-1, -2), index, to, axis_snap=0.1)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(
     moves=st.lists(st.tuples(st.integers(0, 4), st.floats(-9, 1), st.floats(-5, 5)), max_size=12),
     snap=st.sampled_from([0.0, 0.2]),

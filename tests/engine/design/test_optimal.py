@@ -47,7 +47,7 @@ def test_double_integrator_has_the_butterworth_gain():
     np.testing.assert_allclose(optimal.poles, np.sqrt(0.5) * np.array([-1 - 1j, -1 + 1j]), rtol=1e-13)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(a=st.floats(-5, 5), b=st.floats(0.1, 5), q=st.floats(1e-3, 1e3), r=st.floats(1e-3, 1e3))
 def test_scalar_regulator_and_filter_have_their_closed_form(a, b, q, r):
     """K = (a + √(a² + b²q/r))/b: written without cancellation for a < 0."""
@@ -138,7 +138,7 @@ def test_no_pencil_is_lost_to_a_failed_reordering():
 # --- laws ----------------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 8), m=st.integers(1, 3))
 def test_the_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     """S is also the Lyapunov solution for the closed loop, whose cost xᵀSx no other gain nearby undercuts."""
@@ -163,7 +163,7 @@ def summed(M, stage):
     return stage
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @example(seed=5778, n=6, m=1)  # gains of a hundred and a cost of 6e7
 @example(seed=188, n=7, m=1)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 7), m=st.integers(1, 3))
@@ -180,7 +180,7 @@ def test_the_discrete_solution_is_the_cost_of_the_loop_it_makes(seed, n, m):
     np.testing.assert_allclose(np.linalg.eigvals(A - B @ K).astype(complex).sum(), optimal.poles.sum(), atol=1e-9)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 6), p=st.integers(1, 3))
 def test_the_filter_covariance_balances_noise_and_correction(seed, n, p):
     """(A − LC)P + P(A − LC)ᵀ + GWGᵀ + LVLᵀ = 0, the covariance equation of ė = (A − LC)e + Gw − Lv."""

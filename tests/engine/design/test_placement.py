@@ -67,7 +67,7 @@ def test_one_input_agrees_with_ackermann_in_fifty_digits(seed):
 
 
 # --- laws ----------------------------------------------------------------------------------------------------------
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 8), m=st.integers(1, 4), pairs=st.integers(0, 2))
 def test_the_poles_asked_for_are_reached(seed, n, m, pairs):
     A, B = random_pair(seed, n, m)
@@ -83,7 +83,7 @@ def test_the_poles_asked_for_are_reached(seed, n, m, pairs):
     same_polynomial(A - B @ placed.gain, poles, 1e-8)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), n=st.integers(2, 6), m=st.integers(1, 3), multiplicity=st.integers(2, 6))
 def test_multiple_poles_are_reached_whatever_their_multiplicity(seed, n, m, multiplicity):
     A, B = random_pair(seed, n, m)
@@ -95,7 +95,7 @@ def test_multiple_poles_are_reached_whatever_their_multiplicity(seed, n, m, mult
     assert (placed.condition == np.inf) == (k > m)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), n=st.integers(2, 7), p=st.integers(1, 3))
 def test_duality_observer_gain_moves_the_poles_of_A_minus_LC(seed, n, p):
     A, C = random_pair(seed, n, p)
@@ -109,7 +109,7 @@ def test_duality_observer_gain_moves_the_poles_of_A_minus_LC(seed, n, p):
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(seed=st.integers(0, 10_000), n=st.integers(2, 5), shift=st.floats(-3, 3))
 def test_with_one_input_the_gain_depends_on_neither_order_nor_coordinates_nor_shift(seed, n, shift):
     A, b = random_pair(seed, n, 1)

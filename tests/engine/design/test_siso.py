@@ -59,7 +59,7 @@ roots = st.lists(st.tuples(st.floats(-50, -0.01), st.floats(0.01, 100)), min_siz
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@settings(max_examples=60, derandomize=True, database=None)
 @given(pairs=roots, singles=st.lists(st.floats(-50, -0.01), max_size=3), zero=st.floats(-40, 40), gain=st.floats(-5, 5))
 def test_any_set_of_roots_is_realised(pairs: list[tuple[float, float]], singles: list[float], zero: float, gain: float) -> None:
     poles = [complex(a, s * b) for a, b in pairs for s in (1, -1)] + [complex(a) for a in singles]

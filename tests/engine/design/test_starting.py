@@ -31,7 +31,7 @@ seeds, orders, few = st.integers(0, 100_000), st.integers(1, 10), st.integers(1,
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@settings(max_examples=60, derandomize=True, database=None)
 @given(seeds, orders, few, st.sampled_from([0.0, 0.1]))
 def test_the_start_stabilises_what_can_be_and_says_which_poles_it_gives(seed: int, n: int, m: int, dt: float) -> None:
     plant = plant_of(seed, n, m, m, dt)
@@ -44,7 +44,7 @@ def test_the_start_stabilises_what_can_be_and_says_which_poles_it_gives(seed: in
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@settings(max_examples=40, derandomize=True, database=None)
 @given(seeds, st.integers(2, 8))
 def test_units_of_the_signals_do_not_move_the_poles(seed: int, n: int) -> None:
     """The same plant in millimetres and in kilonewtons has the same starting poles."""
@@ -71,7 +71,7 @@ def test_what_no_input_reaches_keeps_its_poles_stable_or_not() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@settings(max_examples=60, derandomize=True, database=None)
 @given(seeds, st.integers(2, 12), few)
 def test_moved_poles_move_and_the_others_stay(seed: int, n: int, m: int) -> None:
     plant = plant_of(seed, n, m, m)
@@ -94,7 +94,7 @@ def test_moved_poles_move_and_the_others_stay(seed: int, n: int, m: int) -> None
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None, derandomize=True, database=None)
+@settings(max_examples=30, derandomize=True, database=None)
 @given(seeds, st.integers(2, 5))
 def test_with_one_input_moving_all_poles_is_placing_them(seed: int, n: int) -> None:
     """The gain of one input is unique."""
@@ -129,7 +129,7 @@ def test_nothing_moved_is_the_gain_itself_and_a_bolted_pole_is_refused() -> None
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@settings(max_examples=40, derandomize=True, database=None)
 @given(seeds, st.integers(1, 8))
 def test_natural_units_keep_poles_and_ranks_and_forget_the_units_of_a_file(seed: int, n: int) -> None:
     plant = plant_of(seed, n, 2, 2)

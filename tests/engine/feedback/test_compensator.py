@@ -29,7 +29,7 @@ SPRING = Plant([[0, 1], [-1, -0.5]], [[0], [1]], [[1, 0]], None, 0.0, ("q", "v")
 # --- separation ------------------------------------------------------------------------------------------------------
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 5), m=st.integers(1, 2), p=st.integers(1, 2))
 def test_separation_the_loop_has_the_poles_of_controller_and_observer(seed, n, m, p):
     plant = random_plant(seed, n, m, p, through=1.0)
@@ -60,7 +60,7 @@ def test_multiple_poles_are_judged_by_their_polynomial():
     assert loop.polynomial_error < 1e-11
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 10_000), n=st.integers(1, 5), m=st.integers(1, 3), p=st.integers(1, 3))
 def test_both_coordinates_describe_one_system_whatever_the_model(seed, n, m, p):
     plant, model = random_plant(seed, n, m, p, 1.0), random_plant(seed + 1, n, m, p, 1.0)

@@ -32,7 +32,7 @@ def area(loop, rows, points: int = 40_000) -> np.ndarray:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25, derandomize=True)
 @given(st.integers(0, 10_000))
 def test_the_area_under_the_density_is_the_lyapunov_variance(seed: int) -> None:
     plant, controller, G = random_loop(seed)
@@ -42,7 +42,7 @@ def test_the_area_under_the_density_is_the_lyapunov_variance(seed: int) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=15, derandomize=True)
 @given(st.integers(0, 10_000))
 def test_samples_of_a_loop_keep_its_variance_and_fold_its_density(seed: int) -> None:
     plant, controller, G = random_loop(seed)
@@ -160,7 +160,7 @@ def test_parts_that_do_not_fit_are_refused_in_a_sentence() -> None:
 
 # --- LQG -------------------------------------------------------------------------------------------------------------
 @pytest.mark.slow
-@settings(max_examples=25, deadline=None, derandomize=True)
+@settings(max_examples=25, derandomize=True)
 @given(st.integers(0, 10_000))
 def test_the_riccati_cost_is_the_lyapunov_cost_and_no_other_gain_is_cheaper(seed: int) -> None:
     plant, _, G = random_loop(seed)

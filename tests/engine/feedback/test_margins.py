@@ -100,7 +100,7 @@ def test_resonance_a_thousand_times_narrower_than_a_sweep_is_not_missed():
 
 
 # --- laws --------------------------------------------------------------------------------------------------------------
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=st.integers(0, 10_000))
 def test_lqr_keeps_its_guarantees(seed):
     """One input: |1 + ℓ| ≥ 1, gain margin (≤ ½, ∞), phase ≥ 60°. Kalman (1964)."""

@@ -38,7 +38,7 @@ def test_bands_are_the_published_ones():
     np.testing.assert_allclose(chi2_band(4, count=1000), (3.827, 4.177), atol=5e-4)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(dof=st.integers(1, 20), level=st.floats(0.5, 0.999))
 def test_band_holds_its_probability(dof, level):
     low, high = chi2_band(dof, count=1, level=level)

@@ -25,7 +25,7 @@ def test_without_the_redraw_the_printed_algorithm_is_not_the_kalman_filter():
     assert printed.covariance.item() == pytest.approx(4 - 0.5, rel=1e-14)  # it also believes 3.5 instead of 0.8
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(a=st.floats(-3, 3), b=st.floats(-3, 3), u=st.floats(-2, 2))
 def test_complex_step_is_exact_to_rounding(a, b, u):
     def f(x, u):

@@ -22,7 +22,7 @@ def plant_of(seed: int, n: int, dt: float) -> Plant:
     return Plant(A, rng.standard_normal((n, 2)), rng.standard_normal((2, n)), None, dt)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@settings(max_examples=40, derandomize=True, database=None)
 @given(st.integers(0, 10_000), st.integers(1, 8), st.sampled_from([0.0, 0.1]))
 def test_no_belief_beats_the_truth(seed: int, n: int, dt: float) -> None:
     """P_i − P ⪰ 0 with P the solution of the Riccati equation, which is what the ladder's middle must be."""
@@ -35,7 +35,7 @@ def test_no_belief_beats_the_truth(seed: int, n: int, dt: float) -> None:
         assert np.linalg.eigvalsh(part.total - least)[0] > -1e-7 * size
 
 
-@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@settings(max_examples=40, derandomize=True, database=None)
 @given(st.integers(0, 10_000), st.integers(1, 8), st.sampled_from([0.0, 0.1]))
 def test_each_part_solves_its_own_lyapunov_equation(seed: int, n: int, dt: float) -> None:
     plant, W, V = plant_of(seed, n, dt), np.eye(2), 0.2 * np.eye(2)

@@ -39,7 +39,7 @@ def law_residual(plant, form, K, A_w, readout, seed):
     return np.linalg.norm(rate - readout @ A_w @ w) / size
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.integers(0, 10**6), st.sampled_from([
     (4, 3, 1, 1), (5, 4, 1, 1), (6, 4, 1, 1), (7, 5, 2, 1), (8, 6, 2, 1), (5, 4, 1, 2), (8, 6, 2, 2), (5, 4, 1, 3), (9, 7, 2, 3)]))
 def test_case_3_on_random_plants_the_law_holds_at_every_point(seed, shape):
@@ -54,7 +54,7 @@ def test_case_3_on_random_plants_the_law_holds_at_every_point(seed, shape):
         assert law_residual(plant, form, K, o.A_L, o.readout, seed) < 1e-8
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 10**6))
 def test_case_2_as_many_conditions_as_outputs_leave_one_gain(seed):
     plant = plant_of(seed, 5, 3)  # Q is 3×3
@@ -65,7 +65,7 @@ def test_case_2_as_many_conditions_as_outputs_leave_one_gain(seed):
     assert law_residual(plant, o.without_derivative, K, o.A_L, o.readout, seed) < 1e-7
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(st.integers(0, 10**6))
 def test_case_1_more_conditions_than_outputs(seed):
     plant = plant_of(seed, 6, 2)  # Q is 2×7
@@ -108,7 +108,7 @@ def test_requests_that_make_no_sense_get_one_sentence(change, error, word):
         bilinear_functional_observer(**request)
 
 
-@settings(max_examples=25, deadline=None, derandomize=True, database=None)
+@settings(max_examples=25, derandomize=True, database=None)
 @given(st.integers(0, 10**6), st.sampled_from([
     (4, 3, 1, 1), (5, 3, 1, 1), (6, 2, 1, 1), (7, 5, 1, 1), (8, 5, 2, 1), 
     (8, 6, 2, 1), (10, 8, 2, 1), (5, 4, 1, 2), (6, 4, 1, 2), (9, 7, 2, 3)]))
@@ -166,7 +166,7 @@ def test_several_inputs_move_plant_and_observer_as_an_adaptive_solver_says():
     assert o.case == 3 and o.advised and run.u.shape == (501, 2)
 
 
-@settings(max_examples=6, deadline=None, derandomize=True, database=None)
+@settings(max_examples=6, derandomize=True, database=None)
 @given(st.integers(0, 10**6))
 def test_noise_is_heard_as_the_exact_response_to_held_values_says(seed):
     """At u = 0 what noise adds to ĝ is G_y v + G_z z with ż = A z + Y v, v held: by matrix exponentials."""

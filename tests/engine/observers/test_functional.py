@@ -57,7 +57,7 @@ def test_factors_of_example_1():
     np.testing.assert_allclose(f.L.ravel(), [3, 4, 1], atol=1e-14)  # L(s) = s² + 4s + 3
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(st.integers(0, 10**6), st.integers(1, 7), st.integers(1, 3), st.complex_numbers(max_magnitude=4))
 def test_factors_are_coprime_and_of_degree_n(seed, n, p, s):
     p = min(n, p)
@@ -81,7 +81,7 @@ def test_hidden_modes_are_refused():
 
 
 # --- the observer conditions on any plant --------------------------------------------------------------------------
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(st.integers(0, 10**6), st.integers(2, 6), st.integers(1, 3), st.integers(1, 2), st.integers(0, 2))
 def test_observer_conditions_hold_on_random_plants(seed, n, p, r, pairs):
     p = min(p, n - 1)
@@ -97,7 +97,7 @@ def test_observer_conditions_hold_on_random_plants(seed, n, p, r, pairs):
     assert o.dynamics_residual < 1e-9 and o.output_residual < 1e-9
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.integers(0, 10**6))
 def test_the_error_obeys_its_own_equation_from_the_definitions(seed):
     """ε = z − T x: ε̇ = F ε for any u, with a direct term D, and the estimate errs by N ε."""

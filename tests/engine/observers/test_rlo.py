@@ -92,7 +92,7 @@ def test_a_region_for_each_pole():
 
 
 @pytest.mark.slow
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=8)
 @given(st.integers(0, 10**4), st.sampled_from([(2, 1), (3, 1), (4, 2), (5, 3), (6, 3), (3, 3)]))
 def test_any_observable_plant_and_any_row_K(seed, shape):
     n, p = shape

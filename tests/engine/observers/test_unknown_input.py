@@ -40,7 +40,7 @@ def test_the_example_of_the_book():
     assert max(built.residuals(BOOK, BOOK_E)) < 1e-14
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=60, derandomize=True)
 @given(seed=st.integers(0, 10_000), n=st.integers(3, 7), q=st.integers(1, 2), sampled=st.booleans())
 def test_the_conditions_of_the_observer_hold_to_rounding(seed, n, q, sampled):
     """T + HC = I, TE = 0 and TA = FT + KC, which are not the formulas it is built by."""
@@ -56,7 +56,7 @@ def test_the_conditions_of_the_observer_hold_to_rounding(seed, n, q, sampled):
     assert np.allclose(np.poly(built.poles), np.poly(wanted), rtol=1e-6, atol=1e-6)
 
 
-@settings(max_examples=30, deadline=None, derandomize=True)
+@settings(max_examples=30, derandomize=True)
 @given(seed=st.integers(0, 10_000), n=st.integers(2, 6))
 def test_zeros_are_where_the_pencil_loses_rank(seed, n):
     """Square plants have n − 1 invariant zeros; Rosenbrock's pencil [sI − A, −E; C, 0] drops rank there and nowhere near."""

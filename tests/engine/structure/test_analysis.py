@@ -103,7 +103,7 @@ def test_detectable_and_stabilizable_ask_where_the_hidden_pole_lies(pole, dt, fi
 
 
 @given(SEEDS, st.integers(1, 6), st.integers(0, 5), st.integers(1, 3))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_hidden_poles_are_found_in_any_coordinates(seed, seen, hidden, p):
     plant, expected = with_hidden_part(np.random.default_rng(seed), seen, hidden, p)
     report = observability(plant)
@@ -114,7 +114,7 @@ def test_hidden_poles_are_found_in_any_coordinates(seed, seen, hidden, p):
 
 
 @given(SEEDS, st.integers(1, 8), st.integers(1, 3), st.integers(0, 2))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_duality_swaps_the_two_reports(seed, n, p, hidden):
     rng = np.random.default_rng(seed)
     plant = with_hidden_part(rng, n, hidden, p)[0]
@@ -125,7 +125,7 @@ def test_duality_swaps_the_two_reports(seed, n, p, hidden):
 
 
 @given(SEEDS, st.integers(1, 6), st.integers(1, 3))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_matrices_agree_with_the_fields_own_library(seed, n, k):
     rng = np.random.default_rng(seed)
     A, B, C = rng.standard_normal((n, n)), rng.standard_normal((n, k)), rng.standard_normal((k, n))
@@ -136,7 +136,7 @@ def test_matrices_agree_with_the_fields_own_library(seed, n, k):
 
 @given(SEEDS, st.integers(1, 5), st.integers(0, 3),
        st.lists(st.integers(-6, 6), min_size=8, max_size=8), st.floats(-9, 9), st.floats(-6, 6))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_units_of_state_output_and_time_hide_nothing(seed, seen, hidden, powers, output, time):
     """Hidden stays hidden and seen stays seen when metres become nanometres and seconds become hours."""
     plant, _ = with_hidden_part(np.random.default_rng(seed), seen, hidden, 2)
@@ -151,7 +151,7 @@ def test_a_second_sensor_in_small_units_still_sees():
 
 
 @given(SEEDS, st.integers(1, 6))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_margins_are_the_same_in_orthogonal_coordinates_and_gain(seed, n):
     rng = np.random.default_rng(seed)
     A, C, Q = rng.standard_normal((n, n)), rng.standard_normal((1, n)), rotation(rng, n)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from app.engine.structure import canonise, canonise_right
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(st.integers(0, 10**6), st.integers(1, 6), st.integers(1, 6), st.integers(0, 6))
 def test_divisors_of_zero_and_of_one(seed, p, q, rank):
     rng = np.random.default_rng(seed)

@@ -39,13 +39,13 @@ def scattered(seed, sizes):
 
 
 @given(SEEDS, SIZES)
-@settings(max_examples=120, deadline=None)
+@settings(max_examples=120)
 def test_sizes_of_the_four_parts_are_recovered(seed, sizes):
     assert kalman_decomposition(scattered(seed, sizes)).sizes == sizes
 
 
 @given(SEEDS, SIZES)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_minimal_part_has_the_plants_transfer_function(seed, sizes):
     plant = scattered(seed, sizes)
     minimal = kalman_decomposition(plant).minimal
@@ -56,7 +56,7 @@ def test_minimal_part_has_the_plants_transfer_function(seed, sizes):
 
 
 @given(SEEDS, SIZES)
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_the_new_coordinates_describe_the_same_plant_with_exact_zeros(seed, sizes):
     plant = scattered(seed, sizes)
     d = kalman_decomposition(plant)
@@ -71,7 +71,7 @@ def test_the_new_coordinates_describe_the_same_plant_with_exact_zeros(seed, size
 
 
 @given(SEEDS, SIZES)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_the_four_parts_carry_all_poles_and_their_own_lights(seed, sizes):
     plant = scattered(seed, sizes)
     d = kalman_decomposition(plant)
@@ -88,7 +88,7 @@ def test_the_four_parts_carry_all_poles_and_their_own_lights(seed, sizes):
 
 
 @given(SEEDS, SIZES)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_subspaces_agree_with_the_null_space_and_range_of_the_matrices(seed, sizes):
     """Peer: for these small, well-scaled plants the SVD of O and of [B, AB, …] is trustworthy."""
     rng = np.random.default_rng(seed)

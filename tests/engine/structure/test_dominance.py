@@ -45,7 +45,7 @@ def test_a_relative_gain_is_the_ratio_of_open_to_closed() -> None:
     assert relative_gains(G)[0, 0] == pytest.approx(G[0, 0] / held)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True, database=None)
+@settings(max_examples=40, derandomize=True, database=None)
 @given(seed=st.integers(0, 10_000))
 def test_no_scaling_beats_the_perron_root(seed: int) -> None:
     G, rng = random_response(seed, 1), np.random.default_rng(seed + 1)
@@ -76,7 +76,7 @@ def direct(G: np.ndarray, a: float, b: float) -> float:
     return float((np.abs(H[:, 0, 1] / H[:, 0, 0])**2 + np.abs(H[:, 1, 0] / H[:, 1, 1])**2).sum())
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@settings(max_examples=60, derandomize=True, database=None)
 @given(seed=st.integers(0, 10_000), a=st.floats(-2, 2), b=st.floats(-2, 2))
 def test_the_index_is_that_of_the_mixed_matrix(seed: int, a: float, b: float) -> None:
     G = random_response(seed, 15, 2)

@@ -45,14 +45,14 @@ def vibration_platform():
 
 
 @given(ZETA, OMEGA)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_velocity_output_has_two_equal_hankel_values(zeta, omega):
     plant = Plant([[0, 1], [-omega**2, -2 * zeta * omega]], [[0], [1]], [[0, 1]])
     np.testing.assert_allclose(hankel_singular_values(plant), [1 / (4 * zeta * omega)] * 2, rtol=1e-10)
 
 
 @given(ZETA, OMEGA)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_position_output_has_the_closed_form(zeta, omega):
     plant = Plant([[0, 1], [-omega**2, -2 * zeta * omega]], [[0], [1]], [[1, 0]])
     exact = (np.sqrt(1 + zeta**2) + np.array([zeta, -zeta])) / (4 * zeta * omega**2)
@@ -93,7 +93,7 @@ def test_smallest_hankel_values_do_not_drown_in_rounding():
 @pytest.mark.parametrize(("dt", "peer"), [(0.0, lambda A, Q: solve_continuous_lyapunov(A, -Q)),
                                           (0.1, solve_discrete_lyapunov)])
 @given(seed=SEEDS, n=st.integers(1, 8))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_gramians_agree_with_the_lyapunov_solvers(dt, peer, seed, n):
     plant = stable(np.random.default_rng(seed), n, dt=dt)
     found = gramians(plant)
@@ -104,7 +104,7 @@ def test_gramians_agree_with_the_lyapunov_solvers(dt, peer, seed, n):
 
 
 @given(SEEDS, st.integers(1, 6), st.sampled_from([0.0, 0.5]))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_hankel_values_do_not_depend_on_coordinates_or_direction(seed, n, dt):
     rng = np.random.default_rng(seed)
     plant = stable(rng, n, dt=dt)
@@ -116,7 +116,7 @@ def test_hankel_values_do_not_depend_on_coordinates_or_direction(seed, n, dt):
 
 
 @given(SEEDS, st.integers(1, 7), st.integers(0, 7), st.sampled_from([0.0, 0.5]))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_truncation_is_stable_and_within_its_bound(seed, n, order, dt):
     plant = stable(np.random.default_rng(seed), n, dt=dt)
     values = hankel_singular_values(plant)
@@ -133,7 +133,7 @@ def test_truncation_is_stable_and_within_its_bound(seed, n, order, dt):
 
 
 @given(SEEDS, st.integers(2, 6))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 def test_reduced_plant_is_balanced(seed, n):
     plant = stable(np.random.default_rng(seed), n)
     values = hankel_singular_values(plant)
@@ -153,7 +153,7 @@ def test_unstable_plants_have_no_infinite_gramian_and_say_why(dt, pole):
 
 
 @given(SEEDS, st.integers(1, 4), st.integers(1, 3), st.sampled_from([0.0, 0.5]))
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 def test_stable_and_unstable_parts_add_up(seed, n, k, dt):
     rng = np.random.default_rng(seed)
     good, bad = stable(rng, n, dt=dt), stable(rng, k, dt=dt)
@@ -195,7 +195,7 @@ def test_hidden_states_cannot_be_balanced():
 
 
 @given(SEEDS, st.integers(1, 5), st.floats(0.01, 3))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 def test_finite_gramians_are_the_integral_for_any_poles(seed, n, horizon):
     rng = np.random.default_rng(seed)
     plant = Plant(rng.standard_normal((n, n)), rng.standard_normal((n, 2)), rng.standard_normal((1, n)))

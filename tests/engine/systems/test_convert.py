@@ -45,7 +45,7 @@ def same(one, two):
 
 @pytest.mark.slow
 @given(plants())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 def test_json_and_mat_give_back_every_bit(plant):
     assert same(from_json(to_json(plant)), plant)
     assert same(from_mat(mat_bytes(plant)), plant)
@@ -65,7 +65,7 @@ def test_control_gives_back_names_units_and_period():
 
 
 @given(st.integers(0, 2**32 - 1))
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 def test_control_sees_the_same_transfer_function(seed):
     rng = np.random.default_rng(seed)
     plant = Plant(*(rng.standard_normal(shape) for shape in ((3, 3), (3, 2), (2, 3), (2, 2))))
@@ -123,7 +123,7 @@ def test_broken_json_is_one_sentence(text, says):
                     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
                     max_leaves=8),
        st.sampled_from(["A", "B", "C", "D", "dt", "name", "states", "inputs", "outputs", "units", "format", "version"]))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_any_value_under_any_key_is_a_plant_or_a_sentence(value, key):
     try:
         plant = from_json(edited(**{key: value}))
@@ -209,7 +209,7 @@ def test_a_compressed_bomb_is_not_unpacked():
 
 @pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 10**6), st.integers(0, 255)), min_size=1, max_size=12), st.booleans())
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_flipped_bytes_give_a_plant_or_a_sentence(flips, packed):
     """scipy.io.loadmat ends the whole process with a bus error on some of these."""
     data = bytearray(mat_bytes(CART) if packed else variables(D=CART.D, Ts=0.1))

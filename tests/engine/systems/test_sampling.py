@@ -12,7 +12,7 @@ from app.engine import EngineError, Plant
 from app.engine.systems import continuous_of
 
 
-@settings(max_examples=60, deadline=None, derandomize=True, database=None)
+@settings(max_examples=60, derandomize=True, database=None)
 @given(st.integers(0, 10_000), st.integers(1, 12), st.floats(0.001, 0.4))
 def test_the_zero_order_hold_of_python_control_is_undone(seed: int, n: int, dt: float) -> None:
     rng = np.random.default_rng(seed)
