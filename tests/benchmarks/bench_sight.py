@@ -48,6 +48,7 @@ def pages(tab: Tab, lessons: list[str], languages: list[str], large: bool) -> It
             hidden = tab.page.evaluate(WAITING) if not tab.page.locator(".ol-parts").is_visible() else []
             if tab.page.locator(".ol-option:enabled").count():
                 tab.predict(phrases.SKIP(language))
+                tab.reveal(phrases.REVEAL(language))
             tab.answered(rests=True)
             tab.close_any_notices()
             seen = look(tab, large, every=True)

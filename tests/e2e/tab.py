@@ -261,6 +261,13 @@ class Tab:
         self.answered(rests=True)
         eventually(lambda: self.page.locator(group).count(), lambda n: n == 0, "the prediction is taken")
 
+    def reveal(self, words: str = "reveal") -> None:
+        """See what is so at once, where the run of a prediction is still on its way to its end."""
+        self.page.evaluate("""words => [...document.querySelectorAll('button')]
+            .find(each => each.checkVisibility() && each.textContent.trim() === words)?.click()""", words)
+        eventually(self.button(words).count, lambda n: n == 0, "what is so is revealed")
+        self.answered(rests=True)
+
     def row(self, label: str) -> Locator:
         """The row of a widget by its label, the smallest element that holds label and widget; one that is aside is opened."""
         found = self.page.locator(".mantine-Flex-root", has=self.page.get_by_text(label, exact=True)).last

@@ -56,7 +56,7 @@ def test_the_first_knob_is_in_view_and_words_are_large_enough(walking: Tab, name
     if large:
         tab.press("large print")
     tab.predict("skip")
-    tab.answered(rests=True)
+    tab.reveal()  # until then the prediction has the knobs' room
     seen = look(tab, large)
     assert seen.knob == ""
     assert seen.hall == ()
@@ -92,6 +92,7 @@ def test_tabs_stand_in_one_row_that_shows_the_chosen_one_and_no_figure_is_cut(wa
     if tab.page.locator(".ol-option:enabled").count():
         eventually(lambda: tab.page.evaluate(WAITING), lambda hidden: not hidden, "all sentences of a prediction before the knobs")
         tab.predict("skip")
+        tab.reveal()
     tab.page.set_viewport_size({"width": 1920, "height": 1080})
     if language == "zh":
         tab.press("中文")

@@ -153,7 +153,7 @@ def test_sampled_plants_have_sampled_poles():
 
 @pytest.mark.parametrize(("request_", "error", "word"), [
     ({"poles": [1.0]}, PoleError, "not stable"),
-    ({"poles": [-1, -2]}, PoleError, "1 poles"),
+    ({"poles": [-1, -2]}, PoleError, "1, not 2"),
     ({"order": 0}, EngineError, "between 1 and 3"),
     ({"poles": [-1.0]}, EngineError, "raise the order"),
     ({"K": [[1, 2]]}, ShapeError, "3 columns"),
