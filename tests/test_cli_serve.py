@@ -10,6 +10,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 import tomllib
 import urllib.request
 from collections.abc import Callable, Iterator
@@ -189,6 +190,46 @@ def test_two_workers_share_the_tabs_and_a_tab_whose_worker_dies_goes_on_at_the_o
     said = [(line.get("worker", 0), line["what"]) for line in map(json.loads, told.splitlines())]
     assert (0, f"serving {url}") in said and {(1, "stopped"), (2, "stopped")} < set(said)
     assert any(worker == 0 and f"worker {home + 1} has ended" in what for worker, what in said)
+
+
+@pytest.mark.slow
+def test_a_worker_that_answers_lives_and_one_that_is_stopped_is_replaced() -> None:
+    """An idle worker and a busy one outlive five time limits; the tab of one that does not answer goes on at the other."""
+    limit, word, knob = 5, "the-word-of-this-test", "stiffness believed wrong by [%]"
+    with started("--port", "0", "--workers", "2", "--max-sessions", "2", "--lesson", "separation", "--worker-timeout", str(limit), **{
+            VARIABLE: word, "OBSERVER_LAB_KERNELS": "off"}) as (server, url):
+        processes = [int(child) for child in Path(f"/proc/{server.pid}/task/{server.pid}/children").read_text().split()]
+        busy = WireTab(url, word=word)
+        busy.settle()
+        (work,) = (k for k, worker in enumerate(workers_of(url, word)) if worker["tabs"])
+        idle = WireTab(url, word=word)
+        idle.update(knob, value=7.0)
+        idle.settle()
+        assert [worker["tabs"] for worker in workers_of(url, word)] == [1, 1]
+        end, moves = time.monotonic() + 5 * limit, 0
+        while time.monotonic() < end:
+            busy.update(knob, value=float(moves % 10))
+            busy.answered()
+            idle.pass_time(0.01)
+            moves += 1
+        assert moves and [worker["starts"] for worker in workers_of(url, word)] == [1, 1], "a worker that answers was replaced"
+        os.kill(processes[1 - work], signal.SIGSTOP)
+        eventually(lambda: starts(url, word)[1 - work] == 2, "the worker in the place of the stopped one")
+        assert idle.closed() is not None
+        again = WireTab(url, word=word, kept=idle.kept)
+        again.until(lambda: again.has(knob) and again.value(knob) == 7.0, "what the browser kept")
+        busy.answered()
+        assert starts(url, word)[work] == 1
+        again.close()
+        busy.close()
+
+
+def starts(url: str, word: str) -> list[int]:
+    """How many processes each worker has had; asked of any that answers, as one of them may be stopped."""
+    question = urllib.request.Request(f"{url}/health", headers={"Authorization": f"Bearer {word}"})
+    with suppress(OSError), urllib.request.urlopen(question, timeout=1) as answer:
+        return [worker["starts"] for worker in json.loads(answer.read())["workers"]]
+    return [0, 0]
 
 
 @pytest.mark.slow

@@ -25,6 +25,7 @@ log = logging.getLogger(__name__)
 HELP = "serve the lessons to browsers (default)"
 
 SANDBOX = "sandbox"  # the lesson that opens when a plant is brought and no lesson named
+BEATS = 10  # signs of life within the time after which a silent worker is replaced
 ENDINGS = (signal.SIGINT, signal.SIGTERM)
 OPEN_TO_ALL = """\
 observer-lab: {host} can be reached by other machines. Whoever reaches it {may}, and what
@@ -50,6 +51,7 @@ class ServeRequest:
     exam: bool = False
     workers: int = 1
     exact: bool = False
+    timeout: float = 90.0
     token: str | None = field(default=None, repr=False)
 
 
@@ -57,6 +59,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     """The options of `serve`."""
     port = whole(0, 65535, "is not a port; give a number from 1 to 65535, or 0 for a free one")
     count = whole(1, 100_000, "is not a number of tabs; give one from 1 to 100000")
+    seconds = whole(2, 3600, "is not a time limit for a worker; give 2 to 3600 seconds")
     several = whole(1, 64, "is not a number of workers; give one from 1 to 64")
     parser.add_argument("--host", default="127.0.0.1", help="address to listen on (default %(default)s)")
     parser.add_argument("--port", type=port, default=8080,
@@ -64,6 +67,8 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--exact-port", action="store_true", help="that port or none, as a proxy in front needs it")
     parser.add_argument("--workers", type=several, default=1, metavar="N",
                         help="processes behind the address, as many as there are cores to give (default %(default)s; Linux)")
+    parser.add_argument("--worker-timeout", type=seconds, default=90.0, metavar="SECONDS",
+                        help="replace a worker that gives no sign of life for so long (default %(default)s)")
     parser.add_argument("--token", metavar="WORD|auto", help="let nobody in who does not know this word; auto draws one (or in the "
                                                              "environment, OBSERVER_LAB_TOKEN, where it is not printed)")
     parser.add_argument("--lesson", metavar="ID", help="lesson that a page opens on")
@@ -84,7 +89,8 @@ def execute(options: argparse.Namespace) -> int:
     """Serve until interrupted."""
     return serve(ServeRequest(options.host, options.port, options.lesson, options.lang, options.max_sessions,
                               options.plant, tuple(options.names), options.public, options.log_json, options.data_dir,
-                              options.state, options.exam, options.workers, options.exact_port, options.token))
+                              options.state, options.exam, options.workers, options.exact_port, options.worker_timeout,
+                              options.token))
 
 
 class Ending:
@@ -155,29 +161,31 @@ def _serve(request: ServeRequest, end: Ending) -> None:
         _run(server(listener, Seat(tally, 0, request.max_sessions)), tell, prepare_kernels, end)
         return
     from ..view.handed import READY, HandedListener
-    from .workers import Crew
+    from .workers import CHECK, Crew
 
     address = listener.getsockname()
 
     def work(number: int, channel: socket.socket) -> None:
         _keep_log(request, number + 1)
         handed = HandedListener(channel, address, lambda: tally.end_connection(number), lambda: os.kill(os.getpid(), signal.SIGTERM))
-        _run(server(handed, Seat(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels, end)
+        _run(server(handed, Seat(tally, number, request.max_sessions)), lambda: handed.send(READY), prepare_kernels, end,
+             request.timeout / BEATS)
 
     def stand() -> None:
         tell()
         end.stands = True
-    Crew(listener, tally, work).run(stand, end.come)
+    Crew(listener, tally, work, silent=request.timeout, check=min(CHECK, request.timeout / BEATS)).run(stand, end.come)
 
 
-def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object], end: Ending) -> None:
-    """Serve until somebody asks for the end; `tell` is called first."""
+def _run(server: LabServer, tell: Callable[[], object], prepare: Callable[[], object], end: Ending,
+         heartbeat: float = 5.0) -> None:
+    """Serve until somebody asks for the end; `tell` is called first. `heartbeat` is the time in s between two signs of life."""
     try:
         tell()
         server.prepare()
         prepare()
         end.stands = True
-        server.wait(end.come)
+        server.wait(end.come, heartbeat)
     finally:
         for ending in ENDINGS:
             signal.signal(ending, signal.SIG_IGN)  # it is ending already

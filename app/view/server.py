@@ -130,14 +130,18 @@ class LabServer:
                 import_module(module)
         Image.init()
 
-    def wait(self, ended: Callable[[], bool]) -> None:
-        """Serve until `ended` says so."""
-        due = 0.0
+    def wait(self, ended: Callable[[], bool], period: float = NOTED) -> None:
+        """Serve until `ended` says so; every `period` seconds other processes learn how this one is.
+
+        The heartbeat runs on the event loop: a process whose loop is blocked serves nobody and must not seem alive.
+        """
+        loop, due = self._server.get_event_loop(), 0.0
         while not ended():
             if time.monotonic() >= due:
                 self._seat.note(WATCH.stuck)
-                due = time.monotonic() + NOTED
-            time.sleep(SOON)
+                loop.call_soon_threadsafe(self._seat.beat)
+                due = time.monotonic() + period
+            time.sleep(min(SOON, period))
 
     def stop(self) -> None:
         """Tell the tabs, close every session and the server; at most STOPPING seconds."""
